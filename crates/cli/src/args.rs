@@ -104,10 +104,13 @@ pub struct RenderArgs {
     /// Maximum number of scattering events of a path; -1 for no limit
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(i64).range(-1..=i64::from(u32::MAX)), help_heading = "Quality")]
     pub max_depth: Option<i64>,
-    /// Remove the noise when done; an .exr keeps the noisy picture as the layer raw, and the layers that guided. For
-    /// path, volpath, direct, whitted, ao, raycast and bdpt
-    #[arg(long, help_heading = "Quality")]
-    pub denoise: bool,
+    /// Remove the noise when done, by nlm unless another denoiser is named; an .exr keeps the noisy picture as the layer
+    /// raw, and the layers that guided. For path, volpath, direct, whitted, ao, raycast and bdpt
+    #[arg(long, value_name = "NAME", value_enum, num_args = 0..=1, require_equals = true, help_heading = "Quality")]
+    pub denoise: Option<Option<Denoiser>>,
+    /// The library of Open Image Denoise 2, or a folder that has it; --denoise then uses it
+    #[arg(long, value_name = "PATH", requires = "denoise", help_heading = "Quality")]
+    pub oidn: Option<PathBuf>,
     /// Sampler (`steradian list samplers`); `scene` uses the one that the file names
     #[arg(long, value_name = "NAME", value_parser = sampler_names(), help_heading = "Quality")]
     pub sampler: Option<String>,
@@ -459,6 +462,15 @@ pub struct ConvertArgs {
     pub files: FileOptions,
 }
 
+/// What denoises.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Denoiser {
+    /// Non-local means, built in.
+    Nlm,
+    /// Open Image Denoise 2 by Intel, a library that --oidn, STERADIAN_OIDN or a usual place has.
+    Oidn,
+}
+
 /// `steradian denoise`.
 #[derive(Args, Debug)]
 #[command(
@@ -475,9 +487,16 @@ pub struct DenoiseArgs {
     /// average, the result is the mean of both, and its error is estimated
     #[arg(long, value_name = "OTHER.exr")]
     pub half: Option<PathBuf>,
-    /// More removes more noise, and more detail
-    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = values::strength)]
-    pub strength: f32,
+    /// More removes more noise, and more detail [default: 1]
+    #[arg(long, value_name = "S", value_parser = values::strength)]
+    pub strength: Option<f32>,
+    /// What denoises [default: nlm, or oidn where --oidn names it]
+    #[arg(long, value_name = "NAME", value_enum)]
+    pub with: Option<Denoiser>,
+    /// The library of Open Image Denoise 2, or a folder that has it: an archive of it, or where `pip install --target
+    /// FOLDER pyoidn` put it. Its code runs as part of the program
+    #[arg(long, value_name = "PATH")]
+    pub oidn: Option<PathBuf>,
     /// Number of threads; 0 is one per processor. Does not change the picture
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=MAX_THREADS as i64))]
     pub threads: u16,

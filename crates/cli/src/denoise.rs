@@ -1,9 +1,9 @@
 //! `steradian denoise`: a picture without its noise.
 
 use crate::{
-    args::DenoiseArgs,
+    args::{DenoiseArgs, Denoiser},
     failure::{self, Failure, Outcome},
-    open, output,
+    oidn, open, output,
     terminal::Terminal,
 };
 use std::{
@@ -11,10 +11,62 @@ use std::{
     time::Instant,
 };
 use steradian::{
-    Inputs,
-    denoise::{self, GUIDES},
-    image::{self, FileKind, Limits, WriteOptions},
+    Inputs, Layer,
+    denoise::{self, GUIDES, OIDN_GUIDES, Oidn},
+    image::{self, FileKind, Image, Limits, WriteOptions},
 };
+
+/// What denoises.
+#[derive(Debug)]
+pub enum Filter {
+    /// The built-in filter, of a strength.
+    NonLocalMeans(f32),
+    /// Open Image Denoise.
+    Oidn(Oidn),
+}
+
+impl Filter {
+    /// The one that is asked for, by its name or by the library's path.
+    pub fn new(name: Option<Denoiser>, library: Option<&Path>, strength: f32, threads: u16) -> Result<Self, Failure> {
+        match (name, library) {
+            (Some(Denoiser::Nlm), Some(_)) => {
+                Err(Failure::bad_input("--oidn names a library, which the denoiser nlm has no use for"))
+            }
+            (None | Some(Denoiser::Nlm), None) => Ok(Self::NonLocalMeans(strength)),
+            (_, library) => Ok(Self::Oidn(oidn::load(library, usize::from(threads))?)),
+        }
+    }
+
+    /// The layers that guide it.
+    fn guides(&self) -> &'static [Layer] {
+        guides(matches!(self, Self::Oidn(_)))
+    }
+
+    /// A picture without its noise, and what to say of it.
+    pub fn picture(&self, noisy: &Image, half: Option<&Image>) -> Result<denoise::Outcome, steradian::Error> {
+        match self {
+            Self::NonLocalMeans(strength) => denoise::picture(noisy, half, *strength),
+            Self::Oidn(oidn) => denoise::by_oidn(noisy, oidn),
+        }
+    }
+
+    /// Says by what, and how long it took.
+    pub fn tell(&self, seconds: f64, terminal: Terminal) {
+        let by = match self {
+            Self::NonLocalMeans(_) => String::new(),
+            Self::Oidn(oidn) => {
+                let [major, minor] = oidn.version();
+                format!(" by Open Image Denoise {major}.{minor}")
+            }
+        };
+        terminal.say(&format!("denoised{by} in {seconds:.2} s"));
+    }
+}
+
+/// The layers that guide the built-in filter, or Open Image Denoise.
+pub fn guides(is_oidn: bool) -> &'static [Layer] {
+    if is_oidn { &OIDN_GUIDES } else { &GUIDES }
+}
 
 /// Reads, filters, tells by what, writes.
 pub fn run(args: &DenoiseArgs, terminal: Terminal) -> Outcome {
@@ -26,27 +78,31 @@ pub fn run(args: &DenoiseArgs, terminal: Terminal) -> Outcome {
     let options = args.files.write_options().map_err(Failure::bad_input)?;
     let options = WriteOptions { premultiplied, ..options };
     let read = |path: &Path| image::read(path, &Limits::default()).map_err(|e| Failure::bad_input(e.to_string()));
+    let filter = Filter::new(args.with, args.oidn.as_deref(), args.strength.unwrap_or(1.0), args.threads)?;
+    if matches!(filter, Filter::Oidn(_)) && (args.half.is_some() || args.strength.is_some()) {
+        return Err(Failure::bad_input("--half and --strength are of the denoiser nlm"));
+    }
     let (noisy, half) = (read(&args.input)?, args.half.as_deref().map(read).transpose()?);
     let start = Instant::now();
-    let denoised = denoise::picture(&noisy, half.as_ref(), args.strength);
+    let denoised = filter.picture(&noisy, half.as_ref());
     let denoised = denoised.map_err(|e| Failure::bad_input(format!("'{}': {e}", args.input.display())))?;
-    tell(&denoised, terminal);
-    terminal.say(&format!("denoised in {:.2} s", start.elapsed().as_secs_f64()));
+    tell(&denoised, filter.guides(), terminal);
+    filter.tell(start.elapsed().as_secs_f64(), terminal);
     let written = output::save(&args.output, &denoised.picture, &options, true)?;
     terminal.say(&format!("wrote {}", output::listed(&written)));
     Ok(failure::DONE)
 }
 
 /// Says which layers guided, and how those come that were missing.
-pub fn tell(denoised: &denoise::Outcome, terminal: Terminal) {
-    let listed = |layers: &[steradian::Layer]| layers.iter().map(|l| l.name()).collect::<Vec<_>>().join(", ");
+fn tell(denoised: &denoise::Outcome, guides: &[Layer], terminal: Terminal) {
+    let listed = |layers: &[Layer]| layers.iter().map(|l| l.name()).collect::<Vec<_>>().join(", ");
     if denoised.used.is_empty() {
         terminal.say("guided by colour alone");
     } else {
         terminal.say(&format!("guided by the layers {}", listed(&denoised.used)));
     }
     if !denoised.missing.is_empty() {
-        let all = GUIDES.map(|l| l.name()).join(",");
+        let all = guides.iter().map(|l| l.name()).collect::<Vec<_>>().join(",");
         terminal.warn(&format!(
             "the layers {} are missing, which would guide better: steradian render SCENE --aov {all} writes them",
             listed(&denoised.missing)

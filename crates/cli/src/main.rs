@@ -21,6 +21,7 @@ mod list;
 mod material;
 mod memory;
 mod meter;
+mod oidn;
 mod open;
 mod output;
 mod panics;

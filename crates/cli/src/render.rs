@@ -1,8 +1,9 @@
 //! `steradian render`: from a scene to pictures.
 
 use crate::{
-    args::{Color, RenderArgs, SceneOptions},
+    args::{Color, Denoiser, RenderArgs, SceneOptions},
     brightness,
+    denoise::{Filter, guides},
     diagnostics::Counts,
     failure::{self, Failure, Outcome},
     memory,
@@ -26,7 +27,6 @@ use std::{
 };
 use steradian::{
     ColorMode, History, Inputs, Layer, LeftOut, Quality, Render, Scene, Session,
-    denoise::{self, GUIDES},
     image::{FileKind, Image, WriteOptions},
     integrators::{Doubt, SCALES},
     radiosity,
@@ -49,6 +49,8 @@ pub fn run_after(args: &RenderArgs, terminal: Terminal, history: &mut Option<His
     let scene = &ready.scene;
     job.place_outputs(&ready)?;
     let Planned { render, spp, pixels, planned } = job.plan(scene)?;
+    let filter = |name| Filter::new(name, args.oidn.as_deref(), 1.0, args.scene_options.threads);
+    let filter = args.denoise.map(filter).transpose()?;
     let integrator = job.quality.integrator_name(scene);
     let signals = Signals::watch();
     let (width, height) = (scene.film().crop.width(), scene.film().crop.height());
@@ -101,9 +103,9 @@ pub fn run_after(args: &RenderArgs, terminal: Terminal, history: &mut Option<His
     }
     let saving = Instant::now();
     let mut made = making.picture(&*session);
-    if args.denoise {
-        let denoised = denoise::picture(&made.picture, None, 1.0).map_err(|e| Failure::failed(e.to_string()))?;
-        terminal.say(&format!("denoised in {:.2} s", saving.elapsed().as_secs_f64()));
+    if let Some(filter) = &filter {
+        let denoised = filter.picture(&made.picture, None).map_err(|e| Failure::failed(e.to_string()))?;
+        filter.tell(saving.elapsed().as_secs_f64(), terminal);
         made.picture = denoised.picture;
     }
     let written =
@@ -268,7 +270,7 @@ impl<'a> Job<'a> {
     fn plan(&self, scene: &Scene) -> Result<Planned, Failure> {
         let Self { args, terminal, quality, .. } = self;
         let mut render = quality.render(scene).map_err(|e| Failure::bad_input(e.to_string()))?;
-        if args.denoise {
+        if args.denoise.is_some() {
             let sensor = "the film adds the noise of a sensor, which is to stay";
             let refusal = render.not_denoisable().or(scene.film().sensor.is_some().then_some(sensor));
             if let Some(why) = refusal {
@@ -489,7 +491,8 @@ fn quality(args: &RenderArgs) -> Quality {
         }
     }
     let needed = args.transparent.then_some(Layer::Alpha).into_iter();
-    for layer in needed.chain(GUIDES.into_iter().filter(|_| args.denoise)) {
+    let is_oidn = args.oidn.is_some() || args.denoise == Some(Some(Denoiser::Oidn));
+    for layer in needed.chain(guides(is_oidn).iter().copied().filter(|_| args.denoise.is_some())) {
         if !layers.contains(&layer) {
             layers.push(layer);
         }
@@ -506,7 +509,7 @@ fn quality(args: &RenderArgs) -> Quality {
         sampler: args.sampler.clone(),
         layers,
         transparent: args.transparent,
-        independent: args.denoise,
+        independent: args.denoise.is_some(),
     }
 }
 

@@ -256,7 +256,10 @@ impl FromStr for Layers {
                 return Err("there is no layer of motion vectors yet".into());
             }
             match known_name(name, "layer", known.clone())? {
-                "all" => layers.extend(Layer::ALL.into_iter().filter(|l| *l != Layer::LightGroups)),
+                "all" => {
+                    let needs_more = |l: &Layer| *l == Layer::LightGroups || l.sees_through();
+                    layers.extend(Layer::ALL.into_iter().filter(|l| !needs_more(l)));
+                }
                 name => layers.extend(Layer::named(name)),
             }
         }
@@ -382,7 +385,7 @@ mod tests {
         assert!(integrator("pahts").is_err_and(|e| e.contains("did you mean 'path'?")));
         assert_eq!("normal,depth".parse(), Ok(Layers(vec![Layer::Normal, Layer::Depth])));
         let all: Layers = "all".parse().unwrap();
-        assert!(all.0.len() + 1 == Layer::ALL.len() && !all.0.contains(&Layer::LightGroups));
+        assert!(all.0.len() + 3 == Layer::ALL.len() && !all.0.contains(&Layer::LightGroups));
         assert!("normals".parse::<Layers>().is_err_and(|e| e.contains("did you mean 'normal'?")));
         assert!("motion".parse::<Layers>().is_err_and(|e| e.contains("motion vectors")));
         assert_eq!("relmse=0.1".parse(), Ok(Threshold { metric: "relmse", limit: 0.1 }));

@@ -1,9 +1,9 @@
 //! Auxiliary layers: what a camera ray sees first.
 
-use steradian_bsdf::Bsdf;
+use steradian_bsdf::{Bsdf, TransportMode};
 use steradian_core::{ColorMode, Scene, film::FirstHit, scene::Interaction};
 use steradian_math::{
-    Frame, Ray, Spectrum, Vec3,
+    Frame, Ray, Spectrum, Vec2, Vec3,
     spectra::{Wavelengths, role},
 };
 
@@ -11,36 +11,63 @@ use steradian_math::{
 /// that the layer has no noise of wavelengths.
 const SETS: usize = 4;
 
-/// The first surface that scatters, along a camera ray.
-pub fn first_hit(scene: &Scene, ray: Ray, lambda: &Wavelengths) -> FirstHit {
+/// Mirrors and panes that are seen through at most.
+const MIRRORS: usize = 16;
+
+/// The first surface that scatters, along a camera ray; where it `sees_through`, with what mirrors and smooth glass show.
+pub fn first_hit(scene: &Scene, ray: Ray, lambda: &Wavelengths, sees_through: bool) -> FirstHit {
     let forward = scene.camera().forward();
     let eye = ray.origin;
-    let mut ray = ray;
-    // A ray meets few interfaces before anything else; beyond that the layers stay empty.
-    for _ in 0..64 {
-        let Some(hit) = scene.intersect(&ray) else { return FirstHit::default() };
-        let i = scene.interaction(&ray, &hit);
-        let Some((albedo, frame)) = albedo(scene, &i, lambda) else {
-            ray = i.spawn(ray.direction);
-            continue;
-        };
-        let geometry = &scene.geometries()[i.geometry as usize];
-        let to = i.surface.p - eye;
-        let ng = i.surface.n;
-        return FirstHit {
-            albedo: albedo.to_array(),
-            normal: frame.z.to_array(),
-            geometric_normal: if ng.dot(i.wo) < 0.0 { -ng } else { ng }.to_array(),
-            position: i.surface.p.to_array(),
-            depth: to.dot(forward),
-            distance: to.length(),
-            uv: i.surface.uv.to_array(),
-            shape: geometry.id,
-            material: geometry.material + 1,
-            coverage: 1.0,
-        };
+    let Some((i, albedo, frame)) = next_hit(scene, ray, lambda) else { return FirstHit::default() };
+    let geometry = &scene.geometries()[i.geometry as usize];
+    let to = i.surface.p - eye;
+    let ng = i.surface.n;
+    let mut first = FirstHit {
+        albedo: albedo.to_array(),
+        normal: frame.z.to_array(),
+        geometric_normal: if ng.dot(i.wo) < 0.0 { -ng } else { ng }.to_array(),
+        position: i.surface.p.to_array(),
+        depth: to.dot(forward),
+        distance: to.length(),
+        uv: i.surface.uv.to_array(),
+        shape: geometry.id,
+        material: geometry.material + 1,
+        coverage: 1.0,
+        ..FirstHit::default()
+    };
+    if sees_through {
+        let [albedo, normal] = seen(scene, i, [albedo, frame.z], lambda);
+        (first.seen_albedo, first.seen_normal) = (albedo.to_array(), normal.to_array());
     }
-    FirstHit::default()
+    first
+}
+
+/// The first surface along a ray that scatters, with its albedo and shading frame. Rays meet few interfaces before
+/// anything else; beyond that there is none.
+fn next_hit(scene: &Scene, mut ray: Ray, lambda: &Wavelengths) -> Option<(Interaction, Vec3, Frame)> {
+    for _ in 0..64 {
+        let i = scene.interaction(&ray, &scene.intersect(&ray)?);
+        match albedo(scene, &i, lambda) {
+            Some((albedo, frame)) => return Some((i, albedo, frame)),
+            None => ray = i.spawn(ray.direction),
+        }
+    }
+    None
+}
+
+/// Albedo and normal of what a surface shows if it is perfectly specular, else its own: along the lobe that sends more,
+/// reflection or transmission, which has no noise. As Open Image Denoise recommends for its guides: albedos are
+/// multiplied; where a mirror shows nothing, they are its own.
+fn seen(scene: &Scene, mut i: Interaction, [mut albedo, mut normal]: [Vec3; 2], lambda: &Wavelengths) -> [Vec3; 2] {
+    for _ in 0..MIRRORS {
+        let scattering = scene.scattering(&i, 0.5, &mut { *lambda });
+        let Some((s, frame)) = scattering.filter(|(s, _)| s.bsdf.is_specular()) else { break };
+        let drawn = s.bsdf.sample(frame.to_local(i.wo), 0.5, Vec2::splat(0.5), TransportMode::Radiance);
+        let Some(drawn) = drawn else { break };
+        let Some((next, more, frame)) = next_hit(scene, i.spawn(frame.to_world(drawn.wi)), lambda) else { break };
+        (i, albedo, normal) = (next, albedo * more, frame.z);
+    }
+    [albedo, normal]
 }
 
 /// The part of white light that a surface sends back, as RGB, and the shading frame; `None` where it scatters nothing.

@@ -249,11 +249,11 @@ impl<P: Pass> Passes<P> {
         if self.features.is_empty() && self.mattes.is_empty() {
             return Some(());
         }
-        let crop = self.scene.film().crop;
+        let (crop, sees_through) = (self.scene.film().crop, self.plan.sees_through);
         let (rows, _) = run.in_order(crop.height() as usize, |row, _| {
             let hit = |x| {
                 let (ray, lambda) = self.integrator.first_ray(run, [x, crop.y0 + row as u32], self.passes);
-                first_hit(run.scene, ray, &lambda)
+                first_hit(run.scene, ray, &lambda, sees_through)
             };
             (crop.x0..crop.x1).map(hit).collect::<Vec<_>>()
         })?;

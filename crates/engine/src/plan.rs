@@ -15,6 +15,8 @@ pub struct Plan {
     pub threads: usize,
     /// Whether first hits are gathered for auxiliary layers.
     pub features: bool,
+    /// Whether what mirrors and smooth glass show is gathered with them.
+    pub sees_through: bool,
     /// Whether the things that cover pixels are counted for mattes.
     pub mattes: bool,
     /// Whether the light of each group of lights is kept for itself; by path tracers whose paths share nothing.
@@ -34,6 +36,7 @@ impl Plan {
             sampler,
             threads: 0,
             features: false,
+            sees_through: false,
             mattes: false,
             by_light: false,
             transparent: false,

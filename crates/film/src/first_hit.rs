@@ -7,6 +7,10 @@ pub struct FirstHit {
     pub albedo: [f32; 3],
     /// Shading normal, world space; zero where nothing is hit.
     pub normal: [f32; 3],
+    /// Albedo of what is seen, through mirrors and smooth glass: times theirs.
+    pub seen_albedo: [f32; 3],
+    /// Shading normal of what is seen, through mirrors and smooth glass; theirs where nothing is behind.
+    pub seen_normal: [f32; 3],
     /// Geometric normal, world space, on the side of the camera; zero where nothing is hit.
     pub geometric_normal: [f32; 3],
     /// World-space position.
@@ -48,6 +52,8 @@ impl FirstHitSums {
         let s = &mut self.sum;
         add(&mut s.albedo, &hit.albedo);
         add(&mut s.normal, &hit.normal);
+        add(&mut s.seen_albedo, &hit.seen_albedo);
+        add(&mut s.seen_normal, &hit.seen_normal);
         add(&mut s.geometric_normal, &hit.geometric_normal);
         add(&mut s.position, &hit.position);
         add(&mut s.uv, &hit.uv);
@@ -70,6 +76,8 @@ impl FirstHitSums {
         FirstHit {
             albedo: s.albedo.map(|v| (v * over_all).clamp(0.0, 1.0)),
             normal: s.normal.map(|v| v * over_all),
+            seen_albedo: s.seen_albedo.map(|v| (v * over_all).clamp(0.0, 1.0)),
+            seen_normal: s.seen_normal.map(|v| v * over_all),
             geometric_normal: s.geometric_normal.map(|v| v * over_all),
             position: s.position.map(|v| v * over_hits),
             uv: s.uv.map(|v| v * over_hits),

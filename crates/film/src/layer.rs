@@ -11,6 +11,10 @@ pub enum Layer {
     Albedo,
     /// Shading normal.
     Normal,
+    /// Albedo of what mirrors and smooth glass show.
+    DenoiseAlbedo,
+    /// Shading normal of what mirrors and smooth glass show.
+    DenoiseNormal,
     /// Geometric normal.
     GeometricNormal,
     /// World position.
@@ -35,9 +39,11 @@ pub enum Layer {
 
 impl Layer {
     /// All layers.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 14] = [
         Self::Albedo,
         Self::Normal,
+        Self::DenoiseAlbedo,
+        Self::DenoiseNormal,
         Self::GeometricNormal,
         Self::Position,
         Self::Depth,
@@ -55,6 +61,8 @@ impl Layer {
         match self {
             Self::Albedo => "albedo",
             Self::Normal => "normal",
+            Self::DenoiseAlbedo => "denoise_albedo",
+            Self::DenoiseNormal => "denoise_normal",
             Self::GeometricNormal => "geometric_normal",
             Self::Position => "position",
             Self::Depth => "depth",
@@ -73,6 +81,8 @@ impl Layer {
         match self {
             Self::Albedo => "albedo",
             Self::Normal => "N",
+            Self::DenoiseAlbedo => "denoise_albedo",
+            Self::DenoiseNormal => "denoise_normal",
             Self::GeometricNormal => "Ng",
             Self::Position => "P",
             Self::Depth => "Z",
@@ -91,6 +101,12 @@ impl Layer {
         match self {
             Self::Albedo => "reflectance of the first surface, linear Rec.709 in [0, 1]: albedo.R albedo.G albedo.B",
             Self::Normal => "shading normal in the world, zero where nothing is hit: N.X N.Y N.Z",
+            Self::DenoiseAlbedo => {
+                "albedo of what is seen in mirrors and through smooth glass: denoise_albedo.R .G .B; not among 'all'"
+            }
+            Self::DenoiseNormal => {
+                "shading normal of what is seen in mirrors and through smooth glass: denoise_normal.X .Y .Z; not among 'all'"
+            }
             Self::GeometricNormal => "geometric normal in the world, towards the camera: Ng.X Ng.Y Ng.Z",
             Self::Position => "world position of the first surface: P.X P.Y P.Z",
             Self::Depth => {
@@ -113,6 +129,11 @@ impl Layer {
     /// By name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|l| l.name() == name)
+    }
+
+    /// Whether it is of what is seen in mirrors and through smooth glass.
+    pub fn sees_through(self) -> bool {
+        matches!(self, Self::DenoiseAlbedo | Self::DenoiseNormal)
     }
 
     /// Whether it comes from the first hits of camera rays.
@@ -154,6 +175,12 @@ pub fn develop(film: &Film, layers: &[Layer], names: &Names) -> Image {
             }),
             Layer::Normal => ["X", "Y", "Z"].iter().enumerate().for_each(|(c, n)| {
                 push(&mut image, &format!("N.{n}"), of(&|h| h.normal[c]));
+            }),
+            Layer::DenoiseAlbedo => ["R", "G", "B"].iter().enumerate().for_each(|(c, n)| {
+                push(&mut image, &format!("denoise_albedo.{n}"), of(&|h| h.seen_albedo[c]));
+            }),
+            Layer::DenoiseNormal => ["X", "Y", "Z"].iter().enumerate().for_each(|(c, n)| {
+                push(&mut image, &format!("denoise_normal.{n}"), of(&|h| h.seen_normal[c]));
             }),
             Layer::GeometricNormal => ["X", "Y", "Z"].iter().enumerate().for_each(|(c, n)| {
                 push(&mut image, &format!("Ng.{n}"), of(&|h| h.geometric_normal[c]));

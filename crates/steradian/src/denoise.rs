@@ -1,6 +1,7 @@
 //! Denoising of finished pictures, guided by their layers.
 
 use crate::{Error, Layer};
+pub use steradian_denoise::oidn::Oidn;
 use steradian_denoise::{
     Image as Values,
     nlm::{Denoised, Picture, Settings, denoise, denoise_halves},
@@ -13,8 +14,12 @@ const RAW: [&str; 2] = ["raw", "raw_variance"];
 /// What tells of the noise of a render, and not of a picture without it.
 const OF_NOISE: [&str; 3] = ["steradian:relative_error", "steradian:unreliable", "steradian:error_scale_"];
 
-/// The layers that guide denoising.
+/// The layers that guide denoising by non-local means. Of albedo and normal the layers of [`OIDN_GUIDES`] stand in, and
+/// the other way round.
 pub const GUIDES: [Layer; 4] = [Layer::Albedo, Layer::Normal, Layer::Depth, Layer::Variance];
+/// The layers that guide Open Image Denoise: what mirrors and smooth glass show guides it better, and non-local means
+/// less well, as it takes fewer pixels for alike.
+pub const OIDN_GUIDES: [Layer; 2] = [Layer::DenoiseAlbedo, Layer::DenoiseNormal];
 
 /// A denoised picture, and what it was made from.
 #[derive(Clone, Debug)]
@@ -34,6 +39,8 @@ pub struct Outcome {
 /// What of a picture is filtered, and what guides.
 struct Guided {
     radiance: Values<Vec3>,
+    /// The layers that it has, or what stands in for them, in the order of those asked for.
+    layers: Vec<Option<Layer>>,
     variance: Option<Values<Vec3>>,
     albedo: Option<Values<Vec3>>,
     normal: Option<Values<Vec3>>,
@@ -41,7 +48,8 @@ struct Guided {
 }
 
 impl Guided {
-    fn of(image: &Image) -> Result<Self, Error> {
+    /// With albedo and normal first of the layers asked for.
+    fn of(image: &Image, guides: &[Layer]) -> Result<Self, Error> {
         let size = [image.width() as u32, image.height() as u32];
         let values = |name: &str, [x, y, z]: [&str; 3]| {
             let plane = |suffix| image.channel(&format!("{name}.{suffix}"));
@@ -53,27 +61,29 @@ impl Guided {
         // One sample tells no variance; its layer is zero.
         let tells_variance = !matches!(image.metadata.get("samplesPerPixel"), Some(Value::Int(1)));
         let variance = rgb(RAW[1]).or_else(|| rgb(Layer::Variance.prefix())).filter(|_| tells_variance);
+        let first = |layers: [Layer; 3], axes: [&str; 3]| {
+            let found = layers.into_iter().find_map(|layer| Some((layer, values(layer.prefix(), axes)?)));
+            found.map_or((None, None), |(layer, values)| (Some(layer), Some(values)))
+        };
+        let (albedo_layer, albedo) = first([guides[0], GUIDES[0], OIDN_GUIDES[0]], ["R", "G", "B"]);
+        let (normal_layer, normal) = first([guides[1], GUIDES[1], OIDN_GUIDES[1]], ["X", "Y", "Z"]);
+        let depth = image.channel(Layer::Depth.prefix()).and_then(|z| Values::new(size[0], size[1], z.to_vec()).ok());
         let pixels = || Ok::<_, Error>(image.to_rgb()?.into_iter().map(Vec3::from_array).collect());
         Ok(Self {
             radiance: match rgb(RAW[0]) {
                 Some(raw) => raw,
                 None => Values::new(size[0], size[1], pixels()?)?,
             },
+            layers: [albedo_layer, normal_layer]
+                .into_iter()
+                .chain([depth.as_ref().map(|_| GUIDES[2]), variance.as_ref().map(|_| GUIDES[3])])
+                .take(guides.len())
+                .collect(),
             variance,
-            albedo: rgb(Layer::Albedo.prefix()),
-            normal: values(Layer::Normal.prefix(), ["X", "Y", "Z"]),
-            depth: image.channel(Layer::Depth.prefix()).and_then(|z| Values::new(size[0], size[1], z.to_vec()).ok()),
+            albedo,
+            normal,
+            depth,
         })
-    }
-
-    fn has(&self, guide: Layer) -> bool {
-        match guide {
-            Layer::Albedo => self.albedo.is_some(),
-            Layer::Normal => self.normal.is_some(),
-            Layer::Depth => self.depth.is_some(),
-            Layer::Variance => self.variance.is_some(),
-            _ => false,
-        }
     }
 
     fn picture(&self) -> Picture<'_> {
@@ -96,8 +106,8 @@ impl Guided {
 pub fn picture(image: &Image, half: Option<&Image>, strength: f32) -> Result<Outcome, Error> {
     let default = Settings::default();
     let settings = Settings { damping: default.damping * strength, ..default };
-    let guided = Guided::of(image)?;
-    let half = half.map(Guided::of).transpose()?;
+    let guided = Guided::of(image, &GUIDES)?;
+    let half = half.map(|half| Guided::of(half, &GUIDES)).transpose()?;
     let (Denoised { radiance, not_finite }, error) = match &half {
         None => (denoise(&guided.picture(), &settings)?, None),
         Some(half) => {
@@ -105,11 +115,61 @@ pub fn picture(image: &Image, half: Option<&Image>, strength: f32) -> Result<Out
             (denoised, Some(error))
         }
     };
-    let (used, missing) = GUIDES.into_iter().partition(|guide| guided.has(*guide));
+    outcome(image, &guided, (radiance, not_finite, error), &GUIDES, "non-local means")
+}
+
+/// Denoises a picture by Open Image Denoise, guided by those of [`OIDN_GUIDES`] that it has; one that was denoised
+/// before, from its layer `raw`.
+///
+/// # Errors
+/// For pictures without colours, and where the library fails.
+pub fn by_oidn(image: &Image, oidn: &Oidn) -> Result<Outcome, Error> {
+    let mut guided = Guided::of(image, &OIDN_GUIDES)?;
+    let raw = guided.radiance.clone();
+    let not_finite = fill(&mut guided.radiance);
+    let radiance = oidn.denoise(&guided.radiance, guided.albedo.as_ref(), guided.normal.as_ref())?;
+    guided.radiance = raw;
+    let [major, minor] = oidn.version();
+    outcome(image, &guided, (radiance, not_finite, None), &OIDN_GUIDES, &format!("Open Image Denoise {major}.{minor}"))
+}
+
+/// Gives pixels that are not finite the mean of those around that are, and tells how many there were.
+fn fill(image: &mut Values<Vec3>) -> usize {
+    let [width, height] = image.size().map(|n| n as usize);
+    let bad: Vec<usize> = (0..width * height).filter(|place| !image.values()[*place].is_finite()).collect();
+    let filled = bad.iter().map(|place| {
+        let ([x, y], mut sum, mut count) = ([place % width, place / width], Vec3::ZERO, 0.0);
+        for y in y.saturating_sub(1)..(y + 2).min(height) {
+            for x in x.saturating_sub(1)..(x + 2).min(width) {
+                let near = image.values()[y * width + x];
+                if near.is_finite() {
+                    (sum, count) = (sum + near, count + 1.0);
+                }
+            }
+        }
+        sum / f32::max(count, 1.0)
+    });
+    let filled: Vec<Vec3> = filled.collect();
+    bad.iter().zip(filled).for_each(|(place, value)| image.values_mut()[*place] = value);
+    bad.len()
+}
+
+/// What a picture becomes by radiance, the number of its pixels that were not finite, and its error, which a method
+/// found by some of the layers asked for.
+fn outcome(
+    image: &Image,
+    guided: &Guided,
+    (radiance, not_finite, error): (Values<Vec3>, usize, Option<f64>),
+    guides: &[Layer],
+    method: &str,
+) -> Result<Outcome, Error> {
+    let used = guided.layers.iter().flatten().copied().collect();
+    let missing = guides.iter().zip(&guided.layers).filter(|(_, found)| found.is_none());
+    let missing = missing.map(|(guide, _)| *guide).collect();
     let mut picture = Image::new(image.width(), image.height());
     (picture.offset, picture.frame, picture.metadata) = (image.offset, image.frame, image.metadata.clone());
     picture.metadata.entries.retain(|(name, _)| !OF_NOISE.iter().any(|start| name.starts_with(start)));
-    picture.metadata.set_text("steradian:denoised", "non-local means");
+    picture.metadata.set_text("steradian:denoised", method);
     let pixels: Vec<[f32; 3]> = radiance.values().iter().map(|v| v.to_array()).collect();
     picture.push_layer("", ["R", "G", "B"], &pixels)?;
     let raw: Vec<[f32; 3]> = guided.radiance.values().iter().map(|v| v.to_array()).collect();

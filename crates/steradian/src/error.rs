@@ -88,6 +88,9 @@ pub enum Error {
     /// A picture that cannot be denoised.
     #[error(transparent)]
     Denoise(#[from] steradian_denoise::Error),
+    /// A library of others that does not serve, or did not.
+    #[error(transparent)]
+    Oidn(#[from] steradian_denoise::oidn::Error),
     /// A scene that radiosity cannot do.
     #[error("{0}")]
     Radiosity(#[from] steradian_integrators::radiosity::Refusal),

@@ -13,7 +13,7 @@ use std::{
 use steradian_image::open_regular;
 use steradian_scene::{Node, SceneDesc, Value};
 
-const MAGIC: &[u8; 16] = b"Steradian state3";
+const MAGIC: &[u8; 16] = b"Steradian state4";
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 const HASH: u64 = blake3::OUT_LEN as u64;
 /// Longest text of the settings, bytes.
@@ -154,7 +154,7 @@ impl Recipe {
             ("sampler", format!("{:?}", plan.sampler.kind)),
             (SAMPLES, plan.sampler.spp.to_string()),
             ("seed", plan.sampler.seed.to_string()),
-            ("layers", plan.features.to_string()),
+            ("layers", format!("{} {}", plan.features, plan.sees_through)),
             ("mattes", plan.mattes.to_string()),
             ("light groups", plan.by_light.to_string()),
             ("transparent background", plan.transparent.to_string()),

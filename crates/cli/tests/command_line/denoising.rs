@@ -61,6 +61,48 @@ fn missing_layers_are_named() {
     assert!(both < before / 5.0, "{before} to {both}");
 }
 
+/// Open Image Denoise, where `STERADIAN_OIDN` names its library: by each way to name it, the same picture.
+#[test]
+fn open_image_denoise_is_loaded() {
+    let Some(library) = std::env::var_os("STERADIAN_OIDN") else {
+        println!("SKIPPED: STERADIAN_OIDN does not name the library of Open Image Denoise");
+        return;
+    };
+    let library = library.to_str().unwrap();
+    let place = Place::new();
+    place.succeed(&[&BOX[..], &["4", "--denoise", "--oidn", library, "-o", "whole.exr"]].concat());
+    place.succeed(&[&BOX[..], &["1k", "--seed", "9", "-o", "reference.exr"]].concat());
+    let said = place.succeed(&["denoise", "whole.exr", "-o", "named.exr", "--with", "oidn", "--threads", "1"]).stderr;
+    assert!(said.contains("denoise_albedo, denoise_normal\n") && said.contains("Open Image Denoise 2."), "{said}");
+    place.succeed(&["denoise", "whole.exr", "-o", "built-in.exr"]);
+    let [whole, named, built_in, reference] =
+        ["whole", "named", "built-in", "reference"].map(|n| place.picture(&format!("{n}.exr")));
+    assert_eq!(whole.channels(), named.channels());
+    assert_ne!(whole.channel("G"), built_in.channel("G"));
+    let mut noisy = Image::new(whole.width(), whole.height());
+    for channel in ["R", "G", "B"] {
+        noisy.push(channel, whole.channel(&format!("raw.{channel}")).unwrap().to_vec()).unwrap();
+    }
+    let [before, left] = [&noisy, &whole].map(|picture| relative_error(picture, &reference));
+    assert!(left < before / 5.0, "{before} to {left}");
+}
+
+#[test]
+fn what_is_not_open_image_denoise_is_refused() {
+    let place = Place::new();
+    place.succeed(&["render", "--size", "8x8", "--spp", "1", "-q", "-o", "a.exr"]);
+    place.file("text.so", "no library");
+    std::fs::create_dir(place.path("empty")).unwrap();
+    let line = ["denoise", "a.exr", "-o", "n.exr"];
+    for (path, about) in [("none", "'none'"), ("text.so", "no library that"), ("empty", "pip install")] {
+        place.refuse(2, &[&line[..], &["--oidn", path]].concat(), &[about]);
+        place.refuse(2, &["render", "--size", "8x8", "--denoise", "--oidn", path, "-o", "n.exr"], &[about]);
+    }
+    place.refuse(2, &[&line[..], &["--oidn", "empty", "--with", "nlm"]].concat(), &["--oidn", "nlm"]);
+    place.refuse(2, &["render", "--oidn", "empty", "-o", "n.exr"], &["--denoise"]);
+    place.refuse(2, &[&line[..], &["--with", "bilateral"]].concat(), &["nlm, oidn"]);
+}
+
 #[test]
 fn what_cannot_be_denoised_is_refused() {
     let place = Place::new();

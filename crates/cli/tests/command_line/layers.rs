@@ -259,3 +259,52 @@ fn layers_change_no_bit_of_the_picture() {
     let sharing = layers.metadata.get("steradian:sharing");
     assert!(matches!(sharing, Some(steradian::image::Value::Int(2..))), "{sharing:?}");
 }
+
+/// A camera that looks along z into a mirror at 45°, or through glass, at a wall of albedo (0.8, 0.4, 0.2).
+#[test]
+fn mirrors_and_glass_show_what_is_behind() {
+    let scene = |surface: &str, wall: &str| {
+        let quad = |p: &str| format!("Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [{p}]\n");
+        format!(
+            "LookAt 0 0 0 0 0 1 0 1 0\nCamera \"perspective\" \"float fov\" 10\nWorldBegin\n\
+             LightSource \"point\" \"point3 from\" [0 5 1]\n{surface}\n\
+             Material \"diffuse\" \"rgb reflectance\" [0.8 0.4 0.2]\n{}",
+            if wall.is_empty() { String::new() } else { quad(wall) }
+        )
+        .replace("AT_45", &quad("-2 -2 4 2 -2 0 2 2 0 -2 2 4"))
+        .replace("AHEAD", &quad("-2 -2 2 2 -2 2 2 2 2 -2 2 2"))
+    };
+    let mirror = "Material \"conductor\" \"rgb reflectance\" [0.5 0.6 0.7] \"float roughness\" 0\nAT_45";
+    let rough = "Material \"conductor\" \"rgb reflectance\" [0.5 0.6 0.7] \"float roughness\" 0.3\nAT_45";
+    let glass = "Material \"dielectric\" \"float eta\" 1.5\nAHEAD";
+    let (left, behind) = ("-3 -9 -9 -3 -9 9 -3 9 9 -3 9 -9", "-9 -9 5 9 -9 5 9 9 5 -9 9 5");
+    let wall = [0.8, 0.4, 0.2];
+    // What the albedo is a multiple of, the normal up to its sign, and the depth.
+    let cases = [
+        (mirror, left, wall, [1.0, 0.0, 0.0]),
+        (mirror, "", [1.0; 3], [0.5f32.sqrt(), 0.0, 0.5f32.sqrt()]),
+        (rough, left, [1.0; 3], [0.5f32.sqrt(), 0.0, 0.5f32.sqrt()]),
+        (glass, behind, wall, [0.0, 0.0, 1.0]),
+    ];
+    for (surface, seen, factor, normal) in cases {
+        let place = Place::new();
+        place.file("scene.pbrt", &scene(surface, seen));
+        let line = ["render", "scene.pbrt", "--size", "9x7", "--spp", "2", "--color", "rgb", "-q", "--aov"];
+        place.succeed(&[&line[..], &["albedo,normal,depth", "-o", "first.exr"]].concat());
+        let all = "albedo,normal,depth,denoise_albedo,denoise_normal";
+        place.succeed(&[&line[..], &[all, "-o", "seen.exr"]].concat());
+        let (first, picture) = (place.picture("first.exr"), place.picture("seen.exr"));
+        for channel in first.channels() {
+            assert_eq!(picture.channel(&channel.name), Some(&channel.data[..]), "{}", channel.name);
+        }
+        for (c, axis) in ["X", "Y", "Z"].iter().enumerate() {
+            let rgb = ["R", "G", "B"][c];
+            let own = first.channel(&format!("albedo.{rgb}")).unwrap();
+            let found = picture.channel(&format!("denoise_albedo.{rgb}")).unwrap();
+            let pairs = own.iter().zip(found);
+            assert!(pairs.clone().all(|(a, b)| (a * factor[c] - b).abs() < 1e-5), "{surface}{seen}: {pairs:?}");
+            let found = picture.channel(&format!("denoise_normal.{axis}")).unwrap();
+            assert!(found.iter().all(|n| (n.abs() - normal[c]).abs() < 1e-5), "{surface}{seen}: {found:?}");
+        }
+    }
+}

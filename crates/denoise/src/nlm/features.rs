@@ -1,11 +1,12 @@
 //! How alike the surfaces of two pixels are.
 
 use rayon::prelude::*;
+use steradian_accel::{Lanes, kernel};
 
 use super::{
     local::{calm_variance, map},
     picture::Picture,
-    plane::Plane,
+    plane::{BLOCK, Block, Plane},
     settings::Settings,
 };
 use crate::falloff::falloff;
@@ -59,54 +60,72 @@ impl Features {
 
     /// The squares of the means of roots over the 5×5 pixels around, those that show the same surface: at the foot of a
     /// highlight, the mean of variances would be that of its top.
-    pub fn smooth(&self, [width, height]: [usize; 2], values: &[f32], margin: usize) -> Vec<f32> {
+    pub fn smooth(&self, [width, height]: [usize; 2], values: &[f32], margin: usize, lanes: Lanes) -> Vec<f32> {
         let values = Plane::new([width, height], margin, |place| values[place].sqrt());
-        let reach = SMOOTHED as i64;
         let mut means = vec![0.0; width * height];
         means.par_chunks_mut(width).enumerate().for_each(|(y, means)| {
-            let (mut weights, mut distances, y) = (vec![0.0; width], vec![0.0; width], y as i64);
-            for [dx, dy] in (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| [dx, dy])) {
-                self.distances([0, y], [dx, dy], &mut distances);
-                let values = values.row(y + dy, dx, width);
-                for k in 0..width {
-                    let weight = falloff(distances[k]);
-                    weights[k] += weight;
-                    means[k] += weight * values[k];
-                }
+            for (k, means) in means.chunks_mut(BLOCK).enumerate() {
+                let mut block = [0.0; BLOCK];
+                smoothed(lanes, self, &values, [(k * BLOCK) as i64, y as i64], &mut block);
+                means.copy_from_slice(&block[..means.len()]);
             }
-            means.iter_mut().zip(&weights).for_each(|(mean, weight)| *mean = (*mean / weight).powi(2));
         });
         means
     }
 
-    /// The squares of differences beyond what noise explains, for pixels from a column and row, and those some columns
-    /// and rows away.
+    /// How alike the surfaces of a block's pixels are to those some columns and rows away, beyond what noise explains.
     #[inline(always)]
-    pub fn distances(&self, [x, y]: [i64; 2], [dx, dy]: [i64; 2], out: &mut [f32]) {
-        let count = out.len();
-        let (p, q) = (self.surface.row(y, x, count), self.surface.row(y + dy, x + dx, count));
-        for k in 0..count {
-            out[k] = if p[k] == q[k] { 0.0 } else { 1e3 };
+    pub fn likeness<'a>(&'a self, [x, y]: [i64; 2], [dx, dy]: [i64; 2]) -> Block {
+        let both = |plane: &'a Plane| [plane.block([x, y]), plane.block([x + dx, y + dy])];
+        let mut distances = [0.0; BLOCK];
+        let [p, q] = both(&self.surface);
+        for k in 0..BLOCK {
+            distances[k] = if p[k] == q[k] { 0.0 } else { 1e3 };
         }
         for (channels, variance) in &self.vectors {
-            let p = channels.each_ref().map(|plane| plane.row(y, x, count));
-            let q = channels.each_ref().map(|plane| plane.row(y + dy, x + dx, count));
-            let (vp, vq) = (variance.row(y, x, count), variance.row(y + dy, x + dx, count));
-            for k in 0..count {
-                let d = [p[0][k] - q[0][k], p[1][k] - q[1][k], p[2][k] - q[2][k]];
+            let [[px, qx], [py, qy], [pz, qz]] = [both(&channels[0]), both(&channels[1]), both(&channels[2])];
+            let [vp, vq] = both(variance);
+            for k in 0..BLOCK {
+                let d = [px[k] - qx[k], py[k] - qy[k], pz[k] - qz[k]];
                 let squares = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
                 let beyond = (squares - vp[k] - vp[k].min(vq[k])).max(0.0);
-                out[k] += beyond / (1.0 + vp[k]);
+                distances[k] += beyond / (1.0 + vp[k]);
             }
         }
         if let Some([depth, sigma, across, down]) = &self.depth {
-            let (p, q) = (depth.row(y, x, count), depth.row(y + dy, x + dx, count));
-            let (sigma, across, down) = (sigma.row(y, x, count), across.row(y, x, count), down.row(y, x, count));
+            let [p, q] = both(depth);
+            let [sigma, across, down] = [sigma, across, down].map(|plane| plane.block([x, y]));
             let (columns, rows) = (dx.abs() as f32, dy.abs() as f32);
-            for k in 0..count {
+            for k in 0..BLOCK {
                 let beyond = ((p[k] - q[k]).abs() - across[k] * columns - down[k] * rows).max(0.0) / sigma[k];
-                out[k] += beyond * beyond;
+                distances[k] += beyond * beyond;
             }
+        }
+        for distance in &mut distances {
+            *distance = falloff(*distance);
+        }
+        distances
+    }
+}
+
+kernel! {
+    /// A block of [`Features::smooth`].
+    fn smoothed(features: &'a Features, roots: &'a Plane, at: [i64; 2], out: &'a mut Block) {
+        let reach = SMOOTHED as i64;
+        let (mut weights, mut means) = ([0.0; BLOCK], [0.0; BLOCK]);
+        for dy in -reach..=reach {
+            for dx in -reach..=reach {
+                let alike = features.likeness(at, [dx, dy]);
+                let roots = roots.block([at[0] + dx, at[1] + dy]);
+                for k in 0..BLOCK {
+                    weights[k] += alike[k];
+                    means[k] += alike[k] * roots[k];
+                }
+            }
+        }
+        for k in 0..BLOCK {
+            let mean = means[k] / weights[k];
+            out[k] = mean * mean;
         }
     }
 }

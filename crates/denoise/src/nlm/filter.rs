@@ -1,14 +1,23 @@
-//! A pass over a picture.
+//! A pass over a picture, tile by tile.
+//!
+//! For each offset, the pixels of a tile are compared with those that far away, a row of [`BLOCK`] columns at a time;
+//! of these, a tile has as many as patches leave at both ends.
 
 use rayon::prelude::*;
 use steradian_accel::{Lanes, kernel};
 use steradian_math::Vec3;
 
-use super::{features::Features, plane::Plane, settings::Settings};
+use super::{
+    features::Features,
+    plane::{BLOCK, Block, Plane},
+    settings::Settings,
+};
 use crate::falloff::falloff;
 
-/// Rows that are filtered together; the same for any number of threads.
-const BAND: usize = 16;
+/// Rows of a tile.
+const ROWS: usize = 32;
+/// How far patches reach at most, on both sides together.
+const PATCHES: usize = 16;
 /// Weights below this are none: what is far brighter would be seen through them.
 const CUT: f32 = 0.02;
 /// By how many times a pixel's own variance that of another counts at most. Without a bound, nothing is farther from a
@@ -42,16 +51,14 @@ impl Estimate {
     }
 
     /// The value of a pixel.
-    pub fn at(&self, x: usize, y: usize) -> Vec3 {
-        Vec3::from_array(self.value.each_ref().map(|plane| plane.row(y as i64, x as i64, 1)[0]))
+    pub fn at(&self, place: usize) -> Vec3 {
+        Vec3::from_array(self.value.each_ref().map(|plane| plane.at(place)))
     }
 
     /// With at least a part of the variance of another.
     pub fn with_noise_of(self, noisy: &Self, part: f32) -> Self {
-        let width = self.size[0];
         let more = |mine: &Plane, other: &Plane| {
-            let at = |plane: &Plane, place: usize| plane.row((place / width) as i64, (place % width) as i64, 1)[0];
-            Plane::new(self.size, self.margin, |place| at(mine, place) + part * at(other, place))
+            Plane::new(self.size, self.margin, |place| mine.at(place) + part * other.at(place))
         };
         let variance = std::array::from_fn(|c| more(&self.variance[c], &noisy.variance[c]));
         Self { variance, ..self }
@@ -68,31 +75,36 @@ pub(super) struct Pass<'a> {
     pub settings: &'a Settings,
 }
 
-/// Rows of a band while it is filtered.
-struct Band {
-    /// Its first row.
-    top: usize,
-    /// Sums of weighted values and variances of three channels each, and of weights, row by row.
-    sums: Vec<[Vec<f32>; 7]>,
-    /// Likeness of surfaces of pairs, of its rows and those that patches reach.
-    alike: Vec<Vec<f32>>,
-    /// Its sums along rows, and those of distances that it weighs.
-    along: Vec<[Vec<f32>; 2]>,
-    /// Distances of pairs of a row.
-    distances: Vec<f32>,
-    /// Columns of a row's sums.
-    patch: [Vec<f32>; 2],
+/// Sums of weighted values and variances of three channels each, and of weights.
+type Sums = [Block; 7];
+
+/// A part of the picture while it is filtered.
+struct Tile {
+    /// Its first column and row.
+    at: [i64; 2],
+    /// Of each of its rows.
+    sums: Vec<Sums>,
+    /// Likeness of surfaces of pairs, of its rows and those that patches reach, from the first column that they reach.
+    alike: Vec<Block>,
+    /// Its sums along rows, and those of distances that it weighs, from the first column.
+    along: Vec<[Block; 2]>,
 }
 
 impl Pass<'_> {
     /// Filters all.
     pub fn run(&self, lanes: Lanes) -> Estimate {
         let [width, height] = self.source.size;
-        let tops: Vec<usize> = (0..height).step_by(BAND).collect();
-        let bands: Vec<Vec<[Vec<f32>; 7]>> = tops.par_iter().map(|&top| self.band(lanes, top)).collect();
-        let rows: Vec<&[Vec<f32>; 7]> = bands.iter().flatten().collect();
-        let plane =
-            |c: usize| Plane::new([width, height], self.source.margin, |place| rows[place / width][c][place % width]);
+        let columns = BLOCK - 2 * self.patch as usize;
+        let across = width.div_ceil(columns);
+        let places: Vec<[usize; 2]> =
+            (0..height.div_ceil(ROWS) * across).map(|tile| [tile % across * columns, tile / across * ROWS]).collect();
+        let tiles: Vec<Vec<Sums>> = places.par_iter().map(|&place| self.tile(lanes, place)).collect();
+        let plane = |c: usize| {
+            Plane::new([width, height], self.source.margin, |place| {
+                let [x, y] = [place % width, place / width];
+                tiles[y / ROWS * across + x / columns][y % ROWS][c][x % columns]
+            })
+        };
         Estimate {
             value: [plane(0), plane(1), plane(2)],
             variance: [plane(3), plane(4), plane(5)],
@@ -101,127 +113,121 @@ impl Pass<'_> {
         }
     }
 
-    /// Filters the rows of a band.
-    fn band(&self, lanes: Lanes, top: usize) -> Vec<[Vec<f32>; 7]> {
-        let [width, height] = self.source.size;
+    /// Filters the pixels from a column and row.
+    fn tile(&self, lanes: Lanes, at: [usize; 2]) -> Vec<Sums> {
         let (radius, patch) = (self.settings.radius as i64, self.patch as usize);
-        let rows = BAND.min(height - top);
-        let wide = width + 2 * patch;
-        let mut band = Band {
-            top,
-            sums: vec![[(); 7].map(|()| vec![0.0; width]); rows],
-            alike: vec![vec![0.0; wide]; rows + 2 * patch],
-            along: vec![[(); 2].map(|()| vec![0.0; width]); rows + 2 * patch],
-            distances: vec![0.0; wide],
-            patch: [(); 2].map(|()| vec![0.0; width]),
+        let rows = ROWS.min(self.source.size[1] - at[1]);
+        let mut tile = Tile {
+            at: at.map(|n| n as i64),
+            sums: vec![[[0.0; BLOCK]; 7]; rows],
+            alike: vec![[0.0; BLOCK]; rows + 2 * patch],
+            along: vec![[[0.0; BLOCK]; 2]; rows + 2 * patch],
         };
         for dy in -radius..=radius {
             for dx in -radius..=radius {
-                offset(lanes, self, [dx, dy], &mut band);
+                offset(lanes, self, [dx, dy], &mut tile);
             }
         }
-        for row in &mut band.sums {
-            let [r, g, b, vr, vg, vb, weights] = row;
+        for [r, g, b, vr, vg, vb, weights] in &mut tile.sums {
             for (k, &weight) in weights.iter().enumerate() {
                 let over = if weight > 0.0 { 1.0 / weight } else { 0.0 };
                 [&mut *r, &mut *g, &mut *b].into_iter().for_each(|sum| sum[k] *= over);
                 [&mut *vr, &mut *vg, &mut *vb].into_iter().for_each(|sum| sum[k] *= over * over);
             }
         }
-        band.sums
+        tile.sums
     }
 
-    /// Compares the pairs of a row, beyond the picture's edge as far as patches reach.
+    /// Distances of pairs, times the likeness of their surfaces.
     #[inline(always)]
-    fn compare(&self, y: i64, [dx, dy]: [i64; 2], alike: &mut [f32], distances: &mut [f32]) {
-        let count = alike.len();
-        let x = -(self.patch as i64);
-        self.features.distances([x, y], [dx, dy], distances);
-        for k in 0..count {
-            alike[k] = falloff(distances[k]);
-        }
-        let value = |c: usize, x, y| self.guide.value[c].row(y, x, count);
-        let variance = |c: usize, x, y| self.guide.variance[c].row(y, x, count);
+    fn distances(&self, [x, y]: [i64; 2], [dx, dy]: [i64; 2], alike: &Block) -> Block {
         let square = self.settings.damping * self.settings.damping;
-        distances.fill(0.0);
-        for c in 0..3 {
-            let (p, q) = (value(c, x, y), value(c, x + dx, y + dy));
-            let (vp, vq) = (variance(c, x, y), variance(c, x + dx, y + dy));
-            for k in 0..count {
+        let mut distances = [0.0; BLOCK];
+        for (value, variance) in self.guide.value.iter().zip(&self.guide.variance) {
+            let (p, q) = (value.block([x, y]), value.block([x + dx, y + dy]));
+            let (vp, vq) = (variance.block([x, y]), variance.block([x + dx, y + dy]));
+            for k in 0..BLOCK {
                 let d = p[k] - q[k];
                 let beyond = d * d - (vp[k] + vp[k].min(vq[k]));
                 distances[k] += beyond / (TINY + square * (vp[k] + vq[k].min(TRUST * vp[k])));
             }
         }
-        for k in 0..count {
+        for k in 0..BLOCK {
             distances[k] *= alike[k] * (1.0 / 3.0);
         }
+        distances
     }
 }
 
 kernel! {
-    /// Adds to each pixel of a band the one some columns and rows away.
-    fn offset(pass: &'a Pass<'a>, by: [i64; 2], band: &'a mut Band) {
-        let [width, height] = pass.source.size;
-        let (patch, [dx, dy]) = (pass.patch as usize, by);
-        let rows = band.sums.len();
-        let bottom = band.top as i64 + rows as i64;
-        if bottom + dy <= 0 || band.top as i64 + dy >= height as i64 {
+    /// Adds to each pixel of a tile the one some columns and rows away.
+    fn offset(pass: &'a Pass<'a>, by: [i64; 2], tile: &'a mut Tile) {
+        let height = pass.source.size[1] as i64;
+        let (patch, [x, top], [dx, dy]) = (pass.patch as usize, tile.at, by);
+        let rows = tile.sums.len();
+        if top + rows as i64 + dy <= 0 || top + dy >= height {
             return;
         }
         for row in 0..rows + 2 * patch {
-            let y = (band.top + row) as i64 - patch as i64;
-            pass.compare(y, by, &mut band.alike[row], &mut band.distances);
-            let [weights, distances] = &mut band.along[row];
-            add_along(&band.alike[row], weights, 2 * patch + 1);
-            add_along(&band.distances, distances, 2 * patch + 1);
+            let at = [x - patch as i64, top + row as i64 - patch as i64];
+            let alike = pass.features.likeness(at, by);
+            let distances = pass.distances(at, by, &alike);
+            tile.along[row] = [add_along(&alike, 2 * patch + 1), add_along(&distances, 2 * patch + 1)];
+            tile.alike[row] = alike;
         }
-        let [weights, distances] = &mut band.patch;
         for row in 0..rows {
-            let y = (band.top + row) as i64;
-            if y + dy < 0 || y + dy >= height as i64 {
+            let y = top + row as i64;
+            if y + dy < 0 || y + dy >= height {
                 continue;
             }
-            weights.fill(0.0);
-            distances.fill(0.0);
-            for [w, d] in &band.along[row..=row + 2 * patch] {
-                for k in 0..width {
+            let (mut weights, mut distances) = ([0.0; BLOCK], [0.0; BLOCK]);
+            for [w, d] in &tile.along[row..=row + 2 * patch] {
+                for k in 0..BLOCK {
                     weights[k] += w[k];
                     distances[k] += d[k];
                 }
             }
-            let alike = &band.alike[row + patch][patch..patch + width];
-            let counts = pass.source.weight.row(y + dy, dx, width);
-            for k in 0..width {
+            let alike = shifted(&tile.alike[row + patch], patch);
+            let counts = pass.source.weight.block([x + dx, y + dy]);
+            for k in 0..BLOCK {
                 let distance = (distances[k] / (weights[k] + TINY)).max(0.0);
                 weights[k] = (falloff(distance) * alike[k] - CUT).max(0.0) * counts[k];
             }
-            let [sums @ .., total] = &mut band.sums[row];
+            let sums = &mut tile.sums[row];
             for c in 0..3 {
-                let (value, variance) =
-                    (pass.source.value[c].row(y + dy, dx, width), pass.source.variance[c].row(y + dy, dx, width));
-                let [values, variances] = sums.get_disjoint_mut([c, 3 + c]).expect("six sums");
-                for k in 0..width {
-                    values[k] += weights[k] * value[k];
-                    variances[k] += weights[k] * weights[k] * variance[k];
+                let value = pass.source.value[c].block([x + dx, y + dy]);
+                let variance = pass.source.variance[c].block([x + dx, y + dy]);
+                for k in 0..BLOCK {
+                    sums[c][k] += weights[k] * value[k];
+                    sums[3 + c][k] += weights[k] * weights[k] * variance[k];
                 }
             }
-            for k in 0..width {
-                total[k] += weights[k];
+            for k in 0..BLOCK {
+                sums[6][k] += weights[k];
             }
         }
     }
 }
 
-/// Sums of so many values that follow one another.
+/// The values some columns on, then zeros.
 #[inline(always)]
-fn add_along(values: &[f32], sums: &mut [f32], count: usize) {
-    let width = sums.len();
-    sums.copy_from_slice(&values[..width]);
+fn shifted(values: &Block, by: usize) -> Block {
+    let mut shifted = [0.0; BLOCK];
+    shifted[..BLOCK - by].copy_from_slice(&values[by..]);
+    shifted
+}
+
+/// Sums of so many values that follow one another; beyond the last are zeros.
+#[inline(always)]
+fn add_along(values: &Block, count: usize) -> Block {
+    let mut wide = [0.0; BLOCK + PATCHES];
+    wide[..BLOCK].copy_from_slice(values);
+    let mut sums = *values;
     for from in 1..count {
-        let values = &values[from..from + width];
-        for k in 0..width {
+        let values: &Block = wide[from..].first_chunk().expect("patches are as wide at most");
+        for k in 0..BLOCK {
             sums[k] += values[k];
         }
     }
+    sums
 }

@@ -1,5 +1,6 @@
 //! What is filtered: a picture with what is known of its noise and its surfaces.
 
+use steradian_accel::Lanes;
 use steradian_math::Vec3;
 
 use super::{
@@ -86,7 +87,7 @@ impl Picture<'_> {
             };
             // Few samples tell variance poorly, and none where they all found the same; a pixel that a rare path hit
             // keeps its own.
-            let smoothed = features.smooth(size, &variance, settings.margin());
+            let smoothed = features.smooth(size, &variance, settings.margin(), Lanes::best());
             let variance = variance.iter().zip(&smoothed).map(|(v, s)| v.max(*s)).enumerate();
             (value, variance.map(|(place, v)| if is_known(place) { v } else { UNKNOWN }).collect())
         });
@@ -101,7 +102,7 @@ impl Picture<'_> {
         let radiance = Image::by_rows(width, height, |x, y| {
             let place = y as usize * width as usize + x as usize;
             if self.has_surface(place) || is_bad(place) {
-                filtered.at(x as usize, y as usize) * self.factor(place)
+                filtered.at(place) * self.factor(place)
             } else {
                 self.radiance.values()[place]
             }
