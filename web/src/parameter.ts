@@ -71,7 +71,17 @@ function number(p: NodeParameter, label: string, edit: Edit): Made {
     unit: p.unit,
     change: (v, done) => edit(String(v), done),
   });
-  return { element: field.element, set: (p) => field.set(Number(current(p))) };
+  const set = (p: NodeParameter) => {
+    field.set(Number(current(p)));
+    if (picker) setValue(picker, hexOf([1, 1, 1].map((v) => v * Number(current(p)))));
+  };
+  // Where a spectrum may be, the grey may become a colour.
+  const isColorful = /spectrum/.test(p.type) && p.unit === '' && p.range?.[0] === 0 && p.range[1] === 1;
+  const send = (picker: HTMLInputElement) => edit(`[${linearOf(picker.value).join(', ')}]`, true);
+  const picker = !isColorful ? null : h('input', { type: 'color', 'aria-label': `${label}, colour`, onchange: () => send(picker!) });
+  if (picker) field.element.prepend(picker);
+  set(p);
+  return { element: field.element, set };
 }
 
 function color(p: NodeParameter, label: string, edit: Edit): Made {

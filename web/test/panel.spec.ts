@@ -76,6 +76,9 @@ test('nodes are edited by kind of parameter, undone and redone', async ({ mock, 
   await ready.getByLabel('red glass: tint, green').fill('2.5');
   await ready.getByLabel('red glass: tint, green').press('Enter');
   await expect.poll(() => edits().at(-1)).toEqual(['tint', '[1, 2.5, 0]']);
+  await ready.getByLabel('red glass: grey, colour').fill('#0000ff');
+  await expect.poll(() => edits().at(-1)).toEqual(['grey', '[0, 0, 1]']);
+  await expect(ready.getByLabel('red glass: grey, blue')).toHaveValue('1');
   await ready.getByLabel('What holds when eta is not given').click();
   await expect.poll(() => edits().at(-1)).toEqual(['eta', null]);
   await expect(ready.getByLabel('red glass: eta', { exact: true })).toHaveValue('1.5');

@@ -80,6 +80,7 @@ export function firstNodes(): SceneNode[] {
       parameters: [
         parameter('eta', 'number or spectrum', '1.5', { range: [1, 4], default: '1.5' }),
         parameter('alpha', 'number or texture', null, { range: [0, 1], default: '0' }),
+        parameter('grey', 'number or spectrum, 0 to 1', '0.5', { range: [0, 1], default: '0.5' }),
         parameter('tint', 'number, spectrum or texture', '[0.8, 0.2, 0.1]', { range: [0, 1], default: '1' }),
         parameter('thin', 'true or false', null, { default: 'false' }),
         parameter('distribution', 'ggx, beckmann', 'ggx', { words: ['ggx', 'beckmann'], default: 'ggx' }),

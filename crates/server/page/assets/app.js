@@ -1595,9 +1595,26 @@ function number(p, label, edit) {
 		unit: p.unit,
 		change: (v, done) => edit(String(v), done)
 	});
+	const set = (p) => {
+		field.set(Number(current(p)));
+		if (picker) setValue(picker, hexOf([
+			1,
+			1,
+			1
+		].map((v) => v * Number(current(p)))));
+	};
+	const isColorful = /spectrum/.test(p.type) && p.unit === "" && p.range?.[0] === 0 && p.range[1] === 1;
+	const send = (picker) => edit(`[${linearOf(picker.value).join(", ")}]`, true);
+	const picker = !isColorful ? null : h("input", {
+		type: "color",
+		"aria-label": `${label}, colour`,
+		onchange: () => send(picker)
+	});
+	if (picker) field.element.prepend(picker);
+	set(p);
 	return {
 		element: field.element,
-		set: (p) => field.set(Number(current(p)))
+		set
 	};
 }
 function color(p, label, edit) {
