@@ -1,20 +1,29 @@
 //! The scene under view: its description, what was edited, and what is compiled of it.
 
-use crate::protocol::{NodeState, ParameterState};
+use crate::{
+    look::View,
+    protocol::{NodeState, ParameterState},
+};
 use std::{
+    collections::BTreeMap,
     path::{Path, PathBuf},
     sync::Arc,
+    time::SystemTime,
 };
 use steradian::{
-    CompileOptions, Kept, Scene, Viewpoint,
+    CompileOptions, Kept, Scene,
     formats::{Options, native},
     recompile,
-    scene::{Diagnostics, Node, NodeId, Param, SceneDesc, Value},
+    scene::{Diagnostics, Node, NodeId, Param, SceneDesc},
 };
 
 /// Most edits that can be taken back.
 const MOST_EDITS: usize = 256;
 
+/// Most files that are watched.
+const MOST_FILES: usize = 1024;
+/// When files were changed and how long they are; `None` of those that are not there.
+pub type Stamps = BTreeMap<PathBuf, Option<(Option<SystemTime>, u64)>>;
 /// Longest text of a value that pages are told.
 const LONGEST: usize = 4096;
 
@@ -42,9 +51,23 @@ pub struct Document {
     kept: [Kept; 2],
 }
 
+/// A parameter of a node that is set, or taken away.
+#[derive(Clone, Debug)]
+pub struct Edit {
+    /// The node's name.
+    pub node: String,
+    /// The parameter's.
+    pub parameter: String,
+    /// In Steradian's own language.
+    pub value: Option<String>,
+    /// Whether the next edit of the parameter replaces it.
+    pub moving: bool,
+}
+
 /// What an edit changed: a node's parameters, and the nodes that came with them. Taken back, what it had put there.
 #[derive(Debug)]
 struct Change {
+    edit: Edit,
     node: NodeId,
     params: Vec<Param>,
     /// How many nodes there were before it, and those that came.
@@ -128,39 +151,70 @@ impl Document {
     ///
     /// # Errors
     /// What is wrong with it; nothing is changed then.
-    pub fn edit(
-        &mut self,
-        [node, parameter]: [&str; 2],
-        value: Option<&str>,
-        within: &Path,
-        options: &CompileOptions,
-    ) -> Result<(), String> {
-        let ids = native::ids(&self.desc);
-        let Some(id) = ids.iter().position(|id| id == node).map(|k| NodeId(k as u32)) else {
-            let hint = steradian::scene::names::did_you_mean(node, ids.iter().map(String::as_str));
-            return Err(format!("there is no node '{node}'{}", hint.map(|h| format!("; {h}")).unwrap_or_default()));
-        };
-        let before = Change {
-            node: id,
-            params: self.desc.node(id).params.clone(),
-            count: self.desc.nodes.len(),
-            added: Vec::new(),
-        };
-        // What is typed into a page names no file elsewhere.
-        let reading = Options { within: Some(within.into()), ..self.source.reading.clone() };
-        native::set(&mut self.desc, id, parameter, value.unwrap_or("null"), &reading).map_err(|d| told(&d))?;
-        self.undo.push(before);
-        let fault = self.compile(Purpose::Render, options, None).err().map(|d| told(&d));
-        if fault.is_some() {
+    pub fn edit(&mut self, edit: Edit, purpose: Purpose, options: &CompileOptions) -> Result<(), String> {
+        let is_going_on =
+            |c: &Change| c.edit.moving && (&c.edit.node, &c.edit.parameter) == (&edit.node, &edit.parameter);
+        let replaced = self.undo.last().is_some_and(is_going_on);
+        if replaced {
             self.undo();
-            self.redo.pop();
-        } else {
-            self.redo.clear();
+        }
+        let done = self.carry_out(edit).and_then(|()| {
+            let fault = self.compile(purpose, options, None).err().map(|d| told(&d));
+            if fault.is_some() {
+                self.undo();
+                self.redo.pop();
+            }
+            fault.map_or(Ok(()), Err)
+        });
+        match done {
+            Ok(()) => self.redo.clear(),
+            Err(_) if replaced => drop(self.redo()),
+            Err(_) => {}
         }
         if self.undo.len() > MOST_EDITS {
             self.undo.remove(0);
         }
-        fault.map_or(Ok(()), Err)
+        done
+    }
+
+    /// Changes the description.
+    fn carry_out(&mut self, edit: Edit) -> Result<(), String> {
+        let ids = native::ids(&self.desc);
+        let Some(node) = ids.iter().position(|id| *id == edit.node).map(|k| NodeId(k as u32)) else {
+            let hint = steradian::scene::names::did_you_mean(&edit.node, ids.iter().map(String::as_str));
+            let hint = hint.map(|h| format!("; {h}")).unwrap_or_default();
+            return Err(format!("there is no node '{}'{hint}", edit.node));
+        };
+        let (params, count) = (self.desc.node(node).params.clone(), self.desc.nodes.len());
+        // What is typed into a page names no file elsewhere.
+        let reading = Options { within: Some(self.folder()), ..self.source.reading.clone() };
+        let value = edit.value.as_deref().unwrap_or("null");
+        native::set(&mut self.desc, node, &edit.parameter, value, &reading).map_err(|d| told(&d))?;
+        self.undo.push(Change { edit, node, params, count, added: Vec::new() });
+        Ok(())
+    }
+
+    /// The scene as its files have it now, with all edits made again; those that cannot be made any more are told.
+    ///
+    /// # Errors
+    /// All that is wrong with the files.
+    pub fn reloaded(&self) -> Result<(Self, Vec<String>), Diagnostics> {
+        let mut fresh = Self::open(self.source.clone())?;
+        let edits: Vec<Edit> = self.undo.iter().map(|c| c.edit.clone()).collect();
+        let lost = edits.into_iter().filter_map(|edit| fresh.carry_out(edit).err()).collect();
+        Ok((fresh, lost))
+    }
+
+    /// All files that the scene is made of, and what tells that they are others than they were.
+    pub fn stamps(&self) -> Stamps {
+        let stamp = |path: &Path| (path.to_owned(), path.metadata().ok().map(|m| (m.modified().ok(), m.len())));
+        self.desc.files().take(MOST_FILES).map(stamp).collect()
+    }
+
+    /// The folder of the scene's file; of built-in scenes the current one.
+    pub fn folder(&self) -> PathBuf {
+        let folder = self.desc.path.as_deref().and_then(Path::parent).filter(|f| !f.as_os_str().is_empty());
+        folder.map_or_else(|| PathBuf::from("."), PathBuf::from)
     }
 
     /// Takes the last edit back; whether there was one.
@@ -209,24 +263,6 @@ impl Document {
             }
         };
         self.desc.nodes.iter().zip(&ids).map(node).collect()
-    }
-}
-
-/// Where a camera was moved, and its field of view if that was changed, degrees.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
-    /// The place.
-    pub point: Viewpoint,
-    /// The field of view.
-    pub fov: Option<f64>,
-}
-
-impl View {
-    fn place(&self, desc: &mut SceneDesc, camera: NodeId) {
-        self.point.place(desc, camera);
-        if let Some(fov) = self.fov {
-            desc.node_mut(camera).set("fov", Value::Float(fov), None);
-        }
     }
 }
 

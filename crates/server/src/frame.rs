@@ -6,7 +6,9 @@ use crate::{
 };
 use std::sync::Arc;
 use steradian::{
-    Film, Layer, Scene, develop,
+    Film, Layer, Scene,
+    denoise::GUIDES,
+    develop,
     film::{Crop, FirstHitSums, MatteSums, Pixel},
     image::Image,
 };
@@ -48,11 +50,36 @@ pub struct Shown {
     pub is_done: bool,
     /// Samples that count as black.
     pub nonfinite: u64,
+    /// Without its noise, where that was removed.
+    pub denoised: Option<Image>,
 }
 
 impl Shown {
-    /// The picture, with layers.
+    /// The picture without its noise.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn denoised(self) -> Result<Self, String> {
+        let outcome = steradian::denoise::picture(&develop(&self.scene, &self.film, &GUIDES), None, 1.0);
+        Ok(Self { denoised: Some(outcome.map_err(|e| e.to_string())?.picture), ..self })
+    }
+
+    /// The picture, with layers; without noise where that was removed.
     pub fn picture(&self, layers: &[Layer]) -> Image {
+        let plain = self.plain(layers);
+        let Some(denoised) = &self.denoised else { return plain };
+        let mut picture = denoised.clone();
+        for channel in plain.into_channels() {
+            if picture.channel(&channel.name).is_none() {
+                // It has as many pixels.
+                let _ = picture.push(channel.name, channel.data);
+            }
+        }
+        picture
+    }
+
+    /// The picture as it was rendered.
+    fn plain(&self, layers: &[Layer]) -> Image {
         let layers: Vec<Layer> = layers.iter().copied().filter(|l| self.has(*l)).collect();
         develop(&self.scene, &self.film, &layers)
     }
@@ -107,8 +134,6 @@ pub struct Frame {
     pub tiles: Vec<axum::body::Bytes>,
     /// What ends it, as JSON; empty before the first one.
     pub end: String,
-    /// What is to be said beside, as JSON.
-    pub messages: Vec<String>,
 }
 
 impl Frame {
@@ -138,9 +163,11 @@ impl Frame {
             error: shown.error.filter(|e| e.is_finite()),
             seconds: shown.seconds,
             done: shown.is_done,
+            denoised: shown.denoised.is_some(),
             nonfinite: shown.nonfinite,
+            crop: shown.crop,
         };
-        Self { tiles, end: serde_json::to_string(&end).unwrap_or_default(), messages: Vec::new() }
+        Self { tiles, end: serde_json::to_string(&end).unwrap_or_default() }
     }
 }
 

@@ -100,6 +100,7 @@ impl Job {
             seconds: self.seconds(),
             is_done: self.is_done(),
             nonfinite: done.nonfinite,
+            denoised: None,
         }
     }
 }

@@ -12,9 +12,11 @@
 //! ```
 
 mod access;
+mod changes;
 mod document;
 mod frame;
 mod job;
+mod look;
 mod page;
 mod protocol;
 mod requests;

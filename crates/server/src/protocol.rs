@@ -48,6 +48,10 @@ pub enum Request {
         parameter: String,
         /// In Steradian's own language; `None` takes it away.
         value: Option<String>,
+        /// Whether the hand is still on it: pictures are coarse then, and the next edit of the parameter replaces this
+        /// one.
+        #[serde(default)]
+        moving: bool,
     },
     /// Takes the last edit back.
     Undo,
@@ -75,6 +79,7 @@ pub struct SettingsChange {
     pub seed: Option<Option<u64>>,
     #[serde(deserialize_with = "given")]
     pub max_depth: Option<Option<u32>>,
+    pub denoise: Option<bool>,
     pub width: Option<u32>,
     pub height: Option<u32>,
 }
@@ -100,6 +105,8 @@ pub struct Settings {
     pub seed: Option<u64>,
     /// Most scattering events; `None` for the scene's.
     pub max_depth: Option<u32>,
+    /// Whether noise is removed, at times while it renders and in the end.
+    pub denoise: bool,
 }
 
 /// The scene, as far as pages show it.
@@ -223,6 +230,8 @@ pub struct FrameEnd {
     pub height: u32,
     /// Where its first pixel is in the whole picture.
     pub origin: [u32; 2],
+    /// The part of the whole picture that it shows: x0, y0, x1, y1, the last two exclusive.
+    pub crop: [u32; 4],
     /// `preview` or `render`.
     pub kind: &'static str,
     /// Samples per pixel, in the mean.
@@ -232,6 +241,8 @@ pub struct FrameEnd {
     pub error: Option<f64>,
     pub seconds: f64,
     pub done: bool,
+    /// Whether noise was removed.
+    pub denoised: bool,
     /// Samples that were not finite and count as black.
     pub nonfinite: u64,
 }

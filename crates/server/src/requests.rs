@@ -3,8 +3,9 @@
 use crate::{
     document::Document,
     frame::LAYERS,
+    look::Look,
     routes::{App, Refused},
-    viewer::{Look, Task},
+    viewer::Task,
 };
 use axum::{
     extract::{Query, State},

@@ -3,7 +3,6 @@
 use crate::{
     requests::ask,
     routes::{App, Refused},
-    viewer::folder,
 };
 use axum::{
     extract::{Json, Path, Query, State},
@@ -87,7 +86,7 @@ type Written = (String, Vec<(PathBuf, Vec<u8>)>, PathBuf);
 
 async fn document(app: &App, name: Option<String>) -> Result<Written, Refused> {
     let written = ask(app, move |document, look| {
-        let folder = folder(document);
+        let folder = document.folder();
         let name = name.unwrap_or_else(|| crate::state::saved_name(document));
         let desc = document.seen_from(look.camera.as_deref(), look.view.as_ref());
         native::write(&desc, &folder.join(name)).map(|w| (w.text, w.files, folder))
@@ -125,7 +124,7 @@ pub async fn save(State(app): State<App>, Json(Save { name, display }): Json<Sav
         }
         false => {
             let bytes = encoded(&app, name.as_ref(), display).await?;
-            (bytes, Vec::new(), ask(&app, |document, _| folder(document)).await?)
+            (bytes, Vec::new(), ask(&app, |document, _| document.folder()).await?)
         }
     };
     let path = folder.join(&name);

@@ -68,6 +68,7 @@ impl Drop for Place {
 /// Serves a page until it goes away.
 async fn serve(mut socket: WebSocket, app: &App) {
     let (mut states, mut frames) = (app.viewer.states.clone(), app.viewer.frames.clone());
+    let mut messages = app.viewer.messages.subscribe();
     states.mark_changed();
     frames.mark_changed();
     loop {
@@ -84,8 +85,12 @@ async fn serve(mut socket: WebSocket, app: &App) {
             },
             Ok(()) = states.changed() => {
                 let state = states.borrow_and_update().to_string();
+                if state.is_empty() {
+                    continue;
+                }
                 send(&mut socket, Message::Text(state.into())).await
             }
+            Ok(message) = messages.recv() => send(&mut socket, Message::Text(message.into())).await,
             Ok(()) = frames.changed() => show(&mut socket, &mut frames).await,
             else => return,
         };
@@ -108,9 +113,6 @@ async fn show(socket: &mut WebSocket, frames: &mut watch::Receiver<Arc<Frame>>) 
             send(socket, Message::Binary(tile.clone())).await?;
         }
         send(socket, Message::Text(frame.end.clone().into())).await?;
-    }
-    for message in &frame.messages {
-        send(socket, Message::Text(message.clone().into())).await?;
     }
     Some(())
 }

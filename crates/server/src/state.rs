@@ -3,8 +3,8 @@
 use crate::{
     document::Document,
     frame::LAYERS,
+    look::{Look, quality},
     protocol::{About, CameraState, Choices, Named, Said, Settings, Size, State, Tone, ToneParameter},
-    viewer::{Look, quality},
 };
 use std::{path::Path, sync::Arc};
 use steradian::{
@@ -35,6 +35,7 @@ pub fn of(generation: u32, document: &Document, look: &Look, scene: &Scene) -> A
         color: asked.color.clone().unwrap_or_else(|| COLORS[0].into()),
         seed: asked.seed.flatten(),
         max_depth: asked.max_depth.flatten(),
+        denoise: asked.denoise.unwrap_or(false),
     };
     let state = State {
         generation,
@@ -72,7 +73,7 @@ fn about(document: &Document, scene: &Scene) -> About {
     About {
         name: file.and_then(Path::file_name).map_or(name.clone(), |f| f.to_string_lossy()).into_owned(),
         path: file.map(|f| f.to_string_lossy().into_owned()),
-        faces: document.desc.face_count() as u64,
+        faces: document.desc.face_count(),
         lights: scene.lights().lights.len(),
         materials: scene.materials().len(),
         messages: document.diagnostics.iter().take(MOST_MESSAGES).map(said).collect(),
@@ -171,7 +172,8 @@ fn command(document: &Document, look: &Look) -> String {
     let mut words = vec!["steradian".into(), "render".into(), name];
     let mut option = |name: &str, value: Option<String>| {
         if let Some(value) = value {
-            words.extend([format!("--{name}"), value]);
+            words.push(format!("--{name}"));
+            words.extend(Some(value).filter(|v| !v.is_empty()));
         }
     };
     option("integrator", asked.integrator.clone());
@@ -183,6 +185,7 @@ fn command(document: &Document, look: &Look) -> String {
     option("size", asked.width.zip(asked.height).map(|(w, h)| format!("{w}x{h}")));
     option("crop", look.region.map(|r| r.map(|n| n.to_string()).join(",")));
     option("camera", look.camera.clone());
+    option("denoise", asked.denoise.filter(|on| *on).map(|_| String::new()));
     if is_file && let Some(view) = look.view {
         let Viewpoint { eye, target, up } = view.point;
         let numbers = [eye, target, up].map(|v| v.to_array().map(|n| n.to_string()).join(","));

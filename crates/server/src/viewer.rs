@@ -2,32 +2,25 @@
 //! it as it grows.
 
 use crate::{
-    document::{Document, Purpose, Source, View, told},
-    frame::{self, Backdrop, Frame, Shown},
+    document::{Document, Purpose, Source, Stamps, told},
+    frame::{Backdrop, Frame, Shown},
     job::Job,
+    look::{Look, options, quality},
     protocol::{Message, Request, SettingsChange},
     state,
 };
 use std::{
-    path::PathBuf,
     sync::{
         Arc, Mutex, PoisonError,
         atomic::{AtomicBool, Ordering},
-        mpsc::{Receiver, Sender, channel},
+        mpsc::{Receiver, RecvTimeoutError, Sender, channel},
     },
     thread,
     time::{Duration, Instant},
 };
-use steradian::{
-    ColorMode, CompileOptions, Layer, Quality, Scene,
-    scene::{Diagnostics, Format},
-};
-use tokio::sync::{oneshot, watch};
+use steradian::{Quality, Scene, scene::Diagnostics};
+use tokio::sync::{broadcast, oneshot, watch};
 
-/// Pixels of the largest picture that is shown.
-pub const MOST_PIXELS: u64 = 1 << 24;
-/// Longest edge of a picture: tiles count with 16 bits.
-const LONGEST_EDGE: u32 = 1 << 15;
 /// Pixels of the first preview, before it is known how long they take.
 const FIRST_PREVIEW: f64 = 30_000.0;
 /// How long a preview may take while the camera moves, and before paths begin.
@@ -36,10 +29,19 @@ const PREVIEW_SECONDS: f64 = 0.045;
 const SMALLEST_PREVIEW: u32 = 16;
 /// How long first paths may take, before the render itself begins.
 const FIRST_PATHS: Duration = Duration::from_millis(250);
+/// Messages that wait for a page to read them.
+const MOST_MESSAGES: usize = 64;
+/// How often it is looked whether files have changed.
+const WATCH_EVERY: Duration = Duration::from_millis(400);
+/// On the way noise is removed at times that are so many times as far apart as it takes.
+const DENOISING: f64 = 8.0;
 /// Options of path tracers that begin at once.
 const PLAIN: &str = "reuse=1,effort=even,caustics=false";
 /// Pictures that grow are shown after these times at first, and at last.
 const SHOW_EVERY: [f64; 2] = [0.12, 1.0];
+
+/// A question about the scene as it is.
+type Question = Box<dyn FnOnce(&Document, &Look) + Send>;
 
 /// What the thread is asked.
 pub enum Task {
@@ -48,26 +50,7 @@ pub enum Task {
     /// Another scene.
     Open(Box<Source>, oneshot::Sender<Result<(), Vec<String>>>),
     /// Something about the scene as it is.
-    Ask(Box<dyn FnOnce(&Document, &Look) + Send>),
-}
-
-/// How the scene is looked at.
-#[derive(Clone, Debug, Default)]
-pub struct Look {
-    /// The camera that was chosen.
-    pub camera: Option<String>,
-    /// Where it was moved.
-    pub view: Option<View>,
-    /// The part that is rendered.
-    pub region: Option<[u32; 4]>,
-    /// Layers that are sent along.
-    pub layers: Vec<Layer>,
-    /// What was chosen.
-    pub settings: SettingsChange,
-    /// Whether nothing goes on.
-    pub paused: bool,
-    /// Whether a hand is on the camera.
-    moving: bool,
+    Ask(Question),
 }
 
 /// What others see of the thread.
@@ -79,6 +62,8 @@ pub struct Handle {
     pub frames: watch::Receiver<Arc<Frame>>,
     /// What pages know, as JSON.
     pub states: watch::Receiver<Arc<str>>,
+    /// What is said to all pages, as JSON.
+    pub messages: broadcast::Sender<String>,
     shown: Arc<Mutex<Option<Arc<Shown>>>>,
 }
 
@@ -108,19 +93,26 @@ pub fn start(source: Source, settings: SettingsChange) -> Result<Handle, Diagnos
     let (tasks, from_pages) = channel();
     let (frame, frames) = watch::channel(Arc::new(Frame::default()));
     let (state, states) = watch::channel(Arc::from(""));
+    let (messages, _) = broadcast::channel(MOST_MESSAGES);
     let (interrupt, shown) = (Arc::new(AtomicBool::new(false)), Arc::new(Mutex::new(None)));
+    let stamps = document.stamps();
     let mut viewer = Viewer {
+        seen: stamps.clone(),
+        stamps,
+        watched: Instant::now(),
         document,
         look,
         scene,
         generation: 0,
         pixels_per_second: FIRST_PREVIEW / PREVIEW_SECONDS,
         backdrop: None,
+        denoised: (0.0, 0.0),
         job: None,
         tasks: from_pages,
         interrupt: Arc::clone(&interrupt),
         frame,
         state,
+        messages: messages.clone(),
         shown: Arc::clone(&shown),
     };
     thread::Builder::new().name("viewer".into()).spawn(move || viewer.run()).map_err(|e| {
@@ -128,12 +120,13 @@ pub fn start(source: Source, settings: SettingsChange) -> Result<Handle, Diagnos
         diagnostics.error(&Default::default(), None, format!("no thread can be started: {e}"));
         diagnostics
     })?;
-    Ok(Handle { tasks, interrupt, frames, states, shown })
+    Ok(Handle { tasks, interrupt, frames, states, messages, shown })
 }
 
 /// How far a change reaches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Reach {
+pub enum Reach {
+    /// Nowhere.
     Nothing,
     /// What is sent of the picture.
     Sent,
@@ -143,64 +136,43 @@ enum Reach {
     Scene,
 }
 
-struct Viewer {
-    document: Document,
-    look: Look,
+/// The thread.
+pub struct Viewer {
+    /// The scene as it is described.
+    pub document: Document,
+    /// How it is looked at.
+    pub look: Look,
     /// As it is rendered.
-    scene: Arc<Scene>,
+    pub scene: Arc<Scene>,
     generation: u32,
     /// Speed of previews.
     pixels_per_second: f64,
     /// What shows where the render has no samples yet.
     backdrop: Option<Backdrop>,
-    job: Option<Job>,
+    /// Of the files that the scene was read from, and as they were seen last.
+    stamps: Stamps,
+    seen: Stamps,
+    /// When they were looked at.
+    watched: Instant,
+    /// When noise was removed last, in seconds of rendering, and how long that took.
+    denoised: (f64, f64),
+    /// The render under way.
+    pub job: Option<Job>,
     tasks: Receiver<Task>,
     interrupt: Arc<AtomicBool>,
     frame: watch::Sender<Arc<Frame>>,
     state: watch::Sender<Arc<str>>,
+    messages: broadcast::Sender<String>,
     shown: Arc<Mutex<Option<Arc<Shown>>>>,
 }
 
-/// How the scene is compiled.
-pub fn options(look: &Look, format: Format, purpose: Purpose) -> CompileOptions {
-    let settings = &look.settings;
-    let is_raster = settings.integrator.as_deref().is_some_and(|i| i.split(':').next() == Some("raster"));
-    let mode = match settings.color.as_deref() {
-        Some("rgb") => Some(ColorMode::Rgb),
-        Some("spectral") => Some(ColorMode::Spectral),
-        // One sample of wavelengths would be noise.
-        _ if is_raster || purpose == Purpose::Preview => Some(ColorMode::Rgb),
-        _ if format == Format::Pbrt => Some(ColorMode::Spectral),
-        _ => Some(ColorMode::Rgb),
-    };
-    CompileOptions {
-        mode,
-        size: settings.width.zip(settings.height),
-        crop: look.region,
-        camera: look.camera.clone(),
-        spp: settings.spp.flatten(),
-        ..CompileOptions::default()
-    }
-}
-
-fn compile(document: &mut Document, look: &Look, purpose: Purpose) -> Result<Arc<Scene>, Diagnostics> {
+/// Compiles the scene as it is looked at.
+///
+/// # Errors
+/// All that is wrong with it.
+pub fn compile(document: &mut Document, look: &Look, purpose: Purpose) -> Result<Arc<Scene>, Diagnostics> {
     let options = options(look, document.desc.format, purpose);
     document.compile(purpose, &options, look.view.as_ref())
-}
-
-/// What the session is asked for.
-pub fn quality(look: &Look) -> Quality {
-    let s = &look.settings;
-    Quality {
-        integrator: s.integrator.clone(),
-        spp: s.spp.flatten(),
-        seed: s.seed.flatten(),
-        max_depth: s.max_depth.flatten(),
-        sampler: s.sampler.clone().flatten(),
-        // What the inspector tells.
-        layers: frame::LAYERS.to_vec(),
-        ..Quality::default()
-    }
 }
 
 impl Viewer {
@@ -212,9 +184,10 @@ impl Viewer {
             }
             let is_idle = self.look.paused || self.job.as_ref().is_none_or(Job::is_done);
             let first = match is_idle {
-                true => match self.tasks.recv() {
+                true => match self.tasks.recv_timeout(WATCH_EVERY) {
                     Ok(task) => Some(task),
-                    Err(_) => return,
+                    Err(RecvTimeoutError::Timeout) => None,
+                    Err(RecvTimeoutError::Disconnected) => return,
                 },
                 false => self.tasks.try_recv().ok(),
             };
@@ -224,6 +197,9 @@ impl Viewer {
             while let Some(task) = next {
                 reach = reach.max(self.take(task));
                 next = self.tasks.try_recv().ok();
+            }
+            if self.files_changed() {
+                reach = reach.max(self.reload());
             }
             if reach == Reach::Nothing && !self.look.paused {
                 self.advance();
@@ -253,6 +229,44 @@ impl Viewer {
         }
     }
 
+    /// Whether files of the scene were changed, and nobody is writing them any more.
+    fn files_changed(&mut self) -> bool {
+        if self.watched.elapsed() < WATCH_EVERY {
+            return false;
+        }
+        self.watched = Instant::now();
+        let before = std::mem::replace(&mut self.seen, self.document.stamps());
+        // Edits may name further files.
+        for (path, stamp) in &self.seen {
+            self.stamps.entry(path.clone()).or_insert(*stamp);
+        }
+        let is_changed = self.seen.iter().any(|(path, stamp)| self.stamps.get(path) != Some(stamp));
+        is_changed && self.seen == before
+    }
+
+    /// Shows the scene as its files have it now; the camera, settings and edits stay.
+    fn reload(&mut self) -> Reach {
+        self.stamps.clone_from(&self.seen);
+        let (fresh, lost) = match self.document.reloaded() {
+            Ok(read) => read,
+            Err(diagnostics) => {
+                self.say("error", told(&diagnostics));
+                return Reach::Nothing;
+            }
+        };
+        let old = std::mem::replace(&mut self.document, fresh);
+        self.look.moving = false;
+        if let Err(why) = self.remake() {
+            self.document = old;
+            self.say("error", why);
+            return Reach::Nothing;
+        }
+        lost.into_iter().for_each(|why| self.say("warning", format!("an edit does not fit any more: {why}")));
+        self.say("note", "the scene's files have changed: they were read again".into());
+        self.stamps = self.document.stamps();
+        Reach::Scene
+    }
+
     fn open(&mut self, source: Source) -> Result<(), Vec<String>> {
         let lines = |d: Diagnostics| vec![told(&d)];
         let mut document = Document::open(source).map_err(lines)?;
@@ -261,89 +275,10 @@ impl Viewer {
         let scene = compile(&mut document, &look, Purpose::Render).map_err(lines)?;
         look.settings.integrator = Some(Quality::default().integrator_name(&scene).to_owned());
         (self.document, self.look, self.scene) = (document, look, scene);
+        self.stamps = self.document.stamps();
+        self.seen.clone_from(&self.stamps);
         self.pixels_per_second = FIRST_PREVIEW / PREVIEW_SECONDS;
         Ok(())
-    }
-
-    /// Carries out what a page asks for.
-    fn request(&mut self, request: Request) -> Result<Reach, String> {
-        let before = self.look.clone();
-        let reach = self.change(request)?;
-        if reach >= Reach::Scene
-            && let Err(why) = self.remake()
-        {
-            self.look = before;
-            return Err(why);
-        }
-        Ok(reach)
-    }
-
-    /// Compiles the scene as it is to be looked at, and sees whether it can be rendered so.
-    fn remake(&mut self) -> Result<(), String> {
-        if self.look.moving {
-            return Ok(());
-        }
-        let scene = compile(&mut self.document, &self.look, Purpose::Render).map_err(|d| told(&d))?;
-        quality(&self.look).render(&scene).map_err(|e| e.to_string())?;
-        self.scene = scene;
-        Ok(())
-    }
-
-    fn change(&mut self, request: Request) -> Result<Reach, String> {
-        let Self { document, look, job, .. } = self;
-        match request {
-            Request::Camera { eye, target, up, fov, moving } => {
-                let point = steradian::Viewpoint { eye: eye.into(), target: target.into(), up: up.into() };
-                if !point.is_sound() {
-                    return Err("the camera cannot stand in what it looks at, nor have 'up' along its view".into());
-                }
-                if !state::is_movable(document, look) {
-                    return Err("this camera cannot be moved".into());
-                }
-                if fov.is_some_and(|fov| !(fov > 0.0 && fov < 180.0)) {
-                    return Err("a field of view is above 0 and below 180 degrees".into());
-                }
-                look.view = Some(View { point, fov: fov.or(look.view.and_then(|v| v.fov)) });
-                look.moving = moving;
-                Ok(Reach::Scene)
-            }
-            Request::CameraName { name } => {
-                let Some(_) = document.desc.camera(Some(&name)) else {
-                    return Err(format!("there is no camera '{name}'"));
-                };
-                (look.camera, look.view, look.moving) = (Some(name), None, false);
-                Ok(Reach::Scene)
-            }
-            Request::CameraReset => {
-                (look.view, look.moving) = (None, false);
-                Ok(Reach::Scene)
-            }
-            Request::Settings(change) => {
-                set(&mut look.settings, change)?;
-                look.region = None;
-                Ok(Reach::Scene)
-            }
-            Request::Region { pixels } => {
-                look.region = pixels;
-                Ok(Reach::Scene)
-            }
-            Request::Layers { names } => {
-                look.layers = names.iter().map(|name| frame::layer(name)).collect::<Result<_, _>>()?;
-                Ok(Reach::Sent)
-            }
-            Request::Edit { node, parameter, value } => {
-                let options = options(look, document.desc.format, Purpose::Render);
-                let within = folder(document);
-                document.edit([&node, &parameter], value.as_deref(), &within, &options)?;
-                Ok(Reach::Scene)
-            }
-            Request::Undo => document.undo().then_some(Reach::Scene).ok_or_else(|| "there is nothing to undo".into()),
-            Request::Redo => document.redo().then_some(Reach::Scene).ok_or_else(|| "there is nothing to redo".into()),
-            Request::Pause { on } => {
-                look.paused = on;
-                Ok(if on || job.is_some() { Reach::Sent } else { Reach::Picture })
-            }
-        }
     }
 
     /// Shows what has changed: the state, a preview, and the beginning of a render.
@@ -351,6 +286,7 @@ impl Viewer {
         if reach >= Reach::Picture {
             self.generation += 1;
             self.job = None;
+            self.denoised = (0.0, 0.0);
         }
         let state = state::of(self.generation, &self.document, &self.look, &self.scene);
         self.state.send_replace(state);
@@ -436,9 +372,26 @@ impl Viewer {
             let shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner).clone();
             return shown.map_or((), |shown| self.show(shown));
         };
-        let shown = Arc::new(job.shown(self.generation, crop, "render"));
+        let mut shown = job.shown(self.generation, crop, "render");
         let failure = job.failure();
-        self.show(shown);
+        if self.look.settings.denoise == Some(true) {
+            // In the end, and on the way where it takes a small part of the time.
+            let (since, cost) = self.denoised;
+            if !(shown.is_done || shown.samples >= 1.0 && shown.seconds - since > (DENOISING * cost).max(1.0)) {
+                if since == 0.0 {
+                    self.show(Arc::new(shown));
+                }
+                return;
+            }
+            let start = Instant::now();
+            let seconds = shown.seconds;
+            match shown.denoised() {
+                Ok(denoised) => shown = denoised,
+                Err(why) => return self.say("error", why),
+            }
+            self.denoised = (seconds, start.elapsed().as_secs_f64());
+        }
+        self.show(Arc::new(shown));
         if let Some(why) = failure {
             self.say("error", why);
         }
@@ -451,50 +404,7 @@ impl Viewer {
     }
 
     fn say(&self, severity: &'static str, text: String) {
-        let message = Message { severity, text };
-        self.frame.send_modify(|frame| {
-            let mut said = Frame::clone(frame);
-            said.messages.push(serde_json::to_string(&message).unwrap_or_default());
-            *frame = Arc::new(said);
-        });
+        // Nobody may be there.
+        let _ = self.messages.send(serde_json::to_string(&Message { severity, text }).unwrap_or_default());
     }
-}
-
-/// The folder of the scene's file; of built-in scenes the current one.
-pub fn folder(document: &Document) -> PathBuf {
-    let file = document.desc.path.as_deref();
-    let folder = file.and_then(|f| f.parent()).filter(|f| !f.as_os_str().is_empty());
-    folder.map_or_else(|| PathBuf::from("."), PathBuf::from)
-}
-
-/// Takes over what is given.
-fn set(settings: &mut SettingsChange, change: SettingsChange) -> Result<(), String> {
-    let SettingsChange { integrator, spp, sampler, color, seed, max_depth, width, height } = change;
-    if let Some(color) = &color
-        && !state::COLORS.contains(&color.as_str())
-    {
-        return Err(format!("there is no colour mode '{color}'; known are {}", state::COLORS.join(", ")));
-    }
-    let size = [width.or(settings.width), height.or(settings.height)];
-    if let [Some(w), Some(h)] = size
-        && (w == 0 || h == 0 || w.max(h) > LONGEST_EDGE || u64::from(w) * u64::from(h) > MOST_PIXELS)
-    {
-        return Err(format!("pictures of {w} x {h} pixels are not shown: at least 1, at most {MOST_PIXELS} in all"));
-    }
-    if width.is_some() != height.is_some() {
-        return Err("'width' and 'height' are set together".into());
-    }
-    fn replace<T>(old: &mut Option<T>, new: Option<T>) {
-        if new.is_some() {
-            *old = new;
-        }
-    }
-    replace(&mut settings.integrator, integrator);
-    replace(&mut settings.spp, spp);
-    replace(&mut settings.sampler, sampler);
-    replace(&mut settings.color, color);
-    replace(&mut settings.seed, seed);
-    replace(&mut settings.max_depth, max_depth);
-    (settings.width, settings.height) = (size[0], size[1]);
-    Ok(())
 }

@@ -169,3 +169,85 @@ fn pauses_hold_still() {
     page.send(json!({"type": "pause", "on": false}));
     page.until("the end", |v| v["type"] == "frame" && v["done"] == true && v["kind"] == "render");
 }
+
+/// Noise is removed in the end, as `--denoise` does, and not where that makes no sense.
+#[test]
+fn noise_is_removed() {
+    let server = Server::of(BOX);
+    let mut page = server.page();
+    let end = page.finished(json!({"type": "settings", "denoise": true}));
+    assert_eq!(end["denoised"], true);
+    assert!(page.state["command"].as_str().unwrap().contains(" --denoise"), "{}", page.state["command"]);
+    let guides = steradian::denoise::GUIDES.to_vec();
+    let quality = Quality { independent: true, layers: guides, ..Quality::of("path").spp(4) };
+    let noisy = rendered(&quality, None, |_| {});
+    let clean = steradian::denoise::picture(&noisy, None, 1.0).unwrap().picture;
+    let got = served(&server);
+    assert_eq!(got.to_rgb().unwrap(), clean.to_rgb().unwrap());
+    assert_eq!(got.layer_rgb("raw").unwrap().at(5), noisy.rgb().unwrap().at(5));
+    let said = page.refusal(json!({"type": "settings", "integrator": "sppm"}));
+    assert!(said.contains("noise cannot be removed"), "{said}");
+    assert_eq!(page.finished(json!({"type": "settings", "denoise": false}))["denoised"], false);
+}
+
+/// While a hand is on a slider its edits are one, which is taken back at once.
+#[test]
+fn edits_of_a_slider_are_one() {
+    let server = Server::of(BOX);
+    let mut page = server.page();
+    page.until("the state", |v| v["type"] == "state");
+    let edit = |value: f64, moving: bool| json!({"type": "edit", "node": "white", "parameter": "reflectance", "value": value.to_string(), "moving": moving});
+    for value in [0.1, 0.2, 0.3] {
+        page.send(edit(value, true));
+        page.until("a preview", |v| v["type"] == "frame" && v["kind"] == "preview");
+    }
+    let mut wrong = edit(0.0, true);
+    wrong["value"] = json!("[1,");
+    page.refusal(wrong);
+    page.finished(edit(0.4375, false));
+    assert_eq!((&page.state["undo"], &page.state["redo"]), (&json!(1), &json!(0)));
+    page.finished(edit(0.5, false));
+    assert_eq!(page.state["undo"], 2);
+    page.finished(json!({"type": "undo"}));
+    assert!(server.get("api/scene.steradian").text().contains("0.4375"));
+    page.finished(json!({"type": "undo"}));
+    assert!(!server.get("api/scene.steradian").text().contains("0.4375"));
+}
+
+/// A scene whose file changes is shown as it is now, with the camera where it was and the edits that were made; one that
+/// cannot be read is told, and the picture stays.
+#[test]
+fn changed_files_are_read_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.steradian");
+    let text = steradian::formats::native::write(&steradian::load(BOX, &Default::default()).desc, &file).unwrap().text;
+    std::fs::write(&file, &text).unwrap();
+    let server = Server::of(&file);
+    let mut page = server.page();
+    page.finished(camera(0.5));
+    page.finished(json!({"type": "edit", "node": "white", "parameter": "reflectance", "value": "0.25"}));
+    let before = served(&server).to_rgb().unwrap();
+    let view = page.state["camera"]["eye"].clone();
+    std::fs::write(&file, "steradian: 1\nshapes: [{shape: shpere}]").unwrap();
+    let (said, _) = page.until("what is wrong", |v| v["type"] == "message");
+    assert!(said["text"].as_str().unwrap().contains("shpere"), "{said}");
+    assert_eq!(served(&server).to_rgb().unwrap(), before);
+    assert!(text.contains("radius: 0.3"), "{text}");
+    std::fs::write(&file, text.replace("radius: 0.3", "radius: 0.25")).unwrap();
+    page.until("the news", |v| v["type"] == "message" && v["severity"] == "note");
+    page.until("the end", |v| v["type"] == "frame" && v["done"] == true && v["kind"] == "render");
+    assert_eq!((&page.state["camera"]["eye"], &page.state["undo"]), (&view, &json!(1)));
+    let after = served(&server).to_rgb().unwrap();
+    assert_ne!(after, before);
+    let point = Viewpoint { eye: DVec3::new(0.5, 0.0, -3.0), target: DVec3::ZERO, up: DVec3::Y };
+    let expected = rendered(&Quality::of("path").spp(4), Some(point), |desc| {
+        for node in &mut desc.nodes {
+            match (node.name.as_deref(), node.kind.as_str()) {
+                (Some("white"), _) => node.set("reflectance", 0.25, None),
+                (_, "sphere") => node.set("radius", 0.25, None),
+                _ => node,
+            };
+        }
+    });
+    assert_eq!(after, expected.to_rgb().unwrap());
+}

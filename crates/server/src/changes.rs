@@ -1,0 +1,105 @@
+//! What requests change.
+
+use crate::{
+    document::{Edit, Purpose, told},
+    frame,
+    look::{View, options, quality, set},
+    protocol::Request,
+    state,
+    viewer::{Reach, Viewer, compile},
+};
+
+impl Viewer {
+    /// Carries out what a page asks for.
+    pub fn request(&mut self, request: Request) -> Result<Reach, String> {
+        let before = self.look.clone();
+        let reach = self.change(request)?;
+        if reach >= Reach::Scene
+            && let Err(why) = self.remake()
+        {
+            self.look = before;
+            return Err(why);
+        }
+        Ok(reach)
+    }
+
+    /// Compiles the scene as it is to be looked at, and sees whether it can be rendered so.
+    pub fn remake(&mut self) -> Result<(), String> {
+        if self.look.moving {
+            return Ok(());
+        }
+        let scene = compile(&mut self.document, &self.look, Purpose::Render).map_err(|d| told(&d))?;
+        let render = quality(&self.look).render(&scene).map_err(|e| e.to_string())?;
+        if self.look.settings.denoise == Some(true) {
+            let sensor = "the film adds the noise of a sensor, which is to stay";
+            let refusal = render.not_denoisable().or(scene.film().sensor.is_some().then_some(sensor));
+            refusal.map_or(Ok(()), |why| Err(format!("noise cannot be removed here: {why}")))?;
+        }
+        self.scene = scene;
+        Ok(())
+    }
+
+    fn change(&mut self, request: Request) -> Result<Reach, String> {
+        let Self { document, look, job, .. } = self;
+        match request {
+            Request::Camera { eye, target, up, fov, moving } => {
+                let point = steradian::Viewpoint { eye: eye.into(), target: target.into(), up: up.into() };
+                if !point.is_sound() {
+                    return Err("the camera cannot stand in what it looks at, nor have 'up' along its view".into());
+                }
+                if !state::is_movable(document, look) {
+                    return Err("this camera cannot be moved".into());
+                }
+                if fov.is_some_and(|fov| !(fov > 0.0 && fov < 180.0)) {
+                    return Err("a field of view is above 0 and below 180 degrees".into());
+                }
+                look.view = Some(View { point, fov: fov.or(look.view.and_then(|v| v.fov)) });
+                look.moving = moving;
+                Ok(Reach::Scene)
+            }
+            Request::CameraName { name } => {
+                let Some(_) = document.desc.camera(Some(&name)) else {
+                    return Err(format!("there is no camera '{name}'"));
+                };
+                (look.camera, look.view, look.moving) = (Some(name), None, false);
+                Ok(Reach::Scene)
+            }
+            Request::CameraReset => {
+                (look.view, look.moving) = (None, false);
+                Ok(Reach::Scene)
+            }
+            Request::Settings(change) => {
+                set(&mut look.settings, change)?;
+                look.region = None;
+                Ok(Reach::Scene)
+            }
+            Request::Region { pixels } => {
+                look.region = pixels;
+                Ok(Reach::Scene)
+            }
+            Request::Layers { names } => {
+                look.layers = names.iter().map(|name| frame::layer(name)).collect::<Result<_, _>>()?;
+                Ok(Reach::Sent)
+            }
+            Request::Edit { node, parameter, value, moving } => {
+                let purpose = if moving { Purpose::Preview } else { Purpose::Render };
+                let options = options(look, document.desc.format, purpose);
+                document.edit(Edit { node, parameter, value, moving }, purpose, &options)?;
+                look.moving = moving;
+                Ok(Reach::Scene)
+            }
+            Request::Undo => {
+                look.moving = false;
+                document.undo().then_some(Reach::Scene).ok_or_else(|| "there is nothing to undo".into())
+            }
+            Request::Redo => {
+                look.moving = false;
+                document.redo().then_some(Reach::Scene).ok_or_else(|| "there is nothing to redo".into())
+            }
+            Request::Pause { on } => {
+                look.paused = on;
+                Ok(if on || job.is_some() { Reach::Sent } else { Reach::Picture })
+            }
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! How the scene is looked at: camera, part of the picture, layers, settings.
+
+use crate::{document::Purpose, frame, protocol::SettingsChange, state};
+use steradian::{
+    ColorMode, CompileOptions, Layer, Quality, Viewpoint,
+    scene::{Format, NodeId, SceneDesc, Value},
+};
+
+/// Pixels of the largest picture that is shown.
+pub const MOST_PIXELS: u64 = 1 << 24;
+/// Longest edge of a picture: tiles count with 16 bits.
+const LONGEST_EDGE: u32 = 1 << 15;
+/// How the scene is looked at.
+#[derive(Clone, Debug, Default)]
+pub struct Look {
+    /// The camera that was chosen.
+    pub camera: Option<String>,
+    /// Where it was moved.
+    pub view: Option<View>,
+    /// The part that is rendered.
+    pub region: Option<[u32; 4]>,
+    /// Layers that are sent along.
+    pub layers: Vec<Layer>,
+    /// What was chosen.
+    pub settings: SettingsChange,
+    /// Whether nothing goes on.
+    pub paused: bool,
+    /// Whether a hand is on the camera.
+    pub moving: bool,
+}
+
+/// Where a camera was moved, and its field of view if that was changed, degrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// The place.
+    pub point: Viewpoint,
+    /// The field of view.
+    pub fov: Option<f64>,
+}
+
+impl View {
+    /// Puts a camera there.
+    pub fn place(&self, desc: &mut SceneDesc, camera: NodeId) {
+        self.point.place(desc, camera);
+        if let Some(fov) = self.fov {
+            desc.node_mut(camera).set("fov", Value::Float(fov), None);
+        }
+    }
+}
+
+/// How the scene is compiled.
+pub fn options(look: &Look, format: Format, purpose: Purpose) -> CompileOptions {
+    let settings = &look.settings;
+    let is_raster = settings.integrator.as_deref().is_some_and(|i| i.split(':').next() == Some("raster"));
+    let mode = match settings.color.as_deref() {
+        Some("rgb") => Some(ColorMode::Rgb),
+        Some("spectral") => Some(ColorMode::Spectral),
+        // One sample of wavelengths would be noise.
+        _ if is_raster || purpose == Purpose::Preview => Some(ColorMode::Rgb),
+        _ if format == Format::Pbrt => Some(ColorMode::Spectral),
+        _ => Some(ColorMode::Rgb),
+    };
+    CompileOptions {
+        mode,
+        size: settings.width.zip(settings.height),
+        crop: look.region,
+        camera: look.camera.clone(),
+        spp: settings.spp.flatten(),
+        ..CompileOptions::default()
+    }
+}
+
+/// What the session is asked for.
+pub fn quality(look: &Look) -> Quality {
+    let s = &look.settings;
+    Quality {
+        integrator: s.integrator.clone(),
+        spp: s.spp.flatten(),
+        seed: s.seed.flatten(),
+        max_depth: s.max_depth.flatten(),
+        sampler: s.sampler.clone().flatten(),
+        // What the inspector tells.
+        layers: frame::LAYERS.to_vec(),
+        independent: s.denoise == Some(true),
+        ..Quality::default()
+    }
+}
+
+/// Takes over what is given.
+pub fn set(settings: &mut SettingsChange, change: SettingsChange) -> Result<(), String> {
+    let SettingsChange { integrator, spp, sampler, color, seed, max_depth, denoise, width, height } = change;
+    if let Some(color) = &color
+        && !state::COLORS.contains(&color.as_str())
+    {
+        return Err(format!("there is no colour mode '{color}'; known are {}", state::COLORS.join(", ")));
+    }
+    let size = [width.or(settings.width), height.or(settings.height)];
+    if let [Some(w), Some(h)] = size
+        && (w == 0 || h == 0 || w.max(h) > LONGEST_EDGE || u64::from(w) * u64::from(h) > MOST_PIXELS)
+    {
+        return Err(format!("pictures of {w} x {h} pixels are not shown: at least 1, at most {MOST_PIXELS} in all"));
+    }
+    if width.is_some() != height.is_some() {
+        return Err("'width' and 'height' are set together".into());
+    }
+    fn replace<T>(old: &mut Option<T>, new: Option<T>) {
+        if new.is_some() {
+            *old = new;
+        }
+    }
+    replace(&mut settings.integrator, integrator);
+    replace(&mut settings.spp, spp);
+    replace(&mut settings.sampler, sampler);
+    replace(&mut settings.color, color);
+    replace(&mut settings.seed, seed);
+    replace(&mut settings.max_depth, max_depth);
+    replace(&mut settings.denoise, denoise);
+    (settings.width, settings.height) = (size[0], size[1]);
+    Ok(())
+}
