@@ -1,6 +1,7 @@
 /** Which key does what. */
 
 import type { Camera } from './camera';
+import type { Compare } from './compare';
 import type { Inspector } from './inspector';
 import { character, place, type Key } from './keys';
 import type { Look } from './look';
@@ -14,6 +15,7 @@ export interface Bound {
   camera: Camera;
   toolbar: Toolbar;
   look: Look;
+  compare: Compare;
   inspector: Inspector;
   /** Moves the camera, if it may be moved. */
   move(change: () => void): void;
@@ -26,7 +28,7 @@ export interface Bound {
 /** CSS pixels of a drag that an arrow key stands for. */
 const STEP = 20;
 
-export function bindings({ view, camera, toolbar, look, inspector, move, from, fly, send, help }: Bound): Key[] {
+export function bindings({ view, camera, toolbar, look, compare, inspector, move, from, fly, send, help }: Bound): Key[] {
   const zoom = (factor: number) => {
     view.placement.zoom(factor);
     view.redraw();
@@ -80,6 +82,13 @@ export function bindings({ view, camera, toolbar, look, inspector, move, from, f
       group: 'Picture',
       is: character('l', 'L'),
       act: (e) => look.stepLayer(e.shiftKey ? -1 : 1),
+    },
+    {
+      shown: 'B',
+      doc: 'picture A or B, the one it is compared with',
+      group: 'Picture',
+      is: character('b'),
+      act: () => compare.alternate(),
     },
     { shown: 'N', doc: 'show or hide the panel', group: 'Picture', is: character('n'), act: () => toolbar.press('panel') },
     { shown: '?', doc: 'this list', group: 'Picture', is: character('?'), act: help },

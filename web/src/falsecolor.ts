@@ -11,7 +11,8 @@ const COLORS = [
   0x65cb5e, 0x70cf57, 0x7cd250, 0x89d548, 0x95d840, 0xa2da37, 0xb0dd2f, 0xbddf26, 0xcae11f, 0xd8e219, 0xe5e419, 0xf1e51d, 0xfde725,
 ];
 
-const bytes = (c: number) => [c >> 16, (c >> 8) & 255, c & 255];
+/** Red, green and blue of a colour. */
+export const bytes = (c: number) => [c >> 16, (c >> 8) & 255, c & 255];
 
 /** `falseColor(luminance)`: between the ends of the scale. */
 export const FALSE_COLOR_GLSL = `
@@ -40,24 +41,35 @@ export function scaleEnds(of: Statistics): [number, number] {
   return low < high ? [low, high] : [low, 10 * low];
 }
 
-/** The legend: a bar, and the powers of ten beside it (with 2 and 5 where few). */
+/** What the legend shows: a bar of colours from its bottom, and what is beside it. */
+export interface Scale {
+  label: string;
+  unit: string;
+  colors: number[];
+  /** Places from 0 to 1, and what is there. */
+  ticks: [number, string][];
+}
+
+/** The scale of false colour: powers of ten (with 2 and 5 where few). */
+export function falseScale(ends: [number, number], white: number, unit: string): Scale {
+  const [low, high] = [ends[0] * white, ends[1] * white];
+  const place = (v: number) => Math.log(v / low) / Math.log(high / low);
+  const ticks = ticksOf(low, high).map((v): [number, string] => [place(v), show(v)]);
+  return { label: `False colour from ${show(low)} to ${show(high)} ${unit}`, unit: unit || 'value', colors: COLORS, ticks };
+}
+
 export class Legend {
   readonly element = h('div', { class: 'legend', hidden: true, role: 'img' });
 
-  update(ends: [number, number] | null, white: number, unit: string): void {
-    this.element.hidden = ends === null;
-    if (!ends) return;
-    const [low, high] = [ends[0] * white, ends[1] * white];
-    const key = `${low} ${high}`;
-    if (this.element.dataset.key === key) return;
-    this.element.dataset.key = key;
-    this.element.setAttribute('aria-label', `False colour from ${show(low)} to ${show(high)} ${unit}`);
-    const place = (v: number) => Math.log(v / low) / Math.log(high / low);
-    const stops = COLORS.map((c) => `rgb(${bytes(c).join(' ')})`).join(', ');
+  update(scale: Scale | null): void {
+    this.element.hidden = scale === null;
+    if (!scale || this.element.getAttribute('aria-label') === scale.label) return;
+    this.element.setAttribute('aria-label', scale.label);
+    const stops = scale.colors.map((c) => `rgb(${bytes(c).join(' ')})`).join(', ');
     const bar = h('div', { class: 'bar', style: `background: linear-gradient(to top, ${stops})` });
-    const ticks = ticksOf(low, high).map((v) => h('span', { style: `bottom: ${100 * place(v)}%` }, show(v)));
+    const ticks = scale.ticks.map(([place, text]) => h('span', { style: `bottom: ${100 * place}%` }, text));
     this.element.replaceChildren(
-      h('div', { class: 'unit' }, unit || 'value'),
+      h('div', { class: 'unit' }, scale.unit),
       h('div', { class: 'scale' }, bar, h('div', { class: 'ticks' }, ...ticks)),
     );
   }

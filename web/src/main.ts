@@ -2,15 +2,17 @@
 
 import './style.css';
 import { Camera } from './camera';
+import { Compare } from './compare';
 import { h, trackEditing } from './dom';
 import { Drop } from './drop';
-import { WHITE, Legend } from './falsecolor';
+import { falseScale, Legend, WHITE } from './falsecolor';
 import { Fly } from './fly';
 import { Histogram } from './histogram';
 import { Inspector } from './inspector';
 import { bindings } from './bindings';
 import { Keys } from './keys';
 import { Look } from './look';
+import { FLIP_SCALE } from './magma';
 import { Messages } from './messages';
 import { Moving } from './moving';
 import { Navigate } from './navigate';
@@ -45,6 +47,7 @@ function start(): void {
     overlay.place();
   });
   const output = new Output(view, (message) => messages.add(message));
+  const compare = new Compare(view, (message) => messages.add(message));
   const showHistogram = () => histogram.update(() => view.statistics(), view.tone.exposure);
   const look = new Look(
     view,
@@ -52,6 +55,7 @@ function start(): void {
     () => {
       output.update();
       showHistogram();
+      compare.refresh();
     },
   );
   histogram.element.addEventListener('toggle', showHistogram);
@@ -71,6 +75,7 @@ function start(): void {
     'aside',
     { class: 'panel', 'aria-label': 'Panels' },
     look.element,
+    compare.element,
     histogram.element,
     inspector.element,
     render.element,
@@ -94,7 +99,9 @@ function start(): void {
   view.drawn = () => {
     overlay.place();
     const isPicture = view.layer === 'picture';
-    legend.update(view.scale(), isPicture ? WHITE : 1, isPicture ? 'cd/m²' : '');
+    const ends = view.scale();
+    if (view.showsMap) legend.update(FLIP_SCALE);
+    else legend.update(ends && falseScale(ends, isPicture ? WHITE : 1, isPicture ? 'cd/m²' : ''));
   };
   const flying = h('div', { class: 'hint', hidden: true }, 'Flying: W A S D Q E and the mouse; Escape ends');
   fly.changed = (on) => (flying.hidden = !on);
@@ -118,7 +125,9 @@ function start(): void {
     isMovable: () => state?.camera.movable ?? false,
   });
 
-  const keys = new Keys(bindings({ view, camera, toolbar, look, inspector, move, from, fly: startFly, send, help: () => keys.toggle() }));
+  const keys = new Keys(
+    bindings({ view, camera, toolbar, look, compare, inspector, move, from, fly: startFly, send, help: () => keys.toggle() }),
+  );
 
   const socket = new Socket({
     message(message) {
@@ -146,6 +155,7 @@ function start(): void {
     view.region = next.region;
     if (!toolbar.region) overlay.region = next.region;
     look.update(next);
+    compare.takeState(next);
     render.update(next);
     cameraPanel.update(next);
     moving.state(next.generation, next.camera, isNew);
@@ -164,6 +174,7 @@ function start(): void {
     view.frame(frame);
     moving.frame(frame.generation);
     status.update(null, frame);
+    compare.takeFrame(frame);
     showHistogram();
     inspector.refresh();
   }
@@ -175,6 +186,8 @@ function start(): void {
       h('h1', { class: 'hidden' }, 'Steradian'),
       canvas,
       overlay.element,
+      compare.divider.element,
+      compare.tag,
       toolbar.element,
       legend.element,
       flying,

@@ -1,55 +1,28 @@
-/** The canvas: draws the shown layer through exposure and tone curve, or in false colour, with WebGL2. */
+/** The canvas: draws the shown layer through exposure and tone curve, or in false colour, alone or with another picture. */
 
-import { FALSE_COLOR_GLSL, scaleEnds } from './falsecolor';
+import { scaleEnds } from './falsecolor';
 import { statistics, VALUES, type Statistics } from './half';
 import { Layers, type Picture } from './layers';
 import { Placement } from './placement';
 import type { Box, FrameMessage, Tile } from './protocol';
-import { CURVES, TONE_GLSL, type Tone } from './tone';
+import { link } from './shader';
+import { CURVES, type Tone } from './tone';
 
-const VERTEX = `#version 300 es
-void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }`;
-
-const FRAGMENT = `#version 300 es
-precision highp float;
-precision highp int;
-precision highp sampler2D;
-uniform sampler2D picture;
-uniform vec2 canvasSize, corner, shownSize;  // in device pixels; the picture's left upper corner, and its size there
-uniform bool isGrey, isNearest, isFalse, isMarked;
-uniform float gain;                          // 2 to the exposure
-out vec4 color;
-${TONE_GLSL}
-${FALSE_COLOR_GLSL}
-bool isFinite(float v) { return (floatBitsToUint(v) & 0x7f800000u) != 0x7f800000u; }
-float sanitized(float v) { return v > 0.0 ? min(v, 1e9) : 0.0; }
-
-void main() {
-  vec2 at = (vec2(gl_FragCoord.x, canvasSize.y - gl_FragCoord.y) - corner) / shownSize;
-  if (any(lessThan(at, vec2(0.0))) || any(greaterThanEqual(at, vec2(1.0)))) {
-    color = vec4(0.0);
-    return;
-  }
-  ivec2 size = textureSize(picture, 0);
-  vec3 v = isNearest ? texelFetch(picture, min(ivec2(at * vec2(size)), size - 1), 0).rgb : texture(picture, at).rgb;
-  if (isGrey) v = v.rrr;
-  bool isOdd = !(isFinite(v.r) && isFinite(v.g) && isFinite(v.b));
-  if (isOdd && (isMarked || isFalse)) {
-    color = vec4(1.0, 0.0, 1.0, 1.0);
-    return;
-  }
-  if (isFalse) color = vec4(falseColor(luminance(v)), 1.0);
-  else {
-    vec3 exposed = v * gain;
-    vec3 shown = toneCurve(vec3(sanitized(exposed.r), sanitized(exposed.g), sanitized(exposed.b)));
-    color = vec4(floor(shown * 255.0 + 0.5) / 255.0, 1.0);
-  }
-}`;
+/** How the picture is shown with the other one. */
+export type Comparison = 'off' | 'split' | 'flip' | 'difference' | 'map';
 
 export class View {
   readonly canvas: HTMLCanvasElement;
   readonly placement = new Placement();
   readonly layers: Layers;
+  /** `reference`, the picture's other one, and `map`, of how far they are apart. */
+  readonly others: Layers;
+  comparison: Comparison = 'off';
+  /** Where the picture ends and the other one begins, as a part of the canvas' width. */
+  split = 0.5;
+  /** Whether it's the other one's turn. */
+  showsOther = false;
+  differenceGain = 1;
   tone: Tone = { name: 'none', values: [], exposure: 0 };
   layer = 'picture';
   isFalse = false;
@@ -74,6 +47,7 @@ export class View {
     gl.getExtension('OES_texture_half_float_linear');
     this.gl = gl;
     this.layers = new Layers(gl);
+    this.others = new Layers(gl);
     this.program = link(gl);
     new ResizeObserver(() => this.redraw()).observe(canvas);
     addEventListener('resize', () => this.redraw());
@@ -103,6 +77,18 @@ export class View {
       this.known = { picture, version: this.version, statistics: statistics(picture.halves, picture.components) };
     }
     return this.known.statistics;
+  }
+
+  /** What the picture is shown with, and how, as the shader counts. */
+  private compared(): [number, Picture | null] {
+    const other = this.layer === 'picture' ? this.others.shown(this.comparison === 'map' ? 'map' : 'reference') : null;
+    const way = { off: 0, split: 1, flip: this.showsOther ? 2 : 0, difference: 3, map: 4 }[this.comparison];
+    return other ? [way, other] : [0, null];
+  }
+
+  /** Whether the map of differences is shown. */
+  get showsMap(): boolean {
+    return this.compared()[0] === 4;
   }
 
   /** The scale of false colour, when that's shown. */
@@ -168,6 +154,17 @@ export class View {
     const { left, top, scale } = placement;
     const [x0, y0, x1, y1] = picture.crop;
     const shown = [(x1 - x0) * scale, (y1 - y0) * scale] as const;
+    const [way, other] = this.compared();
+    const [ox0, oy0, ox1, oy1] = (other ?? picture).crop;
+    gl.activeTexture(gl.TEXTURE1);
+    gl.bindTexture(gl.TEXTURE_2D, (other ?? picture).texture);
+    gl.activeTexture(gl.TEXTURE0);
+    gl.uniform1i(this.at('other'), 1);
+    gl.uniform2f(this.at('otherCorner'), left + ox0 * scale, top + oy0 * scale);
+    gl.uniform2f(this.at('otherSize'), (ox1 - ox0) * scale, (oy1 - oy0) * scale);
+    gl.uniform1i(this.at('comparison'), way);
+    gl.uniform1f(this.at('split'), this.split * canvas.width);
+    gl.uniform1f(this.at('differenceGain'), this.differenceGain);
     const gain = Math.fround(2 ** tone.exposure);
     const usesMaximum = tone.name.startsWith('equalize') && !this.isFalse;
     const maximum = usesMaximum ? Math.min((this.statistics()?.maximum ?? 1) * gain, 1e9) : 1;
@@ -189,23 +186,6 @@ export class View {
     if (!this.uniforms.has(name)) this.uniforms.set(name, this.gl.getUniformLocation(this.program, name));
     return this.uniforms.get(name)!;
   }
-}
-
-function link(gl: WebGL2RenderingContext): WebGLProgram {
-  const program = gl.createProgram();
-  for (const [kind, text] of [
-    [gl.VERTEX_SHADER, VERTEX],
-    [gl.FRAGMENT_SHADER, FRAGMENT],
-  ] as const) {
-    const shader = gl.createShader(kind)!;
-    gl.shaderSource(shader, text);
-    gl.compileShader(shader);
-    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader) ?? 'no shader');
-    gl.attachShader(program, shader);
-  }
-  gl.linkProgram(program);
-  if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program) ?? 'no program');
-  return program;
 }
 
 /** The part of the film that a frame shows. */

@@ -6,9 +6,13 @@ import { expect, middle, open, test } from './fixture';
 for (const scheme of ['dark', 'light'] as const) {
   test(`axe finds nothing, ${scheme}`, async ({ mock, ready }) => {
     await ready.emulateMedia({ colorScheme: scheme });
-    for (const title of ['Camera', 'Scene', 'Save', 'Messages']) await open(ready, title);
+    for (const title of ['Compare', 'Camera', 'Scene', 'Save', 'Messages']) await open(ready, title);
+    await ready.getByRole('button', { name: 'Keep as B' }).click();
+    await expect(ready.getByRole('slider', { name: 'Divider' })).toBeVisible();
     await ready.locator('.node', { hasText: 'red glass' }).locator('> summary').click();
-    await ready.mouse.click(...(await middle(ready)));
+    const [x, y] = await middle(ready);
+    // The divider is in the middle.
+    await ready.mouse.click(x - 30, y);
     await expect(ready.locator('.pin')).toContainText('red glass');
     await ready.getByLabel('False colour').check();
     mock.broadcast({ type: 'message', severity: 'error', text: 'a message' });
@@ -49,7 +53,9 @@ test('a window of 360 pixels: nothing is cut, the panel is a sheet', async ({ mo
   await expect(page.locator('.panel')).toBeHidden();
   await page.getByRole('button', { name: 'Panel' }).click();
   await expect(page.locator('.panel')).toBeVisible();
-  for (const title of ['Camera', 'Scene', 'Save', 'Messages']) await open(page, title);
+  for (const title of ['Compare', 'Camera', 'Scene', 'Save', 'Messages']) await open(page, title);
+  await page.getByRole('button', { name: 'Keep as B' }).click();
+  for (const mode of ['flip', 'difference', 'split']) await page.getByLabel('Compare with B').selectOption(mode);
   await page.locator('.node', { hasText: 'red glass' }).locator('> summary').click();
   const wide = await page.evaluate(() => {
     const all = [

@@ -6,6 +6,7 @@ import type { AddressInfo } from 'node:net';
 import { WebSocketServer, type WebSocket } from 'ws';
 import type { FrameMessage, PageMessage, SceneNode, State } from '../src/protocol';
 import { toHalf } from './half';
+import { Reference } from './reference';
 import { firstNodes, firstState } from './scene';
 
 const PAGE = new URL('../../crates/server/page/', import.meta.url);
@@ -33,6 +34,7 @@ export class Mock {
   /** Whether a camera is answered by a picture. */
   answersCamera = true;
   samples = 64;
+  readonly reference = new Reference(this);
 
   private readonly sockets = new Set<WebSocket>();
   private readonly http = createServer((request, response) => void this.answer(request, response));
@@ -140,6 +142,19 @@ export class Mock {
     return buffer;
   }
 
+  /** A tile of the whole film, not of a frame. */
+  plane(components: 1 | 3, shade: (x: number, y: number) => number[]): Buffer[] {
+    const { width, height } = this.state.film;
+    const buffer = Buffer.alloc(24 + 2 * width * height * components);
+    buffer.writeUInt32LE(0x54525453, 0);
+    [0xffff, components, width, height, 0, 0, width, height].forEach((v, i) => buffer.writeUInt16LE(v, 8 + 2 * i));
+    let at = 24;
+    for (let y = 0; y < height; y++) {
+      for (let x = 0; x < width; x++) for (const v of shade(x, y)) at = buffer.writeUInt16LE(toHalf(v), at);
+    }
+    return [buffer];
+  }
+
   private stateText(): string {
     return JSON.stringify({ type: 'state', ...this.state });
   }
@@ -180,14 +195,16 @@ export class Mock {
     const json = (body: unknown, status = 200) =>
       response.writeHead(status, { 'content-type': 'application/json' }).end(JSON.stringify(body));
     if (!url.pathname.startsWith(`/${TOKEN}/`)) return void json({ error: 'not found' }, 404);
+    let body = '';
     if (request.method === 'POST') {
       const chunks: Buffer[] = [];
       for await (const chunk of request) chunks.push(chunk as Buffer);
-      const body = Buffer.concat(chunks).toString('latin1');
+      body = Buffer.concat(chunks).toString('latin1');
       this.posted.push({ path, body });
       if (path === 'api/save') return void json({ saved: `/scenes/${(JSON.parse(body) as { name: string }).name}` });
       if (path === 'api/open') return void json({ messages: ['no scene among the files'] }, 422);
     }
+    if (this.reference.answer(request, url, path, body, response)) return;
     if (path === 'api/state') return void json(this.state);
     if (path === 'api/nodes') return void json(this.nodes);
     if (path === 'api/pixel') return void this.pixel(url.searchParams, json);

@@ -19,6 +19,7 @@ mod job;
 mod look;
 mod page;
 mod protocol;
+mod reference;
 mod requests;
 mod routes;
 mod save;

@@ -1,6 +1,6 @@
 //! What is answered under which path, and to whom.
 
-use crate::{access::Access, page, requests, save, socket, upload, viewer};
+use crate::{access::Access, page, reference, requests, save, socket, upload, viewer};
 use axum::{
     Router,
     extract::{DefaultBodyLimit, Path, Request, State},
@@ -31,12 +31,15 @@ pub struct App {
     pub sockets: Arc<AtomicUsize>,
     /// The last upload, which the scene may be made of.
     pub upload: Arc<Mutex<Option<tempfile::TempDir>>>,
+    /// What the picture is held against.
+    pub reference: Arc<reference::Keeper>,
 }
 
 impl App {
     /// For a viewer.
     pub fn new(access: Access, viewer: viewer::Handle, log: Arc<dyn Fn(&str) + Send + Sync>) -> Self {
-        Self { access: Arc::new(access), viewer, log, sockets: Arc::default(), upload: Arc::default() }
+        let access = Arc::new(access);
+        Self { access, viewer, log, sockets: Arc::default(), upload: Arc::default(), reference: Arc::default() }
     }
 }
 
@@ -60,6 +63,14 @@ pub fn router(app: App) -> Router {
         .route("/save", post(save::save))
         .route("/socket", get(socket::open))
         .layer(DefaultBodyLimit::max(MOST_BYTES))
+        .route(
+            "/reference",
+            get(reference::get)
+                .post(reference::keep)
+                .delete(reference::forget)
+                .layer(DefaultBodyLimit::max(reference::MOST_BYTES)),
+        )
+        .route("/difference", get(reference::difference))
         .route("/open", post(upload::open).layer(DefaultBodyLimit::max(upload::MOST_BYTES)))
         .fallback(|| async { Refused(StatusCode::NOT_FOUND, "there is no such request".into()) });
     let inside = Router::new()

@@ -248,6 +248,528 @@ function show(v) {
 	if (a === 0) return "0";
 	return a >= 1e6 || a < .001 ? Number(v.toPrecision(3)).toExponential() : String(Number(v.toPrecision(4)));
 }
+// src/divider.ts
+/** The line between the picture and B: dragged, or moved by keys. */
+var Divider = class {
+	moved;
+	element;
+	/** `moved` is given the part of the width that is the picture's. */
+	constructor(moved) {
+		this.moved = moved;
+		const names = [h("span", { class: "side" }, "A"), h("span", { class: "side" }, "B")];
+		this.element = h("div", {
+			class: "divider",
+			role: "slider",
+			tabindex: 0,
+			hidden: true,
+			"aria-label": "Divider: A at its left, B at its right",
+			"aria-orientation": "horizontal",
+			"aria-valuemin": 0,
+			"aria-valuemax": 100,
+			onkeydown: (event) => this.press(event),
+			onpointerdown: (event) => this.element.setPointerCapture(event.pointerId),
+			onpointermove: (event) => this.drag(event)
+		}, ...names);
+		this.set(.5);
+	}
+	part = .5;
+	set(part) {
+		this.part = Math.min(Math.max(part, 0), 1);
+		this.element.style.left = `${100 * this.part}%`;
+		this.element.setAttribute("aria-valuenow", String(Math.round(100 * this.part)));
+		this.element.setAttribute("aria-valuetext", `${Math.round(100 * this.part)} % of the width are A`);
+		this.moved(this.part);
+	}
+	drag(event) {
+		if (!this.element.hasPointerCapture(event.pointerId)) return;
+		const box = this.element.parentElement.getBoundingClientRect();
+		this.set((event.clientX - box.left) / box.width);
+	}
+	press(event) {
+		const step = event.shiftKey ? .1 : .01;
+		const part = {
+			ArrowLeft: this.part - step,
+			ArrowDown: this.part - step,
+			ArrowRight: this.part + step,
+			ArrowUp: this.part + step,
+			PageDown: this.part - .1,
+			PageUp: this.part + .1,
+			Home: 0,
+			End: 1
+		}[event.key];
+		if (part === void 0 || event.ctrlKey || event.metaKey || event.altKey) return;
+		event.preventDefault();
+		this.set(part);
+	}
+};
+// src/protocol.ts
+var MAGIC = 1414681683;
+var HEADER = 24;
+/** The tile in a binary message, or `null` where it isn't one. */
+function parseTile(buffer) {
+	if (buffer.byteLength < HEADER) return null;
+	const view = new DataView(buffer);
+	if (view.getUint32(0, true) !== MAGIC) return null;
+	const short = (at) => view.getUint16(at, true);
+	const tile = {
+		generation: view.getUint32(4, true),
+		layer: short(8),
+		components: short(10),
+		frameWidth: short(12),
+		frameHeight: short(14),
+		x: short(16),
+		y: short(18),
+		width: short(20),
+		height: short(22)
+	};
+	const count = tile.width * tile.height * tile.components;
+	const whole = buffer.byteLength === HEADER + 2 * count && (tile.components === 1 || tile.components === 3);
+	const inside = tile.x + tile.width <= tile.frameWidth && tile.y + tile.height <= tile.frameHeight;
+	return whole && inside && count > 0 ? {
+		...tile,
+		halves: new Uint16Array(buffer, HEADER, count)
+	} : null;
+}
+// src/reference.ts
+/** B, the picture that the shown one is compared with: the server keeps it. */
+/** An answer of JSON and tiles, each after its length. */
+function parsePieces(buffer) {
+	const view = new DataView(buffer);
+	const pieces = [];
+	for (let at = 0; at + 4 <= buffer.byteLength;) {
+		const end = at + 4 + view.getUint32(at, true);
+		pieces.push(buffer.slice(at + 4, end));
+		at = end;
+	}
+	return {
+		head: JSON.parse(new TextDecoder().decode(pieces[0])),
+		tiles: pieces.slice(1).flatMap((piece) => parseTile(piece) ?? [])
+	};
+}
+async function checked(response) {
+	if (response.ok) return response;
+	const body = await response.json().catch(() => ({}));
+	throw new Error(body.error ?? response.statusText);
+}
+/** B with its tiles; `null` where there is none. */
+async function fetchReference() {
+	const response = await checked(await fetch("./api/reference"));
+	return response.status === 204 ? null : parsePieces(await response.arrayBuffer());
+}
+/** Makes the shown picture B, or a file. */
+async function keepReference(file) {
+	const body = new FormData();
+	if (file) body.append("file", file, file.name);
+	await checked(await fetch(`./api/reference${file ? "" : "?from=current"}`, file ? {
+		method: "POST",
+		body
+	} : { method: "POST" }));
+}
+async function clearReference() {
+	await checked(await fetch("./api/reference", { method: "DELETE" }));
+}
+/** The map of FLIP errors of what is displayed. */
+async function fetchFlip(tone, exposure) {
+	const query = new URLSearchParams({
+		metric: "flip",
+		tone,
+		exposure: String(exposure)
+	});
+	return parsePieces(await (await checked(await fetch(`./api/difference?${query}`))).arrayBuffer());
+}
+// src/flipmap.ts
+/** The map of FLIP errors: asked of the server as frames come, one at a time. */
+var FlipMap = class {
+	view;
+	tone;
+	told;
+	isBusy = false;
+	isStale = false;
+	turn = 0;
+	/** `told` is given the figures, or why there are none. */
+	constructor(view, tone, told) {
+		this.view = view;
+		this.tone = tone;
+		this.told = told;
+	}
+	/** The picture, B or how they are displayed has changed. */
+	update() {
+		if (this.isBusy) this.isStale = true;
+		else this.ask();
+	}
+	/** Forgets the map, also the one that is on its way. */
+	clear() {
+		this.turn++;
+		this.isStale = false;
+		this.view.others.keep(["reference"]);
+	}
+	async ask() {
+		this.isBusy = true;
+		const { turn } = this;
+		try {
+			const { head, tiles } = await fetchFlip(this.tone(), this.view.tone.exposure);
+			if (turn === this.turn) {
+				for (const tile of tiles) this.view.others.tile("map", tile);
+				this.view.others.swap(head.crop, "map");
+				this.view.redraw();
+				this.told(head);
+			}
+		} catch (error) {
+			if (turn === this.turn) this.told(error instanceof Error ? error.message : String(error));
+		}
+		this.isBusy = false;
+		if (this.isStale) {
+			this.isStale = false;
+			this.update();
+		}
+	}
+};
+// src/number.ts
+/** Fields for numbers: one to type in, with a slider where a range is known. */
+/** Wider ranges than this, from above zero, slide by their logarithm. */
+var WIDE = 1e3;
+/** Wider ranges than this have no slider. */
+var MOST$1 = 1e4;
+function numberField(options) {
+	const { label, range, whole = false, unit = "", change } = options;
+	const [low, high] = (options.slider ?? range ?? []).map((v) => v ?? NaN);
+	const ends = low !== void 0 && high !== void 0 && low < high && high - low <= MOST$1 ? [low, high] : null;
+	const isLog = ends !== null && ends[0] > 0 && ends[1] / ends[0] >= WIDE;
+	const place = (v) => isLog ? Math.log(v) : v;
+	const value = (p) => {
+		const v = isLog ? Math.exp(p) : p;
+		return whole ? Math.round(v) : Number(v.toPrecision(6));
+	};
+	const field = h("input", {
+		type: "number",
+		class: "number",
+		step: whole ? 1 : "any",
+		min: range && Number.isFinite(range[0]) ? range[0] : null,
+		max: range && Number.isFinite(range[1]) ? range[1] : null,
+		"aria-label": label,
+		required: true,
+		onchange: () => {
+			if (field.checkValidity()) take(field.valueAsNumber, true);
+			else field.reportValidity();
+		}
+	});
+	const slider = !ends ? null : h("input", {
+		type: "range",
+		min: place(ends[0]),
+		max: place(ends[1]),
+		step: whole && !isLog ? 1 : options.step ?? (place(ends[1]) - place(ends[0])) / 500,
+		"aria-label": `${label}, slider`,
+		oninput: () => slide(false),
+		onchange: () => slide(true)
+	});
+	function slide(done) {
+		const v = value(Number(slider.value));
+		setValue(field, String(v));
+		change(v, done);
+	}
+	function take(v, done) {
+		if (slider) setValue(slider, String(place(v)));
+		change(v, done);
+	}
+	function set(v) {
+		setValue(field, String(Number(v.toPrecision(7))));
+		if (slider) setValue(slider, String(place(v)));
+	}
+	const element = h("span", { class: slider ? "slide" : "plain" }, slider, field, unit ? h("span", { class: "unit" }, unit) : null);
+	set(options.value);
+	return {
+		element,
+		set
+	};
+}
+// src/tone.ts
+/** Curves that the shader has; a curve's number there is its place here. */
+var CURVES = [
+	"none",
+	"clamp",
+	"equalize",
+	"gamma",
+	"clamp-gamma",
+	"equalize-gamma",
+	"reinhard",
+	"aces-fit",
+	"agx",
+	"pbr-neutral",
+	"hable"
+];
+/** `toneCurve(rgb)`: display values in [0, 1] of linear values after exposure. */
+var TONE_GLSL = `
+uniform int curve;
+uniform vec2 values;     // the curve's parameters
+uniform float maximum;   // the picture's largest finite component, after exposure
+
+float srgbEncode(float x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1.0 / 2.4) - 0.055; }
+vec3 srgbEncode(vec3 v) { return vec3(srgbEncode(v.r), srgbEncode(v.g), srgbEncode(v.b)); }
+float luminance(vec3 v) { return 0.2126 * v.r + 0.7152 * v.g + 0.0722 * v.b; }
+vec3 power(vec3 v, float gamma) { return mix(pow(max(v, 1e-38), vec3(1.0 / gamma)), vec3(0.0), equal(v, vec3(0.0))); }
+
+vec3 acesFit(vec3 v) {
+  vec3 x = min(v, 1e4);
+  return min((x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14), 1.0);
+}
+
+vec3 agx(vec3 v) {
+  // GLSL's matrices are by columns: these are transposed rows.
+  const mat3 inset = mat3(0.84247906, 0.042328242, 0.042375655, 0.0784336, 0.878468640, 0.0784336, 0.079223745, 0.07916613, 0.879143);
+  const mat3 outset = mat3(1.196879, -0.05289685, -0.052971635, -0.09802088, 1.1519031, -0.09804345, -0.09902974, -0.09896118, 1.1510737);
+  vec3 x = (clamp(log2(max(inset * v, 1e-10)), -12.47393, 4.026069) + 12.47393) / (4.026069 + 12.47393);
+  vec3 x2 = x * x;
+  vec3 x4 = x2 * x2;
+  vec3 s = 15.5 * x4 * x2 - 40.14 * x4 * x + 31.96 * x4 - 6.868 * x2 * x + 0.4298 * x2 + 0.1191 * x - 0.00232;
+  return pow(clamp(outset * s, 1e-12, 1.0), vec3(2.2));
+}
+
+vec3 pbrNeutral(vec3 v) {
+  const float start = 0.8 - 0.04;
+  float least = min(v.r, min(v.g, v.b));
+  vec3 c = v - (least < 0.08 ? least - 6.25 * least * least : 0.04);
+  float peak = max(c.r, max(c.g, c.b));
+  if (peak < start) return c;
+  float d = 1.0 - start;
+  float compressed = 1.0 - d * d / (peak + d - start);
+  float mixed = 1.0 - 1.0 / (0.15 * (peak - compressed) + 1.0);
+  return c * (compressed / peak) * (1.0 - mixed) + compressed * mixed;
+}
+
+vec3 hableCurve(vec3 x) {
+  const float a = 0.15, b = 0.50, c = 0.10, d = 0.20, e = 0.02, f = 0.30;
+  return (x * (a * x + c * b) + d * e) / (x * (a * x + b) + d * f) - e / f;
+}
+
+vec3 toneCurve(vec3 v) {
+  vec3 result;
+  if (curve == 0) result = srgbEncode(min(v, 1.0));
+  else if (curve == 1) result = min(v / values.x, 1.0);
+  else if (curve == 2) result = v / maximum;
+  else if (curve == 3) result = power(min(v, 1.0), values.x);
+  else if (curve == 4) result = power(min(v / values.y, 1.0), values.x);
+  else if (curve == 5) result = power(min(v / maximum, 1.0), values.x);
+  else if (curve == 6) {
+    float l = luminance(v);
+    result = srgbEncode(min(v * ((1.0 + l / (values.x * values.x)) / (1.0 + l)), 1.0));
+  }
+  else if (curve == 7) result = srgbEncode(acesFit(v));
+  else if (curve == 8) result = srgbEncode(agx(v));
+  else if (curve == 9) result = srgbEncode(clamp(pbrNeutral(v), 0.0, 1.0));
+  else result = srgbEncode(clamp(hableCurve(min(2.0 * v, 1e6)) / hableCurve(vec3(values.x)), 0.0, 1.0));
+  return clamp(result, 0.0, 1.0);
+}
+`;
+/** A tone from text as the command line takes it: `reinhard:white=4,exposure=1`. */
+function parseTone(text, choices) {
+	const [name = "none", settings = ""] = text.split(":", 2);
+	const choice = choices.find((c) => c.name === name);
+	const tone = {
+		name: choice ? name : "none",
+		values: choice?.parameters.map((p) => p.default) ?? [],
+		exposure: 0
+	};
+	for (const setting of settings.split(",")) {
+		const [key, value] = setting.split("=", 2);
+		const at = choice?.parameters.findIndex((p) => p.name === key) ?? -1;
+		if (key === "exposure") tone.exposure = Number(value) || 0;
+		else if (at >= 0 && Number.isFinite(Number(value))) tone.values[at] = Number(value);
+	}
+	return tone;
+}
+/** The text of a tone without its exposure. */
+function toneText(tone, choices) {
+	const set = (choices.find((c) => c.name === tone.name)?.parameters ?? []).flatMap((p, i) => tone.values[i] === p.default ? [] : [`${p.name}=${tone.values[i]}`]);
+	return set.length > 0 ? `${tone.name}:${set.join(",")}` : tone.name;
+}
+// src/compare.ts
+/** Panel "Compare": the shown picture, A, beside B, in turn with it, minus it, or as a map of the differences one sees. */
+/** Milliseconds that A and B are shown in turn. */
+var TURN = 500;
+var Compare = class {
+	view;
+	tell;
+	element;
+	divider;
+	/** Which of the two is shown, over the picture. */
+	tag = h("div", {
+		class: "tag",
+		hidden: true
+	});
+	about = null;
+	facts = h("p", { class: "facts" }, "Nothing is kept as B.");
+	figures = h("p", {
+		class: "facts",
+		hidden: true
+	});
+	clearButton = h("button", {
+		disabled: true,
+		onclick: () => void this.act(clearReference)
+	}, "Clear B");
+	mode = h("select", {
+		"aria-label": "Compare with B",
+		onchange: () => this.choose(this.mode.value)
+	}, ...[
+		["off", "off"],
+		["split", "split"],
+		["flip", "A and B in turn"],
+		["difference", "difference A − B"],
+		["map", "FLIP map"]
+	].map(([value, text]) => h("option", { value }, text)));
+	gain;
+	automatic = h("input", {
+		type: "checkbox",
+		onchange: () => this.update()
+	});
+	automaticRow = row("By itself", this.automatic, "A and B take turns of half a second; else by key B");
+	file = h("input", {
+		type: "file",
+		hidden: true,
+		tabindex: -1,
+		"aria-label": "Picture to load as B"
+	});
+	map;
+	state = null;
+	timer = 0;
+	isPreview = true;
+	constructor(view, tell) {
+		this.view = view;
+		this.tell = tell;
+		this.divider = new Divider((part) => {
+			view.split = part;
+			view.redraw();
+		});
+		this.map = new FlipMap(view, () => toneText(view.tone, this.state?.choices.tones ?? []), (figures) => this.showFigures(figures));
+		const field = numberField({
+			label: "Gain of the difference",
+			value: 1,
+			range: [.001, 1e6],
+			slider: [.1, 1e3],
+			change: (v) => {
+				view.differenceGain = v;
+				view.redraw();
+			}
+		});
+		this.gain = row("Gain", field.element, "Grey where both are the same; with the exposure, 1 is a difference of 1 to white or black");
+		this.file.addEventListener("change", () => {
+			const file = this.file.files?.[0];
+			this.file.value = "";
+			if (file) this.act(() => keepReference(file));
+		});
+		const load = h("button", {
+			title: "EXR, PNG, HDR, PFM, JPEG, …",
+			onclick: () => this.file.click()
+		}, "Load B");
+		const keep = h("button", {
+			title: "Keep the picture as it is now",
+			onclick: () => void this.act(() => keepReference(null))
+		}, "Keep as B");
+		this.element = section("Compare", false, this.facts, h("div", { class: "buttons" }, keep, load, this.clearButton, this.file), row("Show", this.mode), this.gain, this.automaticRow, this.figures);
+		this.update();
+		this.fetch();
+	}
+	takeState(state) {
+		this.state = state;
+		this.place();
+	}
+	takeFrame({ kind }) {
+		this.isPreview = kind === "preview";
+		this.refresh();
+	}
+	/** How pictures are displayed, or the picture, has changed: so has the map. */
+	refresh() {
+		if (this.view.comparison === "map" && this.about && !this.isPreview) this.map.update();
+	}
+	/** Shows the other one of A and B. */
+	alternate() {
+		if (!this.about) return this.tell({
+			severity: "note",
+			text: "nothing is kept as B"
+		});
+		const isTurn = this.view.comparison === "flip";
+		this.view.showsOther = isTurn ? !this.view.showsOther : true;
+		this.choose("flip");
+	}
+	choose(mode) {
+		this.mode.value = mode;
+		this.view.comparison = mode;
+		this.update();
+		this.refresh();
+	}
+	/** Carries out what changes B, and takes the new one. */
+	async act(change) {
+		try {
+			await change();
+			await this.fetch();
+			if (this.about && this.view.comparison === "off") this.choose("split");
+		} catch (error) {
+			this.tell({
+				severity: "error",
+				text: error instanceof Error ? error.message : String(error)
+			});
+		}
+	}
+	async fetch() {
+		const found = await fetchReference().catch(() => null);
+		this.about = found?.head ?? null;
+		this.map.clear();
+		if (found) {
+			for (const tile of found.tiles) this.view.others.tile("reference", tile);
+			this.view.others.swap([
+				0,
+				0,
+				1,
+				1
+			], "reference");
+		} else this.view.others.keep([]);
+		this.place();
+		this.update();
+		this.refresh();
+	}
+	/** B lies where it was rendered; a file on the whole film, or on the region that is as large as it. */
+	place() {
+		const [picture, about] = [this.view.others.shown("reference"), this.about];
+		if (!picture || !about) return;
+		const { film, region } = this.view;
+		const isRegion = region && about.width === region[2] - region[0] && about.height === region[3] - region[1];
+		const isFilm = about.width === film.width && about.height === film.height;
+		picture.crop = about.crop ?? (isRegion && !isFilm ? region : [
+			0,
+			0,
+			film.width,
+			film.height
+		]);
+		const size = isFilm || isRegion || about.crop ? "" : `; the picture has ${film.width} × ${film.height}`;
+		setText(this.facts, `B: ${about.name}, ${about.width} × ${about.height}${size}`);
+	}
+	update() {
+		const { view, about } = this;
+		const mode = about ? view.comparison : "off";
+		if (!about) setText(this.facts, "Nothing is kept as B.");
+		this.clearButton.disabled = this.mode.disabled = about === null;
+		this.divider.element.hidden = mode !== "split";
+		this.gain.hidden = mode !== "difference";
+		this.automaticRow.hidden = mode !== "flip";
+		if (mode !== "map") this.figures.hidden = true;
+		clearInterval(this.timer);
+		if (mode === "flip" && this.automatic.checked) this.timer = window.setInterval(() => {
+			view.showsOther = !view.showsOther;
+			this.label(mode);
+			view.redraw();
+		}, TURN);
+		this.label(mode);
+		view.redraw();
+	}
+	label(mode) {
+		this.tag.hidden = mode === "off" || mode === "split";
+		setText(this.tag, mode === "flip" ? this.view.showsOther ? "B" : "A" : mode === "map" ? "FLIP" : "A − B");
+	}
+	showFigures(figures) {
+		this.figures.hidden = this.view.comparison !== "map";
+		const number = (v) => v === null ? "∞" : show(v);
+		setText(this.figures, typeof figures === "string" ? figures : `FLIP: mean ${number(figures.mean)}, 95 % below ${number(figures.quantile95)}; relMSE ${number(figures.relmse)}; PSNR ${number(figures.psnr)} dB`);
+	}
+};
 // src/drop.ts
 /** Files dropped on the page are opened: models or scenes with what belongs to them, folders too. */
 var Drop = class {
@@ -411,7 +933,7 @@ function octaves({ counts }, low, high, steps) {
 // src/falsecolor.ts
 /** False colour of luminance, as crates/image/src/false_color has it: viridis on a logarithmic scale, and its legend. */
 /** Every fifth of viridis' 256 colours (N. Smith and S. van der Walt 2015, CC0), sRGB. */
-var COLORS = [
+var COLORS$1 = [
 	4456788,
 	4589660,
 	4657251,
@@ -465,6 +987,7 @@ var COLORS = [
 	15852829,
 	16639781
 ];
+/** Red, green and blue of a colour. */
 var bytes = (c) => [
 	c >> 16,
 	c >> 8 & 255,
@@ -473,7 +996,7 @@ var bytes = (c) => [
 /** `falseColor(luminance)`: between the ends of the scale. */
 var FALSE_COLOR_GLSL = `
 uniform vec2 scaleEnds;
-const vec3 viridis[52] = vec3[52](${COLORS.map((c) => `vec3(${bytes(c).map((v) => `${v}.0`).join(", ")})`).join(", ")});
+const vec3 viridis[52] = vec3[52](${COLORS$1.map((c) => `vec3(${bytes(c).map((v) => `${v}.0`).join(", ")})`).join(", ")});
 
 vec3 falseColor(float l) {
   float t = l > 0.0 ? clamp(log(l / scaleEnds.x) / log(scaleEnds.y / scaleEnds.x), 0.0, 1.0) : 0.0;
@@ -481,36 +1004,40 @@ vec3 falseColor(float l) {
   return floor(mix(viridis[i], viridis[i + 1], t * 51.0 - float(i)) + 0.5) / 255.0;
 }
 `;
-/** cd/m² of a luminance of 1 W/(m² sr nm): the integral of CIE ȳ times 683 lm/W. */
-var WHITE = 72983.26;
 /** The scale's ends: 1 % and 99.9 % of the pixels above zero, or a decade where those are the same. */
 function scaleEnds(of) {
 	const low = percentile(of, .01) ?? 1;
 	const high = percentile(of, .999) ?? 1;
 	return low < high ? [low, high] : [low, 10 * low];
 }
-/** The legend: a bar, and the powers of ten beside it (with 2 and 5 where few). */
+/** The scale of false colour: powers of ten (with 2 and 5 where few). */
+function falseScale(ends, white, unit) {
+	const [low, high] = [ends[0] * white, ends[1] * white];
+	const place = (v) => Math.log(v / low) / Math.log(high / low);
+	const ticks = ticksOf(low, high).map((v) => [place(v), show(v)]);
+	return {
+		label: `False colour from ${show(low)} to ${show(high)} ${unit}`,
+		unit: unit || "value",
+		colors: COLORS$1,
+		ticks
+	};
+}
 var Legend = class {
 	element = h("div", {
 		class: "legend",
 		hidden: true,
 		role: "img"
 	});
-	update(ends, white, unit) {
-		this.element.hidden = ends === null;
-		if (!ends) return;
-		const [low, high] = [ends[0] * white, ends[1] * white];
-		const key = `${low} ${high}`;
-		if (this.element.dataset.key === key) return;
-		this.element.dataset.key = key;
-		this.element.setAttribute("aria-label", `False colour from ${show(low)} to ${show(high)} ${unit}`);
-		const place = (v) => Math.log(v / low) / Math.log(high / low);
+	update(scale) {
+		this.element.hidden = scale === null;
+		if (!scale || this.element.getAttribute("aria-label") === scale.label) return;
+		this.element.setAttribute("aria-label", scale.label);
 		const bar = h("div", {
 			class: "bar",
-			style: `background: linear-gradient(to top, ${COLORS.map((c) => `rgb(${bytes(c).join(" ")})`).join(", ")})`
+			style: `background: linear-gradient(to top, ${scale.colors.map((c) => `rgb(${bytes(c).join(" ")})`).join(", ")})`
 		});
-		const ticks = ticksOf(low, high).map((v) => h("span", { style: `bottom: ${100 * place(v)}%` }, show(v)));
-		this.element.replaceChildren(h("div", { class: "unit" }, unit || "value"), h("div", { class: "scale" }, bar, h("div", { class: "ticks" }, ...ticks)));
+		const ticks = scale.ticks.map(([place, text]) => h("span", { style: `bottom: ${100 * place}%` }, text));
+		this.element.replaceChildren(h("div", { class: "unit" }, scale.unit), h("div", { class: "scale" }, bar, h("div", { class: "ticks" }, ...ticks)));
 	}
 };
 function ticksOf(low, high) {
@@ -825,7 +1352,7 @@ var Keys = class {
 // src/bindings.ts
 /** CSS pixels of a drag that an arrow key stands for. */
 var STEP = 20;
-function bindings({ view, camera, toolbar, look, inspector, move, from, fly, send, help }) {
+function bindings({ view, camera, toolbar, look, compare, inspector, move, from, fly, send, help }) {
 	const zoom = (factor) => {
 		view.placement.zoom(factor);
 		view.redraw();
@@ -897,6 +1424,13 @@ function bindings({ view, camera, toolbar, look, inspector, move, from, fly, sen
 			group: "Picture",
 			is: character("l", "L"),
 			act: (e) => look.stepLayer(e.shiftKey ? -1 : 1)
+		},
+		{
+			shown: "B",
+			doc: "picture A or B, the one it is compared with",
+			group: "Picture",
+			is: character("b"),
+			act: () => compare.alternate()
 		},
 		{
 			shown: "N",
@@ -972,164 +1506,6 @@ function bindings({ view, camera, toolbar, look, inspector, move, from, fly, sen
 			act: () => toolbar.region ? toolbar.setRegion(false) : inspector.set(null)
 		}
 	];
-}
-// src/number.ts
-/** Fields for numbers: one to type in, with a slider where a range is known. */
-/** Wider ranges than this, from above zero, slide by their logarithm. */
-var WIDE = 1e3;
-/** Wider ranges than this have no slider. */
-var MOST$1 = 1e4;
-function numberField(options) {
-	const { label, range, whole = false, unit = "", change } = options;
-	const [low, high] = (options.slider ?? range ?? []).map((v) => v ?? NaN);
-	const ends = low !== void 0 && high !== void 0 && low < high && high - low <= MOST$1 ? [low, high] : null;
-	const isLog = ends !== null && ends[0] > 0 && ends[1] / ends[0] >= WIDE;
-	const place = (v) => isLog ? Math.log(v) : v;
-	const value = (p) => {
-		const v = isLog ? Math.exp(p) : p;
-		return whole ? Math.round(v) : Number(v.toPrecision(6));
-	};
-	const field = h("input", {
-		type: "number",
-		class: "number",
-		step: whole ? 1 : "any",
-		min: range && Number.isFinite(range[0]) ? range[0] : null,
-		max: range && Number.isFinite(range[1]) ? range[1] : null,
-		"aria-label": label,
-		required: true,
-		onchange: () => {
-			if (field.checkValidity()) take(field.valueAsNumber, true);
-			else field.reportValidity();
-		}
-	});
-	const slider = !ends ? null : h("input", {
-		type: "range",
-		min: place(ends[0]),
-		max: place(ends[1]),
-		step: whole && !isLog ? 1 : options.step ?? (place(ends[1]) - place(ends[0])) / 500,
-		"aria-label": `${label}, slider`,
-		oninput: () => slide(false),
-		onchange: () => slide(true)
-	});
-	function slide(done) {
-		const v = value(Number(slider.value));
-		setValue(field, String(v));
-		change(v, done);
-	}
-	function take(v, done) {
-		if (slider) setValue(slider, String(place(v)));
-		change(v, done);
-	}
-	function set(v) {
-		setValue(field, String(Number(v.toPrecision(7))));
-		if (slider) setValue(slider, String(place(v)));
-	}
-	const element = h("span", { class: slider ? "slide" : "plain" }, slider, field, unit ? h("span", { class: "unit" }, unit) : null);
-	set(options.value);
-	return {
-		element,
-		set
-	};
-}
-// src/tone.ts
-/** Curves that the shader has; a curve's number there is its place here. */
-var CURVES = [
-	"none",
-	"clamp",
-	"equalize",
-	"gamma",
-	"clamp-gamma",
-	"equalize-gamma",
-	"reinhard",
-	"aces-fit",
-	"agx",
-	"pbr-neutral",
-	"hable"
-];
-/** `toneCurve(rgb)`: display values in [0, 1] of linear values after exposure. */
-var TONE_GLSL = `
-uniform int curve;
-uniform vec2 values;     // the curve's parameters
-uniform float maximum;   // the picture's largest finite component, after exposure
-
-float srgbEncode(float x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1.0 / 2.4) - 0.055; }
-vec3 srgbEncode(vec3 v) { return vec3(srgbEncode(v.r), srgbEncode(v.g), srgbEncode(v.b)); }
-float luminance(vec3 v) { return 0.2126 * v.r + 0.7152 * v.g + 0.0722 * v.b; }
-vec3 power(vec3 v, float gamma) { return mix(pow(max(v, 1e-38), vec3(1.0 / gamma)), vec3(0.0), equal(v, vec3(0.0))); }
-
-vec3 acesFit(vec3 v) {
-  vec3 x = min(v, 1e4);
-  return min((x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14), 1.0);
-}
-
-vec3 agx(vec3 v) {
-  // GLSL's matrices are by columns: these are transposed rows.
-  const mat3 inset = mat3(0.84247906, 0.042328242, 0.042375655, 0.0784336, 0.878468640, 0.0784336, 0.079223745, 0.07916613, 0.879143);
-  const mat3 outset = mat3(1.196879, -0.05289685, -0.052971635, -0.09802088, 1.1519031, -0.09804345, -0.09902974, -0.09896118, 1.1510737);
-  vec3 x = (clamp(log2(max(inset * v, 1e-10)), -12.47393, 4.026069) + 12.47393) / (4.026069 + 12.47393);
-  vec3 x2 = x * x;
-  vec3 x4 = x2 * x2;
-  vec3 s = 15.5 * x4 * x2 - 40.14 * x4 * x + 31.96 * x4 - 6.868 * x2 * x + 0.4298 * x2 + 0.1191 * x - 0.00232;
-  return pow(clamp(outset * s, 1e-12, 1.0), vec3(2.2));
-}
-
-vec3 pbrNeutral(vec3 v) {
-  const float start = 0.8 - 0.04;
-  float least = min(v.r, min(v.g, v.b));
-  vec3 c = v - (least < 0.08 ? least - 6.25 * least * least : 0.04);
-  float peak = max(c.r, max(c.g, c.b));
-  if (peak < start) return c;
-  float d = 1.0 - start;
-  float compressed = 1.0 - d * d / (peak + d - start);
-  float mixed = 1.0 - 1.0 / (0.15 * (peak - compressed) + 1.0);
-  return c * (compressed / peak) * (1.0 - mixed) + compressed * mixed;
-}
-
-vec3 hableCurve(vec3 x) {
-  const float a = 0.15, b = 0.50, c = 0.10, d = 0.20, e = 0.02, f = 0.30;
-  return (x * (a * x + c * b) + d * e) / (x * (a * x + b) + d * f) - e / f;
-}
-
-vec3 toneCurve(vec3 v) {
-  vec3 result;
-  if (curve == 0) result = srgbEncode(min(v, 1.0));
-  else if (curve == 1) result = min(v / values.x, 1.0);
-  else if (curve == 2) result = v / maximum;
-  else if (curve == 3) result = power(min(v, 1.0), values.x);
-  else if (curve == 4) result = power(min(v / values.y, 1.0), values.x);
-  else if (curve == 5) result = power(min(v / maximum, 1.0), values.x);
-  else if (curve == 6) {
-    float l = luminance(v);
-    result = srgbEncode(min(v * ((1.0 + l / (values.x * values.x)) / (1.0 + l)), 1.0));
-  }
-  else if (curve == 7) result = srgbEncode(acesFit(v));
-  else if (curve == 8) result = srgbEncode(agx(v));
-  else if (curve == 9) result = srgbEncode(clamp(pbrNeutral(v), 0.0, 1.0));
-  else result = srgbEncode(clamp(hableCurve(min(2.0 * v, 1e6)) / hableCurve(vec3(values.x)), 0.0, 1.0));
-  return clamp(result, 0.0, 1.0);
-}
-`;
-/** A tone from text as the command line takes it: `reinhard:white=4,exposure=1`. */
-function parseTone(text, choices) {
-	const [name = "none", settings = ""] = text.split(":", 2);
-	const choice = choices.find((c) => c.name === name);
-	const tone = {
-		name: choice ? name : "none",
-		values: choice?.parameters.map((p) => p.default) ?? [],
-		exposure: 0
-	};
-	for (const setting of settings.split(",")) {
-		const [key, value] = setting.split("=", 2);
-		const at = choice?.parameters.findIndex((p) => p.name === key) ?? -1;
-		if (key === "exposure") tone.exposure = Number(value) || 0;
-		else if (at >= 0 && Number.isFinite(Number(value))) tone.values[at] = Number(value);
-	}
-	return tone;
-}
-/** The text of a tone without its exposure. */
-function toneText(tone, choices) {
-	const set = (choices.find((c) => c.name === tone.name)?.parameters ?? []).flatMap((p, i) => tone.values[i] === p.default ? [] : [`${p.name}=${tone.values[i]}`]);
-	return set.length > 0 ? `${tone.name}:${set.join(",")}` : tone.name;
 }
 // src/look.ts
 /** Panel "View": exposure, tone curve with its parameters, layer, false colour. Nothing here asks for a render. */
@@ -1245,6 +1621,44 @@ var Look = class {
 		this.view.redraw();
 		this.changed();
 	}
+};
+// src/magma.ts
+/** Errors as colours, as crates/image/src/metrics/difference.rs has them, and their scale. */
+/** Nine evenly spaced colours of the map "magma" (S. van der Walt, N. Smith 2015, CC0), sRGB. */
+var COLORS = [
+	4,
+	1839172,
+	5182075,
+	8463745,
+	11875962,
+	15030628,
+	16484193,
+	16695943,
+	16580031
+];
+/** `magma(x)`: the colour of a number from 0 to 1. */
+var MAGMA_GLSL = `
+const vec3 magmaColors[9] = vec3[9](${COLORS.map((c) => `vec3(${bytes(c).map((v) => v.toFixed(1)).join(", ")})`).join(", ")});
+
+vec3 magma(float x) {
+  float t = clamp(x, 0.0, 1.0) * 8.0;
+  int i = min(int(t), 7);
+  return floor(mix(magmaColors[i], magmaColors[i + 1], t - float(i)) + 0.5) / 255.0;
+}
+`;
+/** The scale of FLIP errors. */
+var FLIP_SCALE = {
+	label: "FLIP error from 0, the same, to 1",
+	unit: "FLIP",
+	colors: COLORS,
+	ticks: [
+		0,
+		.2,
+		.4,
+		.6,
+		.8,
+		1
+	].map((v) => [v, String(v)])
 };
 // src/messages.ts
 /** Panel "Messages", and the newest one over the picture for some seconds. */
@@ -2131,34 +2545,6 @@ var CameraPanel = class {
 		this.facts.textContent = `${camera.kind}, from ${place(camera.eye)} to ${place(camera.target)}${fixed}`;
 	}
 };
-// src/protocol.ts
-var MAGIC = 1414681683;
-var HEADER = 24;
-/** The tile in a binary message, or `null` where it isn't one. */
-function parseTile(buffer) {
-	if (buffer.byteLength < HEADER) return null;
-	const view = new DataView(buffer);
-	if (view.getUint32(0, true) !== MAGIC) return null;
-	const short = (at) => view.getUint16(at, true);
-	const tile = {
-		generation: view.getUint32(4, true),
-		layer: short(8),
-		components: short(10),
-		frameWidth: short(12),
-		frameHeight: short(14),
-		x: short(16),
-		y: short(18),
-		width: short(20),
-		height: short(22)
-	};
-	const count = tile.width * tile.height * tile.components;
-	const whole = buffer.byteLength === HEADER + 2 * count && (tile.components === 1 || tile.components === 3);
-	const inside = tile.x + tile.width <= tile.frameWidth && tile.y + tile.height <= tile.frameHeight;
-	return whole && inside && count > 0 ? {
-		...tile,
-		halves: new Uint16Array(buffer, HEADER, count)
-	} : null;
-}
 // src/socket.ts
 /** The connection: typed messages, and reconnecting with growing pauses. */
 var FIRST_PAUSE = .5;
@@ -2505,8 +2891,8 @@ var Placement = class {
 		this.top = Math.round((this.canvas.height - this.film.height * this.scale) / 2);
 	}
 };
-// src/view.ts
-/** The canvas: draws the shown layer through exposure and tone curve, or in false colour, with WebGL2. */
+// src/shader.ts
+/** The shaders that draw the picture. */
 var VERTEX = `#version 300 es
 void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }`;
 var FRAGMENT = `#version 300 es
@@ -2517,22 +2903,49 @@ uniform sampler2D picture;
 uniform vec2 canvasSize, corner, shownSize;  // in device pixels; the picture's left upper corner, and its size there
 uniform bool isGrey, isNearest, isFalse, isMarked;
 uniform float gain;                          // 2 to the exposure
+uniform sampler2D other;                     // the other picture, or a map of errors
+uniform vec2 otherCorner, otherSize;
+uniform int comparison;                      // 1 split, 2 the other one, 3 difference, 4 map
+uniform float split;                         // in device pixels
+uniform float differenceGain;
 out vec4 color;
 ${TONE_GLSL}
 ${FALSE_COLOR_GLSL}
+${MAGMA_GLSL}
 bool isFinite(float v) { return (floatBitsToUint(v) & 0x7f800000u) != 0x7f800000u; }
 float sanitized(float v) { return v > 0.0 ? min(v, 1e9) : 0.0; }
 
+bool isOutside(vec2 at) { return any(lessThan(at, vec2(0.0))) || any(greaterThanEqual(at, vec2(1.0))); }
+bool isFinite(vec3 v) { return isFinite(v.r) && isFinite(v.g) && isFinite(v.b); }
+vec3 colorAt(sampler2D from, vec2 at) {
+  ivec2 size = textureSize(from, 0);
+  return isNearest ? texelFetch(from, min(ivec2(at * vec2(size)), size - 1), 0).rgb : texture(from, at).rgb;
+}
+
 void main() {
-  vec2 at = (vec2(gl_FragCoord.x, canvasSize.y - gl_FragCoord.y) - corner) / shownSize;
-  if (any(lessThan(at, vec2(0.0))) || any(greaterThanEqual(at, vec2(1.0)))) {
+  vec2 place = vec2(gl_FragCoord.x, canvasSize.y - gl_FragCoord.y);
+  vec2 at = (place - corner) / shownSize;
+  vec2 atOther = (place - otherCorner) / otherSize;
+  bool isOther = comparison == 2 || comparison == 1 && place.x >= split;
+  if (isOutside(at) || (isOther || comparison > 2) && isOutside(atOther)) {
     color = vec4(0.0);
     return;
   }
-  ivec2 size = textureSize(picture, 0);
-  vec3 v = isNearest ? texelFetch(picture, min(ivec2(at * vec2(size)), size - 1), 0).rgb : texture(picture, at).rgb;
+  vec3 v = colorAt(picture, at);
+  vec3 o = comparison > 0 ? colorAt(other, atOther) : v;
+  if (comparison == 3) {
+    vec3 d = v - o;
+    bool isOdd = !isFinite(d);
+    color = isOdd ? vec4(1.0, isMarked ? 0.0 : 1.0, 1.0, 1.0) : vec4(clamp(0.5 + 0.5 * gain * differenceGain * d, 0.0, 1.0), 1.0);
+    return;
+  }
+  if (comparison == 4) {
+    color = vec4(isFinite(o.r) ? magma(o.r) : vec3(1.0, 0.0, 1.0), 1.0);
+    return;
+  }
+  if (isOther) v = o;
   if (isGrey) v = v.rrr;
-  bool isOdd = !(isFinite(v.r) && isFinite(v.g) && isFinite(v.b));
+  bool isOdd = !isFinite(v);
   if (isOdd && (isMarked || isFalse)) {
     color = vec4(1.0, 0.0, 1.0, 1.0);
     return;
@@ -2544,10 +2957,34 @@ void main() {
     color = vec4(floor(shown * 255.0 + 0.5) / 255.0, 1.0);
   }
 }`;
+/** The program of both. */
+function link(gl) {
+	const program = gl.createProgram();
+	for (const [kind, text] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
+		const shader = gl.createShader(kind);
+		gl.shaderSource(shader, text);
+		gl.compileShader(shader);
+		if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader) ?? "no shader");
+		gl.attachShader(program, shader);
+	}
+	gl.linkProgram(program);
+	if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program) ?? "no program");
+	return program;
+}
+// src/view.ts
+/** The canvas: draws the shown layer through exposure and tone curve, or in false colour, alone or with another picture. */
 var View = class {
 	canvas;
 	placement = new Placement();
 	layers;
+	/** `reference`, the picture's other one, and `map`, of how far they are apart. */
+	others;
+	comparison = "off";
+	/** Where the picture ends and the other one begins, as a part of the canvas' width. */
+	split = .5;
+	/** Whether it's the other one's turn. */
+	showsOther = false;
+	differenceGain = 1;
 	tone = {
 		name: "none",
 		values: [],
@@ -2581,6 +3018,7 @@ var View = class {
 		gl.getExtension("OES_texture_half_float_linear");
 		this.gl = gl;
 		this.layers = new Layers(gl);
+		this.others = new Layers(gl);
 		this.program = link(gl);
 		new ResizeObserver(() => this.redraw()).observe(canvas);
 		addEventListener("resize", () => this.redraw());
@@ -2608,6 +3046,22 @@ var View = class {
 			statistics: statistics(picture.halves, picture.components)
 		};
 		return this.known.statistics;
+	}
+	/** What the picture is shown with, and how, as the shader counts. */
+	compared() {
+		const other = this.layer === "picture" ? this.others.shown(this.comparison === "map" ? "map" : "reference") : null;
+		const way = {
+			off: 0,
+			split: 1,
+			flip: this.showsOther ? 2 : 0,
+			difference: 3,
+			map: 4
+		}[this.comparison];
+		return other ? [way, other] : [0, null];
+	}
+	/** Whether the map of differences is shown. */
+	get showsMap() {
+		return this.compared()[0] === 4;
 	}
 	/** The scale of false colour, when that's shown. */
 	scale() {
@@ -2668,6 +3122,17 @@ var View = class {
 		const { left, top, scale } = placement;
 		const [x0, y0, x1, y1] = picture.crop;
 		const shown = [(x1 - x0) * scale, (y1 - y0) * scale];
+		const [way, other] = this.compared();
+		const [ox0, oy0, ox1, oy1] = (other ?? picture).crop;
+		gl.activeTexture(gl.TEXTURE1);
+		gl.bindTexture(gl.TEXTURE_2D, (other ?? picture).texture);
+		gl.activeTexture(gl.TEXTURE0);
+		gl.uniform1i(this.at("other"), 1);
+		gl.uniform2f(this.at("otherCorner"), left + ox0 * scale, top + oy0 * scale);
+		gl.uniform2f(this.at("otherSize"), (ox1 - ox0) * scale, (oy1 - oy0) * scale);
+		gl.uniform1i(this.at("comparison"), way);
+		gl.uniform1f(this.at("split"), this.split * canvas.width);
+		gl.uniform1f(this.at("differenceGain"), this.differenceGain);
 		const gain = Math.fround(2 ** tone.exposure);
 		const maximum = tone.name.startsWith("equalize") && !this.isFalse ? Math.min((this.statistics()?.maximum ?? 1) * gain, 1e9) : 1;
 		gl.uniform2f(this.at("canvasSize"), canvas.width, canvas.height);
@@ -2688,19 +3153,6 @@ var View = class {
 		return this.uniforms.get(name);
 	}
 };
-function link(gl) {
-	const program = gl.createProgram();
-	for (const [kind, text] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
-		const shader = gl.createShader(kind);
-		gl.shaderSource(shader, text);
-		gl.compileShader(shader);
-		if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader) ?? "no shader");
-		gl.attachShader(program, shader);
-	}
-	gl.linkProgram(program);
-	if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program) ?? "no program");
-	return program;
-}
 /** The part of the film that a frame shows. */
 function cropOf(frame, film, region) {
 	if (frame.crop) return frame.crop;
@@ -2750,6 +3202,7 @@ function start() {
 		overlay.place();
 	});
 	const output = new Output(view, (message) => messages.add(message));
+	const compare = new Compare(view, (message) => messages.add(message));
 	const showHistogram = () => histogram.update(() => view.statistics(), view.tone.exposure);
 	const look = new Look(view, (names) => send({
 		type: "layers",
@@ -2757,6 +3210,7 @@ function start() {
 	}), () => {
 		output.update();
 		showHistogram();
+		compare.refresh();
 	});
 	histogram.element.addEventListener("toggle", showHistogram);
 	const render = new RenderPanel(send);
@@ -2778,7 +3232,7 @@ function start() {
 	const panel = h("aside", {
 		class: "panel",
 		"aria-label": "Panels"
-	}, look.element, histogram.element, inspector.element, render.element, cameraPanel.element, nodes.element, output.element, messages.element);
+	}, look.element, compare.element, histogram.element, inspector.element, render.element, cameraPanel.element, nodes.element, output.element, messages.element);
 	const toolbar = new Toolbar({
 		fit: () => (view.placement.fit(), view.redraw()),
 		actual: () => (view.placement.actual(), view.redraw()),
@@ -2799,7 +3253,9 @@ function start() {
 	view.drawn = () => {
 		overlay.place();
 		const isPicture = view.layer === "picture";
-		legend.update(view.scale(), isPicture ? WHITE : 1, isPicture ? "cd/m²" : "");
+		const ends = view.scale();
+		if (view.showsMap) legend.update(FLIP_SCALE);
+		else legend.update(ends && falseScale(ends, isPicture ? 72983.26 : 1, isPicture ? "cd/m²" : ""));
 	};
 	const flying = h("div", {
 		class: "hint",
@@ -2832,6 +3288,7 @@ function start() {
 		camera,
 		toolbar,
 		look,
+		compare,
 		inspector,
 		move,
 		from,
@@ -2864,6 +3321,7 @@ function start() {
 		view.region = next.region;
 		if (!toolbar.region) overlay.region = next.region;
 		look.update(next);
+		compare.takeState(next);
 		render.update(next);
 		cameraPanel.update(next);
 		moving.state(next.generation, next.camera, isNew);
@@ -2883,10 +3341,11 @@ function start() {
 		view.frame(frame);
 		moving.frame(frame.generation);
 		status.update(null, frame);
+		compare.takeFrame(frame);
 		showHistogram();
 		inspector.refresh();
 	}
-	document.body.append(h("main", { class: "stage" }, h("h1", { class: "hidden" }, "Steradian"), canvas, overlay.element, toolbar.element, legend.element, flying, messages.toast, drop.hint), status.element, panel, keys.help);
+	document.body.append(h("main", { class: "stage" }, h("h1", { class: "hidden" }, "Steradian"), canvas, overlay.element, compare.divider.element, compare.tag, toolbar.element, legend.element, flying, messages.toast, drop.hint), status.element, panel, keys.help);
 	toolbar.setPanel(document.body.classList.toggle("no-panel", innerWidth < 720));
 }
 try {

@@ -94,6 +94,11 @@ impl Server {
 
     /// As the page sends files.
     pub fn upload(&self, files: &[(&str, &[u8])]) -> Answer {
+        self.send_files("api/open", files)
+    }
+
+    /// The same, elsewhere.
+    pub fn send_files(&self, path: &str, files: &[(&str, &[u8])]) -> Answer {
         let mut body = Vec::new();
         for (name, bytes) in files {
             let head = format!("--edge\r\nContent-Disposition: form-data; name=\"file\"; filename=\"{name}\"\r\n\r\n");
@@ -101,7 +106,7 @@ impl Server {
         }
         body.extend(b"--edge--\r\n");
         let headers = format!("Host: {}\r\nContent-Type: multipart/form-data; boundary=edge\r\n", self.host());
-        self.ask("POST", &(self.base() + "api/open"), &headers, &body)
+        self.ask("POST", &(self.base() + path), &headers, &body)
     }
 
     /// Whether something was logged.

@@ -3,5 +3,6 @@
 mod client;
 mod intruders;
 mod load;
+mod reference;
 mod scenes;
 mod session;
