@@ -18,6 +18,8 @@ export class Compare {
   /** Which of the two is shown, over the picture. */
   readonly tag = h('div', { class: 'tag', hidden: true });
   about: About | null = null;
+  /** Called when there is another B, or none. */
+  changed: () => void = () => {};
 
   private readonly facts = h('p', { class: 'facts' }, 'Nothing is kept as B.');
   private readonly figures = h('p', { class: 'facts', hidden: true });
@@ -145,6 +147,7 @@ export class Compare {
     this.place();
     this.update();
     this.refresh();
+    this.changed();
   }
 
   /** B lies where it was rendered; a file on the whole film, or on the region that is as large as it. */

@@ -5,6 +5,7 @@ import { Camera } from './camera';
 import { Compare } from './compare';
 import { h, trackEditing } from './dom';
 import { Drop } from './drop';
+import { Errors } from './errors';
 import { falseScale, Legend, WHITE } from './falsecolor';
 import { Fly } from './fly';
 import { Histogram } from './histogram';
@@ -48,6 +49,8 @@ function start(): void {
   });
   const output = new Output(view, (message) => messages.add(message));
   const compare = new Compare(view, (message) => messages.add(message));
+  const errors = new Errors(view);
+  compare.changed = () => errors.changeReference();
   const showHistogram = () => histogram.update(() => view.statistics(), view.tone.exposure);
   const look = new Look(
     view,
@@ -76,6 +79,7 @@ function start(): void {
     { class: 'panel', 'aria-label': 'Panels' },
     look.element,
     compare.element,
+    errors.element,
     histogram.element,
     inspector.element,
     render.element,
@@ -156,6 +160,7 @@ function start(): void {
     if (!toolbar.region) overlay.region = next.region;
     look.update(next);
     compare.takeState(next);
+    errors.takeState(next);
     render.update(next);
     cameraPanel.update(next);
     moving.state(next.generation, next.camera, isNew);
@@ -175,6 +180,7 @@ function start(): void {
     moving.frame(frame.generation);
     status.update(null, frame);
     compare.takeFrame(frame);
+    errors.takeFrame(frame);
     showHistogram();
     inspector.refresh();
   }

@@ -597,6 +597,8 @@ var Compare = class {
 		hidden: true
 	});
 	about = null;
+	/** Called when there is another B, or none. */
+	changed = () => {};
 	facts = h("p", { class: "facts" }, "Nothing is kept as B.");
 	figures = h("p", {
 		class: "facts",
@@ -725,6 +727,7 @@ var Compare = class {
 		this.place();
 		this.update();
 		this.refresh();
+		this.changed();
 	}
 	/** B lies where it was rendered; a file on the whole film, or on the region that is as large as it. */
 	place() {
@@ -930,6 +933,292 @@ function octaves({ counts }, low, high, steps) {
 	}
 	return bins;
 }
+// src/convergence.ts
+/** Errors against time or samples: what a render's frames tell, kept to compare renders. */
+/** A render of fewer frames is none that is kept. */
+var FEWEST_POINTS = 3;
+/** Frames come this much later than the one before, in time or samples, to count. */
+var APART = 1.04;
+var Convergence = class {
+	/** The last one grows. */
+	curves = [];
+	/** Takes a frame of a render, whose error to B is computed where it counts. */
+	take(frame, label, toReference) {
+		const { generation, seconds, samples, error, done } = frame;
+		if (frame.kind === "preview" || samples <= 0 || seconds <= 0) return false;
+		let curve = this.curves.at(-1);
+		const last = curve?.points.at(-1);
+		const goesOn = curve && last && curve.label === label && (curve.generation === generation || samples > last.samples);
+		if (!curve || !goesOn || last && (samples < last.samples || seconds < last.seconds)) curve = this.begin(label, generation);
+		else if (last && (samples <= last.samples || !done && seconds < APART * last.seconds && samples < APART * last.samples)) return false;
+		curve.generation = generation;
+		curve.points.push({
+			seconds,
+			samples,
+			error,
+			toReference: toReference()
+		});
+		return true;
+	}
+	/** B is another one: errors to the old one mean nothing. */
+	forgetReference() {
+		for (const curve of this.curves) for (const point of curve.points) point.toReference = null;
+	}
+	remove(curve) {
+		this.curves = this.curves.filter((c) => c !== curve);
+	}
+	begin(label, generation) {
+		const curve = {
+			label,
+			generation,
+			points: []
+		};
+		const kept = this.curves.filter((c) => c.label !== label && c.points.length >= FEWEST_POINTS);
+		this.curves = [...kept.slice(-3), curve];
+		return curve;
+	}
+};
+/** The relMSE, mean of (x − r)² / (r² + 0.01), of two pictures of a size; `null` where nothing is finite in both. */
+function relMse(picture, reference) {
+	const [a, b] = [picture.halves, reference.halves];
+	if (a.length !== b.length || picture.width !== reference.width || picture.crop.join() !== reference.crop.join()) return null;
+	let [sum, count] = [0, 0];
+	for (let i = 0; i < a.length; i++) {
+		const [x, r] = [VALUES[a[i]], VALUES[b[i]]];
+		const e = (x - r) * (x - r) / (r * r + .01);
+		if (e < Infinity) {
+			sum += e;
+			count++;
+		}
+	}
+	return count > 0 ? sum / count : null;
+}
+// src/plot.ts
+/** A small plot with two logarithmic axes, as SVG. */
+var NAMESPACE = "http://www.w3.org/2000/svg";
+var WIDTH$1 = 294;
+var HEIGHT$1 = 190;
+var LEFT = 40;
+var TOP = 6;
+function svg(tag, attributes, ...children) {
+	const element = document.createElementNS(NAMESPACE, tag);
+	for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, String(value));
+	element.append(...children);
+	return element;
+}
+/** Powers of ten within, with 2 and 5 where there are few. */
+function ticks(low, high) {
+	const factors = Math.log10(high / low) < 1.7 ? [
+		1,
+		2,
+		5
+	] : [1];
+	const step = Math.max(1, Math.ceil(Math.log10(high / low) / 6));
+	const found = [];
+	for (let e = Math.floor(Math.log10(low)); e <= Math.log10(high); e += step) for (const f of factors) {
+		const v = Number(`${f}e${e}`);
+		if (v >= low * .999 && v <= high * 1.001) found.push(v);
+	}
+	return found;
+}
+/** 10 to the power where it's short. */
+function text$2(v) {
+	return v >= .01 && v < 1e4 ? String(v) : v.toExponential(0).replace("e+", "e").replace("-", "−");
+}
+/** The ends of an axis around values: some room, and at least half a decade. */
+function ends(values) {
+	const [low, high] = [Math.min(...values), Math.max(...values)];
+	const middle = Math.sqrt(low * high);
+	const factor = Math.max(Math.sqrt(high / low) * 1.15, 10 ** .25);
+	return [middle / factor, middle * factor];
+}
+/** The plot of lines; a line of slope −1/2 lies beside them, from the first one's beginning. */
+function plot(title, description, xName, lines) {
+	const all = lines.flatMap((line) => line.points);
+	const [x0, x1] = ends(all.map((p) => p[0]));
+	const [y0, y1] = ends(all.map((p) => p[1]));
+	const x = (v) => LEFT + 248 * Math.log(v / x0) / Math.log(x1 / x0);
+	const y = (v) => 170 - 164 * Math.log(v / y0) / Math.log(y1 / y0);
+	const root = svg("svg", {
+		class: "plot",
+		viewBox: `0 0 ${WIDTH$1} ${HEIGHT$1}`,
+		role: "img",
+		"aria-labelledby": "plot-title",
+		"aria-describedby": "plot-description"
+	}, svg("title", { id: "plot-title" }, title), svg("desc", { id: "plot-description" }, description), svg("clipPath", { id: "plot-inside" }, svg("rect", {
+		x: LEFT,
+		y: TOP,
+		width: 248,
+		height: 164
+	})));
+	for (const v of ticks(x0, x1)) root.append(svg("line", {
+		class: "grid",
+		x1: x(v),
+		x2: x(v),
+		y1: TOP,
+		y2: 170
+	}), svg("text", {
+		x: x(v),
+		y: 183,
+		"text-anchor": "middle"
+	}, text$2(v)));
+	for (const v of ticks(y0, y1)) root.append(svg("line", {
+		class: "grid",
+		x1: LEFT,
+		x2: 288,
+		y1: y(v),
+		y2: y(v)
+	}), svg("text", {
+		x: 36,
+		y: y(v) + 3,
+		"text-anchor": "end"
+	}, text$2(v)));
+	root.append(svg("text", {
+		class: "axis",
+		x: 286,
+		y: 166,
+		"text-anchor": "end"
+	}, xName));
+	const inside = svg("g", { "clip-path": "url(#plot-inside)" });
+	const first = lines[0].points[0];
+	const slope = (v) => 1.5 * first[1] * Math.sqrt(first[0] / v);
+	inside.append(svg("path", {
+		class: "slope",
+		d: `M${x(x0)} ${y(slope(x0))}L${x(x1)} ${y(slope(x1))}`
+	}));
+	for (const line of lines) {
+		const places = line.points.map(([a, b]) => `${x(a).toFixed(1)} ${y(b).toFixed(1)}`);
+		inside.append(svg("path", {
+			class: `curve ${line.style}`,
+			d: `M${places.join("L")}`
+		}, svg("title", {}, line.label)));
+		const [a, b] = line.points.at(-1);
+		inside.append(svg("circle", {
+			class: `end ${line.style}`,
+			cx: x(a).toFixed(1),
+			cy: y(b).toFixed(1),
+			r: 2.5
+		}));
+	}
+	root.append(inside);
+	return root;
+}
+// src/errors.ts
+/** Panel "Error": how it falls as a render goes on, beside the renders before. */
+/** Milliseconds between drawings. */
+var PAUSE$1 = 250;
+var Errors = class {
+	view;
+	element;
+	convergence = new Convergence();
+	axis = h("select", {
+		"aria-label": "Error against",
+		onchange: () => this.draw()
+	}, ...["seconds", "samples"].map((value) => h("option", { value }, value)));
+	place = h("div", { class: "plots" });
+	list = h("ul", { class: "curves" });
+	table = h("details", {
+		class: "numbers",
+		ontoggle: () => this.fillTable()
+	}, h("summary", {}, "Table"));
+	state = null;
+	timer = 0;
+	/** Which colour each curve has. */
+	colors = /* @__PURE__ */ new Map();
+	constructor(view) {
+		this.view = view;
+		this.element = section("Error", false, row("Against", this.axis), this.place, this.list, this.table);
+		this.element.addEventListener("toggle", () => this.draw());
+		this.draw();
+	}
+	takeState(state) {
+		this.state = state;
+	}
+	/** A frame that's shown now. */
+	takeFrame(frame) {
+		if (this.convergence.take(frame, this.state?.settings.integrator || "the scene’s", () => this.toReference()) && !this.timer) this.timer = window.setTimeout(() => this.draw(), PAUSE$1);
+	}
+	/** There is another B, or none. */
+	changeReference() {
+		this.convergence.forgetReference();
+		this.draw();
+	}
+	toReference() {
+		const [picture, reference] = [this.view.layers.shown("picture"), this.view.others.shown("reference")];
+		const found = picture && reference && relMse(picture, reference);
+		return found === null ? null : Math.sqrt(found);
+	}
+	draw() {
+		clearTimeout(this.timer);
+		this.timer = 0;
+		if (!this.element.open) return;
+		const { curves } = this.convergence;
+		for (const curve of [...this.colors.keys()]) if (!curves.includes(curve)) this.colors.delete(curve);
+		for (const curve of curves) {
+			const used = [...this.colors.values()];
+			if (!this.colors.has(curve)) this.colors.set(curve, [...Array(4).keys()].find((c) => !used.includes(c)) ?? 0);
+		}
+		const axis = this.axis.value;
+		const lines = curves.flatMap((curve) => this.lines(curve, axis));
+		this.table.hidden = lines.length === 0;
+		if (lines.length === 0) this.place.replaceChildren(h("p", { class: "facts" }, "A render of some frames is drawn here."));
+		else {
+			const about = `Both axes are logarithmic; the dotted line has the slope −1/2. ${lines.map((l) => `${l.label}: ${show(l.points.at(-1)[1])} at ${show(l.points.at(-1)[0])} ${axis}`).join("; ")}.`;
+			const key = lines.some((l) => l.style.includes("measured")) ? "Lines: the estimate. Dashes: the root of the relMSE to B. " : "";
+			this.place.replaceChildren(plot(`Relative error against ${axis}`, about, axis === "samples" ? "samples per pixel" : axis, lines), h("p", { class: "facts" }, `${key}Dots: slope −1/2.`));
+		}
+		this.list.replaceChildren(...curves.filter((c) => this.lines(c, axis).length > 0).map((curve) => this.item(curve)));
+		this.fillTable();
+	}
+	/** The estimate, and the error to B where there is one. */
+	lines(curve, axis) {
+		const color = `curve-${this.colors.get(curve)}`;
+		const of = (key, style, label) => {
+			const points = curve.points.flatMap((p) => {
+				const v = p[key];
+				return v !== null && v > 0 ? [[p[axis], v]] : [];
+			});
+			return points.length > 0 ? [{
+				style: `${color} ${style}`,
+				label,
+				points
+			}] : [];
+		};
+		return [...of("error", "estimated", `${curve.label}, estimated`), ...of("toReference", "measured", `${curve.label}, root of the relMSE to B`)];
+	}
+	item(curve) {
+		const remove = () => {
+			this.convergence.remove(curve);
+			this.draw();
+		};
+		const name = `Remove the curve of ${curve.label}`;
+		return h("li", {}, h("span", { class: `swatch curve-${this.colors.get(curve)}` }), h("span", { class: "id" }, curve.label), h("button", {
+			class: "small",
+			title: name,
+			"aria-label": name,
+			onclick: remove
+		}, "×"));
+	}
+	fillTable() {
+		if (!this.table.open) return;
+		const value = (v) => v === null ? "–" : show(v);
+		const head = [
+			"",
+			"seconds",
+			"spp",
+			"error",
+			"to B"
+		].map((text) => h("th", { scope: "col" }, text));
+		const rows = this.convergence.curves.flatMap((curve) => curve.points.map((p) => h("tr", {}, h("th", { scope: "row" }, curve.label), ...[
+			p.seconds,
+			p.samples,
+			p.error,
+			p.toReference
+		].map((v) => h("td", {}, value(v))))));
+		const table = h("table", { class: "errors" }, h("thead", {}, h("tr", {}, ...head)), h("tbody", {}, ...rows));
+		this.table.replaceChildren(this.table.firstElementChild, table);
+	}
+};
 // src/falsecolor.ts
 /** False colour of luminance, as crates/image/src/false_color has it: viridis on a logarithmic scale, and its legend. */
 /** Every fifth of viridis' 256 colours (N. Smith and S. van der Walt 2015, CC0), sRGB. */
@@ -3203,6 +3492,8 @@ function start() {
 	});
 	const output = new Output(view, (message) => messages.add(message));
 	const compare = new Compare(view, (message) => messages.add(message));
+	const errors = new Errors(view);
+	compare.changed = () => errors.changeReference();
 	const showHistogram = () => histogram.update(() => view.statistics(), view.tone.exposure);
 	const look = new Look(view, (names) => send({
 		type: "layers",
@@ -3232,7 +3523,7 @@ function start() {
 	const panel = h("aside", {
 		class: "panel",
 		"aria-label": "Panels"
-	}, look.element, compare.element, histogram.element, inspector.element, render.element, cameraPanel.element, nodes.element, output.element, messages.element);
+	}, look.element, compare.element, errors.element, histogram.element, inspector.element, render.element, cameraPanel.element, nodes.element, output.element, messages.element);
 	const toolbar = new Toolbar({
 		fit: () => (view.placement.fit(), view.redraw()),
 		actual: () => (view.placement.actual(), view.redraw()),
@@ -3322,6 +3613,7 @@ function start() {
 		if (!toolbar.region) overlay.region = next.region;
 		look.update(next);
 		compare.takeState(next);
+		errors.takeState(next);
 		render.update(next);
 		cameraPanel.update(next);
 		moving.state(next.generation, next.camera, isNew);
@@ -3342,6 +3634,7 @@ function start() {
 		moving.frame(frame.generation);
 		status.update(null, frame);
 		compare.takeFrame(frame);
+		errors.takeFrame(frame);
 		showHistogram();
 		inspector.refresh();
 	}
