@@ -83,18 +83,19 @@ function keepTold(): void {
 const told = (page: Page): Promise<Told[]> => page.evaluate(() => (window as unknown as { told: Told[] }).told);
 
 /** The generation of the newest state. */
-export const generation = async (page: Page): Promise<number> => Math.max(0, ...(await told(page)).filter((t) => t.type === 'state').map((t) => t.generation));
+export const generation = async (page: Page): Promise<number> =>
+  Math.max(0, ...(await told(page)).filter((t) => t.type === 'state').map((t) => t.generation));
 
 /** A change that renders anew: waits for the finished picture of it. The frames that came, `preview` or `render`. */
 export async function anew(page: Page, change: () => Promise<unknown>): Promise<string[]> {
-  const [before, count] = [await generation(page), (await told(page)).length];
+  const before = await generation(page);
   await change();
   await page.waitForFunction((before) => {
     const { told } = window as unknown as { told: Told[] };
     const newest = Math.max(...told.filter((t) => t.type === 'state').map((t) => t.generation));
     return newest > before && told.some((t) => t.type === 'frame' && t.generation === newest && t.kind === 'render' && t.done);
   }, before);
-  return (await told(page)).slice(count).flatMap((t) => t.kind ?? []);
+  return (await told(page)).flatMap((t) => (t.generation > before ? (t.kind ?? []) : []));
 }
 
 /** The canvas's codes of all pixels of the film, rows from the top: R, G, B, …. */

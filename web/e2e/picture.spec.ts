@@ -16,7 +16,12 @@ test('the canvas, the values of pixels and the saved file are those of the copie
   await download(view, program, 'PNG', 'saved.png');
   await program.run('steradian compare saved.png agx.png --fail-above max_abs=0');
 
-  for (const [x, y] of [[0, 0], [40, 30], [95, 63], [28, 55]] as const) {
+  for (const [x, y] of [
+    [0, 0],
+    [40, 30],
+    [95, 63],
+    [28, 55],
+  ] as const) {
     const answered = view.waitForResponse((r) => r.url().includes('/api/pixel?'));
     await view.mouse.click(...(await place(view, x, y)));
     const pixel = await (await answered).json();
@@ -80,7 +85,10 @@ test('a region is rendered alone, to the same bits', async ({ program, view }) =
   expect([saved.width, saved.height]).toEqual([40, 32]);
   expect(Buffer.from(saved.rgb.buffer).equals(Buffer.from(rendered.rgb.buffer)), 'every bit of the region').toBe(true);
   const shown = await canvas(view);
-  expect(shown.slice(0, 3 * 96 * 10).every((v) => v === 0), 'nothing above the region').toBe(true);
+  expect(
+    shown.slice(0, 3 * 96 * 10).every((v) => v === 0),
+    'nothing above the region',
+  ).toBe(true);
   expect(shown.some((v) => v > 0)).toBe(true);
   await anew(view, () => view.getByRole('button', { name: 'Whole' }).click());
   await expectSame(view, program, 'whole');
