@@ -17,9 +17,9 @@ export type Edit = (value: string | null, done: boolean) => void;
 
 const NUMBER = /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i;
 
-/** The three numbers of a text, or `null`. */
+/** The three numbers of a text, `[r, g, b]` or `{rgb: [r, g, b]}`, or `null`. */
 function triple(text: string): number[] | null {
-  const parts = /^\[(.*)\]$/
+  const parts = /^(?:\{rgb: )?\[([^[\]{}]*)\]\}?$/
     .exec(text.trim())?.[1]
     ?.split(',')
     .map((p) => p.trim());

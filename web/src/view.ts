@@ -144,7 +144,15 @@ export class View {
       gl.useProgram(this.program);
       gl.bindTexture(gl.TEXTURE_2D, picture.texture);
       this.setUniforms(picture);
+      // Where no picture is, nothing is computed: software drivers run the shader's whole length for such pixels, too.
+      const { left, top, scale } = placement;
+      const [x0, y0, x1, y1] = picture.crop;
+      const [x, y] = [Math.floor(left + x0 * scale), Math.floor(top + y0 * scale)];
+      const [right, bottom] = [Math.ceil(left + x1 * scale), Math.ceil(top + y1 * scale)];
+      gl.enable(gl.SCISSOR_TEST);
+      gl.scissor(x, height - bottom, right - x, bottom - y);
       gl.drawArrays(gl.TRIANGLES, 0, 3);
+      gl.disable(gl.SCISSOR_TEST);
     }
     this.drawn();
   }

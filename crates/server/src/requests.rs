@@ -12,8 +12,8 @@ use axum::{
     http::{StatusCode, header},
     response::{IntoResponse, Json, Response},
 };
-use serde::Deserialize;
-use serde_json::{Map, Value, json};
+use serde::{Deserialize, Serialize, Serializer};
+use serde_json::{Value, json};
 use steradian::{develop, film::FirstHit};
 use tokio::sync::oneshot;
 
@@ -45,6 +45,26 @@ pub struct Place {
     y: u32,
 }
 
+/// What is known of a pixel.
+#[derive(Serialize)]
+struct Known<'a> {
+    x: u32,
+    y: u32,
+    generation: u32,
+    kind: &'static str,
+    samples: u32,
+    error: Option<f64>,
+    object: Option<&'a String>,
+    material: Option<&'a String>,
+    #[serde(serialize_with = "in_order")]
+    channels: Vec<(&'a str, Value)>,
+}
+
+/// An object with its members as they come: red before blue.
+fn in_order<S: Serializer>(members: &[(&str, Value)], to: S) -> Result<S::Ok, S::Error> {
+    to.collect_map(members.iter().map(|(name, value)| (name, value)))
+}
+
 /// The values of a pixel, as exact as they are.
 pub async fn pixel(State(app): State<App>, Query(Place { x, y }): Query<Place>) -> Result<Response, Refused> {
     let none = || Refused(StatusCode::NOT_FOUND, format!("there is no pixel {x}, {y} in the picture"));
@@ -53,7 +73,7 @@ pub async fn pixel(State(app): State<App>, Query(Place { x, y }): Query<Place>) 
     let hit = film.features.first().map(|f| FirstHit { shape: f.sum.shape, material: f.sum.material, ..f.sum });
     let image = develop(&shown.scene, &film, &LAYERS);
     let number = |v: f32| if v.is_finite() { json!(v) } else { json!(v.to_string()) };
-    let channels: Map<String, Value> = image.channels().iter().map(|c| (c.name.clone(), number(c.data[0]))).collect();
+    let channels = image.channels().iter().map(|c| (c.name.as_str(), number(c.data[0]))).collect();
     let names = shown.scene.material_names();
     let material = hit.and_then(|h| names.get(h.material.checked_sub(1)? as usize));
     let object = hit.and_then(|h| shown.scene.object_names().get(&h.shape));
@@ -62,9 +82,6 @@ pub async fn pixel(State(app): State<App>, Query(Place { x, y }): Query<Place>) 
     let error = (film.pixels[0].samples > 1)
         .then(|| (0..3).map(|c| variance[c] / (mean[c] * mean[c] + 0.01)).sum::<f64>() / 3.0)
         .map(f64::sqrt);
-    Ok(Json(json!({
-        "x": x, "y": y, "generation": shown.generation, "kind": shown.kind, "samples": film.pixels[0].samples,
-        "error": error, "object": object, "material": material, "channels": channels,
-    }))
-    .into_response())
+    let (generation, kind, samples) = (shown.generation, shown.kind, film.pixels[0].samples);
+    Ok(Json(Known { x, y, generation, kind, samples, error, object, material, channels }).into_response())
 }

@@ -2230,9 +2230,9 @@ function linearOf(hex) {
 // src/parameter.ts
 /** A field for a node's parameter, by its type and value. */
 var NUMBER = /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i;
-/** The three numbers of a text, or `null`. */
+/** The three numbers of a text, `[r, g, b]` or `{rgb: [r, g, b]}`, or `null`. */
 function triple(text) {
-	const parts = /^\[(.*)\]$/.exec(text.trim())?.[1]?.split(",").map((p) => p.trim());
+	const parts = /^(?:\{rgb: )?\[([^[\]{}]*)\]\}?$/.exec(text.trim())?.[1]?.split(",").map((p) => p.trim());
 	return parts?.length === 3 && parts.every((p) => NUMBER.test(p)) ? parts.map(Number) : null;
 }
 /** What holds; of a default without what is said of exceptions. */
@@ -3402,7 +3402,14 @@ var View = class {
 			gl.useProgram(this.program);
 			gl.bindTexture(gl.TEXTURE_2D, picture.texture);
 			this.setUniforms(picture);
+			const { left, top, scale } = placement;
+			const [x0, y0, x1, y1] = picture.crop;
+			const [x, y] = [Math.floor(left + x0 * scale), Math.floor(top + y0 * scale)];
+			const [right, bottom] = [Math.ceil(left + x1 * scale), Math.ceil(top + y1 * scale)];
+			gl.enable(gl.SCISSOR_TEST);
+			gl.scissor(x, height - bottom, right - x, bottom - y);
 			gl.drawArrays(gl.TRIANGLES, 0, 3);
+			gl.disable(gl.SCISSOR_TEST);
 		}
 		this.drawn();
 	}
