@@ -19,8 +19,8 @@
 //! slips between two triangles that share an edge, and none meets again the triangle that it leaves. There is no
 //! epsilon to choose.
 //!
-//! This crate knows nothing of materials. Of the program's `unsafe` code it has all but the calls of Open Image Denoise;
-//! each module that needs it allows it by name.
+//! This crate knows nothing of materials. Of the program's `unsafe` code it has all but the calls of Open Image
+//! Denoise; each module that needs it allows it by name.
 
 mod arena;
 pub mod bounding;

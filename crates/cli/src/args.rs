@@ -27,7 +27,8 @@ pub struct SceneOptions {
     #[arg(long, value_name = "NAME|N", help_heading = "Scene")]
     pub camera: Option<String>,
     /// Where the camera stands, a point it looks at, and the direction that is up, in the world; it keeps its lens
-    #[arg(long, value_name = "EX,EY,EZ,TX,TY,TZ,UX,UY,UZ", value_parser = values::viewpoint, allow_hyphen_values = true, help_heading = "Scene")]
+    #[arg(long, value_name = "EX,EY,EZ,TX,TY,TZ,UX,UY,UZ", value_parser = values::viewpoint)]
+    #[arg(allow_hyphen_values = true, help_heading = "Scene")]
     pub look_at: Option<Viewpoint>,
     /// Colour arithmetic; auto is spectral for pbrt scenes and RGB for others
     #[arg(long, value_enum, default_value_t, help_heading = "Scene")]
@@ -104,8 +105,8 @@ pub struct RenderArgs {
     /// Maximum number of scattering events of a path; -1 for no limit
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(i64).range(-1..=i64::from(u32::MAX)), help_heading = "Quality")]
     pub max_depth: Option<i64>,
-    /// Remove the noise when done, by nlm unless another denoiser is named; an .exr keeps the noisy picture as the layer
-    /// raw, and the layers that guided. For path, volpath, direct, whitted, ao, raycast and bdpt
+    /// Remove the noise when done, by nlm unless another denoiser is named; an .exr keeps the noisy picture as the
+    /// layer raw, and the layers that guided. For path, volpath, direct, whitted, ao, raycast and bdpt
     #[arg(long, value_name = "NAME", value_enum, num_args = 0..=1, require_equals = true, help_heading = "Quality")]
     pub denoise: Option<Option<Denoiser>>,
     /// The library of Open Image Denoise 2, or a folder that has it; --denoise then uses it
@@ -508,7 +509,8 @@ pub struct DenoiseArgs {
 /// `steradian view`.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "The address that is printed holds a secret: who knows it may look at the scene, edit it, and save pictures into its folder."
+    after_help = "The address that is printed holds a secret: who knows it may look at the scene, edit it, and save \
+                  pictures into its folder."
 )]
 pub struct ViewArgs {
     /// Scene file (.pbrt .pbrt.gz .xml .gltf .glb .obj .ply .bpt .steradian), or builtin:NAME; default: the built-in
@@ -536,7 +538,8 @@ pub struct ViewArgs {
     #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1")]
     pub bind: String,
     /// Number of threads; 0 is one per processor
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=MAX_THREADS as i64))]
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(value_parser = clap::value_parser!(u16).range(0..=MAX_THREADS as i64))]
     pub threads: u16,
 }
 

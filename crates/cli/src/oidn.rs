@@ -57,8 +57,8 @@ fn find(named: Option<&Path>, variable: Option<PathBuf>) -> Result<PathBuf, Fail
     USUAL.iter().find_map(|folder| directly_in(Path::new(folder))).ok_or_else(|| {
         let places = USUAL.join(", ");
         Failure::bad_input(format!(
-            "Open Image Denoise 2 is not found: {HOW}. It is looked for where --oidn says, where {VARIABLE} says, and as \
-             {NAME} in {places}"
+            "Open Image Denoise 2 is not found: {HOW}. It is looked for where --oidn says, where {VARIABLE} says, \
+             and as {NAME} in {places}"
         ))
     })
 }

@@ -14,7 +14,8 @@ const SETS: usize = 4;
 /// Mirrors and panes that are seen through at most.
 const MIRRORS: usize = 16;
 
-/// The first surface that scatters, along a camera ray; where it `sees_through`, with what mirrors and smooth glass show.
+/// The first surface that scatters, along a camera ray; where it `sees_through`, with what mirrors and smooth glass
+/// show.
 pub fn first_hit(scene: &Scene, ray: Ray, lambda: &Wavelengths, sees_through: bool) -> FirstHit {
     let forward = scene.camera().forward();
     let eye = ray.origin;

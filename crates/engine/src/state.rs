@@ -66,7 +66,9 @@ numbers!(u32, u64, f32, f64);
 fields! {
     Counters { rays, samples, nonfinite }
     Pixel { sum, sum_squares, samples }
-    FirstHit { albedo, normal, seen_albedo, seen_normal, geometric_normal, position, depth, distance, uv, shape, material, coverage }
+    FirstHit {
+        albedo, normal, seen_albedo, seen_normal, geometric_normal, position, depth, distance, uv, shape, material, coverage
+    }
     FirstHitSums { sum, samples }
     Hits { ids, counts }
     MatteSums { objects, materials, samples }

@@ -105,7 +105,7 @@ impl Layer {
                 "albedo of what is seen in mirrors and through smooth glass: denoise_albedo.R .G .B; not among 'all'"
             }
             Self::DenoiseNormal => {
-                "shading normal of what is seen in mirrors and through smooth glass: denoise_normal.X .Y .Z; not among 'all'"
+                "shading normal of what mirrors and smooth glass show: denoise_normal.X .Y .Z; not among 'all'"
             }
             Self::GeometricNormal => "geometric normal in the world, towards the camera: Ng.X Ng.Y Ng.Z",
             Self::Position => "world position of the first surface: P.X P.Y P.Z",

@@ -1,9 +1,9 @@
 //! What requests change.
 
 use crate::{
-    document::{Edit, Purpose, told},
+    document::{Edit, told},
     frame,
-    look::{View, options, quality, set},
+    look::{Purpose, View, options, quality, set},
     protocol::Request,
     state,
     viewer::{Reach, Viewer, compile},

@@ -1,7 +1,7 @@
 //! The scene under view: its description, what was edited, and what is compiled of it.
 
 use crate::{
-    look::View,
+    look::{Purpose, View},
     protocol::{NodeState, ParameterState},
 };
 use std::{
@@ -73,15 +73,6 @@ struct Change {
     /// How many nodes there were before it, and those that came.
     count: usize,
     added: Vec<Node>,
-}
-
-/// Which of two scenes is compiled: they keep what they are made of apart, as they may compute colours differently.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Purpose {
-    /// To be rendered.
-    Render,
-    /// For pictures at once.
-    Preview,
 }
 
 impl Document {

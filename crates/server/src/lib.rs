@@ -12,10 +12,13 @@
 //! ```
 
 mod access;
+mod app;
 mod changes;
+mod difference;
 mod document;
 mod frame;
 mod job;
+mod kept;
 mod look;
 mod page;
 mod protocol;
@@ -110,7 +113,7 @@ impl View {
         let url = format!("http://{}/{}/", shown(address), access.token());
         let viewer = viewer::start(options.source.clone(), options.settings.clone()).map_err(Error::Scene)?;
         let stop = Arc::new(Notify::new());
-        let app = routes::App::new(access, viewer, Arc::clone(&options.log));
+        let app = app::App::new(access, viewer, Arc::clone(&options.log));
         let (router, stopped) = (routes::router(app), Arc::clone(&stop));
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(refused)?;
         let serve = move || {

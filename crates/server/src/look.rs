@@ -1,6 +1,9 @@
 //! How the scene is looked at: camera, part of the picture, layers, settings.
 
-use crate::{document::Purpose, frame, protocol::SettingsChange, state};
+use crate::{
+    frame,
+    protocol::{COLORS, SettingsChange},
+};
 use steradian::{
     ColorMode, CompileOptions, Layer, Quality, Viewpoint,
     scene::{Format, NodeId, SceneDesc, Value},
@@ -10,6 +13,15 @@ use steradian::{
 pub const MOST_PIXELS: u64 = 1 << 24;
 /// Longest edge of a picture: tiles count with 16 bits.
 const LONGEST_EDGE: u32 = 1 << 15;
+/// Which of two scenes is compiled: they keep what they are made of apart, as they may compute colours differently.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// To be rendered.
+    Render,
+    /// For pictures at once.
+    Preview,
+}
+
 /// How the scene is looked at.
 #[derive(Clone, Debug, Default)]
 pub struct Look {
@@ -90,9 +102,9 @@ pub fn quality(look: &Look) -> Quality {
 pub fn set(settings: &mut SettingsChange, change: SettingsChange) -> Result<(), String> {
     let SettingsChange { integrator, spp, sampler, color, seed, max_depth, denoise, width, height } = change;
     if let Some(color) = &color
-        && !state::COLORS.contains(&color.as_str())
+        && !COLORS.contains(&color.as_str())
     {
-        return Err(format!("there is no colour mode '{color}'; known are {}", state::COLORS.join(", ")));
+        return Err(format!("there is no colour mode '{color}'; known are {}", COLORS.join(", ")));
     }
     let size = [width.or(settings.width), height.or(settings.height)];
     if let [Some(w), Some(h)] = size

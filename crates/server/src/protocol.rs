@@ -3,6 +3,9 @@
 
 use serde::{Deserialize, Serialize};
 
+/// How colours are computed with.
+pub const COLORS: [&str; 3] = ["auto", "rgb", "spectral"];
+
 /// What a page asks for.
 #[derive(Clone, Debug, Deserialize, PartialEq)]
 #[serde(tag = "type", rename_all = "kebab-case", rename_all_fields = "camelCase", deny_unknown_fields)]

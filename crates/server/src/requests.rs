@@ -1,10 +1,10 @@
 //! Questions about the view.
 
 use crate::{
+    app::{App, Refused},
     document::Document,
     frame::LAYERS,
     look::Look,
-    routes::{App, Refused},
     viewer::Task,
 };
 use axum::{

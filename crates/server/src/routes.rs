@@ -1,15 +1,17 @@
 //! What is answered under which path, and to whom.
 
-use crate::{access::Access, page, reference, requests, save, socket, upload, viewer};
+use crate::{
+    app::{App, Refused},
+    difference, page, reference, requests, save, socket, upload,
+};
 use axum::{
     Router,
     extract::{DefaultBodyLimit, Path, Request, State},
     http::{HeaderValue, StatusCode, Uri, header},
     middleware::{self, Next},
-    response::{IntoResponse, Json, Response},
+    response::{IntoResponse, Response},
     routing::{get, post},
 };
-use std::sync::{Arc, Mutex, atomic::AtomicUsize};
 
 /// Bytes of a request, but for uploads.
 const MOST_BYTES: usize = 64 << 10;
@@ -18,39 +20,6 @@ const MOST_BYTES: usize = 64 << 10;
 /// notebooks do.
 const POLICY: &str = "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; \
                       connect-src 'self'; base-uri 'none'; form-action 'none'; object-src 'none'";
-
-/// What all requests share.
-#[derive(Clone)]
-pub struct App {
-    access: Arc<Access>,
-    /// The thread that renders.
-    pub viewer: viewer::Handle,
-    /// Told of what is refused.
-    pub log: Arc<dyn Fn(&str) + Send + Sync>,
-    /// Sockets that are open.
-    pub sockets: Arc<AtomicUsize>,
-    /// The last upload, which the scene may be made of.
-    pub upload: Arc<Mutex<Option<tempfile::TempDir>>>,
-    /// What the picture is held against.
-    pub reference: Arc<reference::Keeper>,
-}
-
-impl App {
-    /// For a viewer.
-    pub fn new(access: Access, viewer: viewer::Handle, log: Arc<dyn Fn(&str) + Send + Sync>) -> Self {
-        let access = Arc::new(access);
-        Self { access, viewer, log, sockets: Arc::default(), upload: Arc::default(), reference: Arc::default() }
-    }
-}
-
-/// Why a request is not carried out.
-pub struct Refused(pub StatusCode, pub String);
-
-impl IntoResponse for Refused {
-    fn into_response(self) -> Response {
-        (self.0, Json(serde_json::json!({ "error": self.1 }))).into_response()
-    }
-}
 
 /// All that there is.
 pub fn router(app: App) -> Router {
@@ -70,7 +39,7 @@ pub fn router(app: App) -> Router {
                 .delete(reference::forget)
                 .layer(DefaultBodyLimit::max(reference::MOST_BYTES)),
         )
-        .route("/difference", get(reference::difference))
+        .route("/difference", get(difference::difference))
         .route("/open", post(upload::open).layer(DefaultBodyLimit::max(upload::MOST_BYTES)))
         .fallback(|| async { Refused(StatusCode::NOT_FOUND, "there is no such request".into()) });
     let inside = Router::new()

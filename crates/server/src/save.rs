@@ -1,8 +1,8 @@
 //! Pictures and scenes as files: to be downloaded, or put into the scene's folder.
 
 use crate::{
+    app::{App, Refused},
     requests::ask,
-    routes::{App, Refused},
 };
 use axum::{
     extract::{Json, Path, Query, State},

@@ -1,9 +1,9 @@
 //! A page's connection: requests in, states and frames out. A page that reads slowly misses frames, and holds up none.
 
 use crate::{
+    app::{App, Refused},
     frame::Frame,
     protocol::{Message as Said, Request},
-    routes::{App, Refused},
     viewer::Task,
 };
 use axum::{

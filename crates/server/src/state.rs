@@ -4,7 +4,7 @@ use crate::{
     document::Document,
     frame::LAYERS,
     look::{Look, quality},
-    protocol::{About, CameraState, Choices, Named, Said, Settings, Size, State, Tone, ToneParameter},
+    protocol::{About, COLORS, CameraState, Choices, Named, Said, Settings, Size, State, Tone, ToneParameter},
 };
 use std::{path::Path, sync::Arc};
 use steradian::{
@@ -14,9 +14,6 @@ use steradian::{
     registry,
     scene::{Format, Node, Severity, Value},
 };
-
-/// How colours are computed with.
-pub const COLORS: [&str; 3] = ["auto", "rgb", "spectral"];
 
 /// Messages that pages are told, at most.
 const MOST_MESSAGES: usize = 50;

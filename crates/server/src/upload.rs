@@ -1,8 +1,8 @@
 //! Scenes that are dropped onto the page. They lie in a folder of their own, and read nothing outside it.
 
 use crate::{
+    app::{App, Refused},
     document::Source,
-    routes::{App, Refused},
     viewer::Task,
 };
 use axum::{

@@ -2,10 +2,10 @@
 //! it as it grows.
 
 use crate::{
-    document::{Document, Purpose, Source, Stamps, told},
+    document::{Document, Source, Stamps, told},
     frame::{Backdrop, Frame, Shown},
     job::Job,
-    look::{Look, options, quality},
+    look::{Look, Purpose, options, quality},
     protocol::{Message, Request, SettingsChange},
     state,
 };

@@ -40,7 +40,7 @@ struct Baseline {
 }
 
 /// Crates that face the user, who may be asked and told by way of the system.
-const FACING: [&str; 5] = ["steradian", "cli", "python", "xtask", "testkit"];
+const FACING: [&str; 6] = ["steradian", "cli", "python", "server", "xtask", "testkit"];
 
 /// A source file.
 struct Source {

@@ -51,7 +51,7 @@ impl Plane {
         self.values[place / self.width * self.stride() + self.margin + place % self.width]
     }
 
-    /// The values from a column of a row, at most the margin beyond the edge; rows beyond the edge are that at the edge.
+    /// The values from a column of a row, at most the margin beyond the edge; rows beyond it are the one at the edge.
     #[inline(always)]
     pub fn block(&self, [x, y]: [i64; 2]) -> &Block {
         let y = y.clamp(0, self.height as i64 - 1) as usize;

@@ -97,7 +97,7 @@ impl Server {
         self.send_files("api/open", files)
     }
 
-    /// The same, elsewhere.
+    /// A request of the page.
     pub fn send_files(&self, path: &str, files: &[(&str, &[u8])]) -> Answer {
         let mut body = Vec::new();
         for (name, bytes) in files {
@@ -119,7 +119,7 @@ impl Server {
         self.try_page().unwrap()
     }
 
-    /// The same, where there is room.
+    /// A connection, where there is room for it.
     pub fn try_page(&self) -> Option<Page> {
         let url = format!("ws://{}{}api/socket", self.host(), self.base());
         let mut request = url.into_client_request().unwrap();

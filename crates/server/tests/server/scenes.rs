@@ -32,7 +32,8 @@ fn models_are_dropped() {
 fn dropped_scenes_read_nothing_elsewhere() {
     let folder = tempfile::tempdir().unwrap();
     let secret = folder.path().join("secret.ply");
-    let ply = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+               element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
     std::fs::write(&secret, ply).unwrap();
     let absolute = secret.display().to_string();
     let up = format!("../{}/secret.ply", folder.path().file_name().unwrap().to_string_lossy());
@@ -41,14 +42,21 @@ fn dropped_scenes_read_nothing_elsewhere() {
         let pbrt = format!("Camera \"perspective\" WorldBegin Shape \"plymesh\" \"string filename\" \"{path}\"");
         let include = format!("Camera \"perspective\" WorldBegin Include \"{path}\"");
         let xml = format!(
-            "<scene version='3.0.0'><sensor type='perspective'/><shape type='ply'><string name='filename' value='{path}'/></shape></scene>"
+            "<scene version='3.0.0'><sensor type='perspective'/><shape type='ply'>\
+             <string name='filename' value='{path}'/></shape></scene>"
         );
         let xml_include = format!("<scene version='3.0.0'><include filename='{path}'/></scene>");
-        let gltf = format!(
-            r#"{{"asset": {{"version": "2.0"}}, "buffers": [{{"uri": "{path}", "byteLength": 3}}], "bufferViews": [{{"buffer": 0, "byteLength": 3}}],
-            "accessors": [{{"bufferView": 0, "componentType": 5121, "count": 3, "type": "SCALAR"}}], "images": [{{"uri": "{path}"}}],
-            "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}}}]}}], "nodes": [{{"mesh": 0}}], "scenes": [{{"nodes": [0]}}]}}"#
-        );
+        let gltf = serde_json::json!({
+            "asset": {"version": "2.0"},
+            "buffers": [{"uri": path, "byteLength": 3}],
+            "bufferViews": [{"buffer": 0, "byteLength": 3}],
+            "accessors": [{"bufferView": 0, "componentType": 5121, "count": 3, "type": "SCALAR"}],
+            "images": [{"uri": path}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+            "nodes": [{"mesh": 0}],
+            "scenes": [{"nodes": [0]}],
+        })
+        .to_string();
         let own = format!(
             "steradian: 1\ncameras: [{{camera: perspective}}]\nshapes: [{{shape: mesh, mesh: {{file: \"{path}\"}}}}]\n"
         );

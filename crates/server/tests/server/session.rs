@@ -196,7 +196,10 @@ fn edits_of_a_slider_are_one() {
     let server = Server::of(BOX);
     let mut page = server.page();
     page.until("the state", |v| v["type"] == "state");
-    let edit = |value: f64, moving: bool| json!({"type": "edit", "node": "white", "parameter": "reflectance", "value": value.to_string(), "moving": moving});
+    let edit = |value: f64, moving: bool| {
+        let value = value.to_string();
+        json!({"type": "edit", "node": "white", "parameter": "reflectance", "value": value, "moving": moving})
+    };
     for value in [0.1, 0.2, 0.3] {
         page.send(edit(value, true));
         page.until("a preview", |v| v["type"] == "frame" && v["kind"] == "preview");
@@ -214,8 +217,8 @@ fn edits_of_a_slider_are_one() {
     assert!(!server.get("api/scene.steradian").text().contains("0.4375"));
 }
 
-/// A scene whose file changes is shown as it is now, with the camera where it was and the edits that were made; one that
-/// cannot be read is told, and the picture stays.
+/// A scene whose file changes is shown as it is now, with the camera where it was and the edits that were made; one
+/// that cannot be read is told, and the picture stays.
 #[test]
 fn changed_files_are_read_again() {
     let folder = tempfile::tempdir().unwrap();

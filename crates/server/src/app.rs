@@ -1,0 +1,42 @@
+//! What all requests share, and how they are refused.
+
+use crate::{access::Access, kept::Keeper, viewer};
+use axum::{
+    http::StatusCode,
+    response::{IntoResponse, Json, Response},
+};
+use std::sync::{Arc, Mutex, atomic::AtomicUsize};
+
+/// What all requests share.
+#[derive(Clone)]
+pub struct App {
+    /// Who may ask.
+    pub access: Arc<Access>,
+    /// The thread that renders.
+    pub viewer: viewer::Handle,
+    /// Told of what is refused.
+    pub log: Arc<dyn Fn(&str) + Send + Sync>,
+    /// Sockets that are open.
+    pub sockets: Arc<AtomicUsize>,
+    /// The last upload, which the scene may be made of.
+    pub upload: Arc<Mutex<Option<tempfile::TempDir>>>,
+    /// What the picture is held against.
+    pub reference: Arc<Keeper>,
+}
+
+impl App {
+    /// For a viewer.
+    pub fn new(access: Access, viewer: viewer::Handle, log: Arc<dyn Fn(&str) + Send + Sync>) -> Self {
+        let access = Arc::new(access);
+        Self { access, viewer, log, sockets: Arc::default(), upload: Arc::default(), reference: Arc::default() }
+    }
+}
+
+/// Why a request is not carried out.
+pub struct Refused(pub StatusCode, pub String);
+
+impl IntoResponse for Refused {
+    fn into_response(self) -> Response {
+        (self.0, Json(serde_json::json!({ "error": self.1 }))).into_response()
+    }
+}

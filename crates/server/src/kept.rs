@@ -1,0 +1,74 @@
+//! The reference that there is, for all requests.
+
+use serde::Serialize;
+use std::sync::{Arc, Mutex, PoisonError};
+use steradian::image::Image;
+
+/// The reference, if there is one.
+#[derive(Default)]
+pub struct Keeper {
+    kept: Mutex<Option<Arc<Reference>>>,
+    /// One file is decoded, or one map made, at a time.
+    turn: Arc<tokio::sync::Mutex<()>>,
+}
+
+/// A picture to hold others against.
+pub struct Reference {
+    /// What pages know of it.
+    pub about: About,
+    /// The picture.
+    pub image: Image,
+}
+
+/// What pages know of a reference.
+#[derive(Clone, Serialize)]
+pub struct About {
+    /// What it is called.
+    pub name: String,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// The part of the full picture that it shows, x0, y0, x1, y1; `None` of files.
+    pub crop: Option<[u32; 4]>,
+}
+
+impl Reference {
+    /// Of a picture that tiles can hold, with colours.
+    ///
+    /// # Errors
+    /// Where it is none of these.
+    pub fn new(name: String, crop: Option<[u32; 4]>, image: Image) -> Result<Self, String> {
+        image.require_rgb().map_err(|e| e.to_string())?;
+        let side =
+            |n: usize| u16::try_from(n).map_err(|_| format!("{n} pixels are too many along an edge: {}", u16::MAX));
+        let [width, height] = [side(image.width())?, side(image.height())?].map(u32::from);
+        Ok(Self { about: About { name, width, height, crop }, image })
+    }
+}
+
+impl Keeper {
+    /// The one there is.
+    pub fn get(&self) -> Option<Arc<Reference>> {
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Takes another one, or none.
+    pub fn set(&self, reference: Option<Reference>) {
+        *self.kept.lock().unwrap_or_else(PoisonError::into_inner) = reference.map(Arc::new);
+    }
+
+    /// Works beside the server, one at a time.
+    ///
+    /// # Errors
+    /// Where the work could not be done.
+    pub async fn work<T: Send + 'static>(&self, work: impl FnOnce() -> T + Send + 'static) -> std::io::Result<T> {
+        let turn = Arc::clone(&self.turn).lock_owned().await;
+        let work = move || {
+            // Held to the end, also where nobody waits any longer.
+            let _turn = turn;
+            work()
+        };
+        tokio::task::spawn_blocking(work).await.map_err(std::io::Error::other)
+    }
+}
