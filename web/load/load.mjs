@@ -1,8 +1,8 @@
 /** Many pages at one program: `npm run load -- --seconds 600 --clients 20`. In the first half one of them moves the camera every two
  *  seconds (`--every`); in the second all watch, and all but one go and come back, which tells what they cost. Fails on a request
- *  that fails, and on memory that grows; on the cost of pages with `--most-cpu PERCENT`. */
+ *  that fails, on memory that grows, and on serving that costs; on what a sample costs more with `--most-cpu PERCENT`. */
 
-import { connect, cpu, options, pause, quantile, resident, start, turned } from './program.mjs';
+import { connect, cpu, options, pause, quantile, resident, server, start, turned } from './program.mjs';
 
 const {
   seconds,
@@ -14,9 +14,12 @@ const {
 } = options({ seconds: 20, clients: 20, every: 2, scene: 'builtin:cornell-box', size: '320x200', 'most-cpu': 0 });
 /** Growth of the memory at its peaks, in per cent, and in MiB what an allocator may keep. */
 const [MOST_GROWTH, MOST_KEPT] = [2, 4];
+/** Part of the CPU time that serving may take: unlike that of a sample, whatever else the machine does. */
+const MOST_SHARE = 0.05;
 
 const program = start([scene, '--size', size, '--spp', '16777216']);
 const address = await program.address;
+const [whole, serving] = [`/proc/${program.pid}`, server(program.pid)];
 const [width, height] = size.split('x').map(Number);
 const failures = [];
 const failed = (why) => failures.push(why);
@@ -35,7 +38,8 @@ function open(i) {
       if (i === 0 && message.type === 'state') camera ??= message.camera;
       if (message.type !== 'frame') return;
       frames[i]++;
-      if (i === 0 && message.kind === 'render') ticks.push({ at: performance.now(), cpu: cpu(program.pid), samples: message.samples });
+      if (i === 0 && message.kind === 'render')
+        ticks.push({ at: performance.now(), cpu: cpu(whole), serving: cpu(serving), samples: message.samples });
     },
     failed,
   );
@@ -84,7 +88,12 @@ for (let all = true; performance.now() + 900 * window < end; all = !all) {
   ticks = ticks.slice(-1);
   await pause(0.9 * window);
   const [first, last] = [ticks[0], ticks.at(-1)];
-  if (ticks.length > 1 && last.samples > first.samples) costs.push({ all, cost: (last.cpu - first.cpu) / (last.samples - first.samples) });
+  if (ticks.length > 1 && last.samples > first.samples)
+    costs.push({
+      all,
+      cost: (last.cpu - first.cpu) / (last.samples - first.samples),
+      share: (last.serving - first.serving) / (last.cpu - first.cpu),
+    });
 }
 for (let i = 1; i < clients; i++) open(i);
 await ask();
@@ -115,6 +124,10 @@ const median = (all) =>
     costs.flatMap((c) => (c.all === all ? [c.cost] : [])),
     0.5,
   );
+const share = quantile(
+  costs.flatMap((c) => (c.all ? [c.share] : [])),
+  0.5,
+);
 const nanoseconds = (all) => ((1e9 * median(all)) / (width * height)).toFixed(0);
 
 console.log(`${clients} pages, ${took.toFixed(0)} s, ${scene} at ${size}: ${requests.count} requests, ${failures.length} failed`);
@@ -123,12 +136,17 @@ console.log(`frames of a page while the camera moves: ${spread(moved)}`);
 console.log(
   `memory at its peaks by tenths of the time, MiB: ${tenths.map((m) => m.toFixed(1)).join(' ')}; growth ${growths.map((g) => `${percent(g).toFixed(2)} %`).join(' and ')}`,
 );
-console.log(`CPU time of a sample, ns: ${nanoseconds(false)} with one page, ${nanoseconds(true)} with ${clients}`);
-console.log(`  pairs of windows: ${ratios.map((r) => `${(100 * (r - 1)).toFixed(2)} %`).join(' ')}; in the median ${more.toFixed(2)} %`);
+if (ratios.length === 0) console.log('CPU time of a sample: too short a time to compare');
+else {
+  console.log(`CPU time of a sample, ns: ${nanoseconds(false)} with one page, ${nanoseconds(true)} with ${clients}`);
+  console.log(`  pairs of windows: ${ratios.map((r) => `${(100 * (r - 1)).toFixed(2)} %`).join(' ')}; in the median ${more.toFixed(2)} %`);
+}
+console.log(`CPU time of the thread that serves ${clients} pages: of all ${(100 * share).toFixed(2)} %`);
 const wrong = [
   failures.length > 0 && 'requests failed',
   Math.min(...frames) === 0 && 'a page got no frame',
   ...growths.map((g) => percent(g) > MOST_GROWTH && g[1] - g[0] > MOST_KEPT && `memory grows by ${percent(g).toFixed(1)} %`),
+  !(share <= MOST_SHARE) && `serving takes ${(100 * share).toFixed(1)} % of the CPU time`,
   mostCpu > 0 && !(more <= mostCpu) && `pages cost ${more.toFixed(1)} %`,
 ].filter(Boolean);
 if (wrong.length > 0) console.log(`FAILED: ${wrong.join('; ')}`);

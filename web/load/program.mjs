@@ -1,7 +1,7 @@
 /** `steradian view` as a process, and connections to it. */
 
 import { spawn } from 'node:child_process';
-import { readFileSync } from 'node:fs';
+import { existsSync, readdirSync, readFileSync } from 'node:fs';
 import { resolve } from 'node:path';
 import { WebSocket } from 'ws';
 
@@ -29,10 +29,18 @@ export function start(words, patience = 60) {
   return { from, pid: child.pid, address, stop, said: () => said };
 }
 
-/** User and system time of a process, seconds. */
-export function cpu(pid) {
-  const fields = readFileSync(`/proc/${pid}/stat`, 'utf8').split(') ')[1].split(' ');
+/** User and system time of a process or a thread, seconds. */
+export function cpu(task) {
+  const fields = readFileSync(`${task}/stat`, 'utf8').split(') ')[1].split(' ');
   return (Number(fields[11]) + Number(fields[12])) / TICKS;
+}
+
+/** The thread that serves pages, for `cpu`; of the process's first threads, which stay. */
+export function server(pid) {
+  const tasks = readdirSync(`/proc/${pid}/task`).map((t) => `/proc/${pid}/task/${t}`);
+  const found = tasks.find((task) => existsSync(`${task}/comm`) && readFileSync(`${task}/comm`, 'utf8').trim() === 'server');
+  if (!found) throw new Error('there is no thread of the name "server"');
+  return found;
 }
 
 /** Resident memory of a process, MiB. */
