@@ -38,8 +38,14 @@ function open(i) {
       if (i === 0 && message.type === 'state') camera ??= message.camera;
       if (message.type !== 'frame') return;
       frames[i]++;
-      if (i === 0 && message.kind === 'render')
-        ticks.push({ at: performance.now(), cpu: cpu(whole), serving: cpu(serving), samples: message.samples });
+      if (i === 0 && message.kind === 'render' && message.samples > 1)
+        ticks.push({
+          at: performance.now(),
+          cpu: cpu(whole),
+          serving: cpu(serving),
+          samples: message.samples,
+          generation: message.generation,
+        });
     },
     failed,
   );
@@ -87,8 +93,9 @@ for (let all = true; performance.now() + 900 * window < end; all = !all) {
   await pause(Math.min(1, window / 5));
   ticks = ticks.slice(-1);
   await pause(0.9 * window);
-  const [first, last] = [ticks[0], ticks.at(-1)];
-  if (ticks.length > 1 && last.samples > first.samples)
+  const last = ticks.at(-1);
+  const first = ticks.find((t) => t.generation === last?.generation);
+  if (last?.samples > first?.samples)
     costs.push({
       all,
       cost: (last.cpu - first.cpu) / (last.samples - first.samples),
