@@ -1,9 +1,9 @@
 //! The reference: a picture that is kept, or comes as a file, to hold the one that is shown against it.
 
 use crate::{
+    look::MOST_PIXELS,
     routes::{App, Refused},
     tile::{self, Plane},
-    viewer::MOST_PIXELS,
 };
 use axum::{
     extract::{Multipart, Query, State, multipart::MultipartRejection},
