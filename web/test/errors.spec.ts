@@ -28,7 +28,7 @@ test('errors that fall as the root of time lie along the slope', async ({ mock, 
   await expect.poll(async () => ((await ready.locator('.curve').getAttribute('d')) ?? '').split('L').length).toBe(4);
   const rise = ([x0, y0, x1, y1]: number[]) => (y1! - y0!) / (x1! - x0!);
   expect(rise(await endsOf(ready, '.curve'))).toBeCloseTo(rise(await endsOf(ready, '.slope')), 2);
-  await ready.getByLabel('Error against').selectOption('samples');
+  await ready.getByLabel('Error against', { exact: true }).selectOption('samples');
   await expect(ready.getByRole('img', { name: 'Relative error against samples' })).toHaveAccessibleDescription(/0.05 at 64 samples/);
   await ready.getByText('Table', { exact: true }).click();
   await expect(ready.locator('table.errors tbody tr')).toHaveCount(4);
