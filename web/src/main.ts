@@ -178,6 +178,7 @@ function start(): void {
   function takeFrame(frame: FrameMessage): void {
     view.frame(frame);
     moving.frame(frame.generation);
+    nodes.frame();
     status.update(null, frame);
     compare.takeFrame(frame);
     errors.takeFrame(frame);

@@ -4,6 +4,9 @@ import { h, section, setText } from './dom';
 import { kindOf, parameterField, type Field } from './parameter';
 import type { NodeParameter, PageMessage, SceneNode, State } from './protocol';
 
+/** Milliseconds after which a picture that did not come is no longer waited for. */
+const PATIENCE = 2000;
+
 class ParameterRow {
   readonly element = h('div', { class: 'row parameter' });
   private field: Field | null = null;
@@ -93,6 +96,9 @@ export class Nodes {
   private readonly items = new Map<string, NodeItem>();
   private key = '';
   private wants = false;
+  /** The edit of a slider that is held, until it is sent. */
+  private held: PageMessage | null = null;
+  private sentAt = -PATIENCE;
 
   constructor(private readonly send: (message: PageMessage) => boolean) {
     this.element = section('Scene', false, h('div', { class: 'buttons' }, this.undo, this.redo, this.filter), this.list);
@@ -144,11 +150,29 @@ export class Nodes {
     this.sift();
   }
 
-  /** Sends an edit; of a slider that is held the last one only, as each can be undone. */
+  /** Sends an edit; while a slider is held only when the picture of the last one came. */
   private edit(node: string, parameter: string, value: string | null, done: boolean): void {
-    if (!done) return;
+    if (!done) {
+      this.held = { type: 'edit', node, parameter, value, moving: true };
+      this.sendHeld();
+      return;
+    }
+    this.held = null;
     this.wants = true;
     this.send({ type: 'edit', node, parameter, value });
+  }
+
+  private sendHeld(): void {
+    if (this.held === null || performance.now() - this.sentAt < PATIENCE) return;
+    this.send(this.held);
+    this.held = null;
+    this.sentAt = performance.now();
+  }
+
+  /** A picture came. */
+  frame(): void {
+    this.sentAt = -PATIENCE;
+    this.sendHeld();
   }
 
   /** Shows the nodes whose id or kind has the filter's text. */

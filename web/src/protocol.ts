@@ -99,7 +99,7 @@ export type PageMessage =
   | ({ type: 'settings' } & Partial<Settings & { width: number; height: number }>)
   | { type: 'region'; pixels: Box | null }
   | { type: 'layers'; names: string[] }
-  | { type: 'edit'; node: string; parameter: string; value: string | null }
+  | { type: 'edit'; node: string; parameter: string; value: string | null; moving?: boolean }
   | { type: 'undo' }
   | { type: 'redo' }
   | { type: 'pause'; on: boolean };

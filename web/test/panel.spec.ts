@@ -99,7 +99,10 @@ test('nodes are edited by kind of parameter, undone and redone', async ({ mock, 
   await expect.poll(() => sent(mock, 'undo')).toHaveLength(2);
 });
 
-test('a slider sends its last value, once, so that one undo takes it back', async ({ mock, ready }) => {
+test('a slider that is held sends values as pictures come, and the last one to stay, so that one undo takes it back', async ({
+  mock,
+  ready,
+}) => {
   await open(ready, 'Scene');
   await ready.locator('.node', { hasText: 'red glass' }).locator('> summary').click();
   const slider = ready.getByLabel('red glass: alpha, slider');
@@ -109,7 +112,17 @@ test('a slider sends its last value, once, so that one undo takes it back', asyn
   await ready.mouse.down();
   for (let i = 1; i <= 20; i++) await ready.mouse.move(box.x + 8 + ((box.width - 16) * i) / 20, box.y + box.height / 2);
   await ready.mouse.up();
-  await expect.poll(() => sent(mock, 'edit').map((e) => e.value)).toEqual(['1']);
+  await expect
+    .poll(() =>
+      sent(mock, 'edit')
+        .filter((e) => !e.moving)
+        .map((e) => e.value),
+    )
+    .toEqual(['1']);
+  const moving = sent(mock, 'edit').filter((e) => e.moving);
+  expect(moving.length).toBeGreaterThan(0);
+  expect(moving.length).toBeLessThanOrEqual(20);
+  expect(sent(mock, 'edit').at(-1)!.moving ?? false).toBe(false);
 });
 
 test('the scene is filtered', async ({ ready }) => {

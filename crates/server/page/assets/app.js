@@ -2003,7 +2003,7 @@ var Messages = class {
 };
 // src/moving.ts
 /** Milliseconds after which a picture that didn't come is no longer waited for. */
-var PATIENCE = 4e3;
+var PATIENCE$1 = 4e3;
 /** Milliseconds after sending a camera in which states of another one are taken for older. */
 var LATE = 500;
 var Moving = class {
@@ -2071,7 +2071,7 @@ var Moving = class {
 	schedule() {
 		this.queued ||= requestAnimationFrame(() => {
 			this.queued = 0;
-			if (this.sentAt !== null && performance.now() - this.sentAt < PATIENCE) window.setTimeout(() => this.isDirty && this.schedule(), PATIENCE);
+			if (this.sentAt !== null && performance.now() - this.sentAt < PATIENCE$1) window.setTimeout(() => this.isDirty && this.schedule(), PATIENCE$1);
 			else if (this.isDirty) this.post(true);
 		});
 	}
@@ -2380,6 +2380,8 @@ function text(p, label, edit) {
 }
 // src/nodes.ts
 /** Panel "Scene": its nodes by family, and their parameters to be edited. */
+/** Milliseconds after which a picture that did not come is no longer waited for. */
+var PATIENCE = 2e3;
 var ParameterRow = class {
 	edit;
 	element = h("div", { class: "row parameter" });
@@ -2467,6 +2469,9 @@ var Nodes = class {
 	items = /* @__PURE__ */ new Map();
 	key = "";
 	wants = false;
+	/** The edit of a slider that is held, until it is sent. */
+	held = null;
+	sentAt = -2e3;
 	constructor(send) {
 		this.send = send;
 		this.element = section("Scene", false, h("div", { class: "buttons" }, this.undo, this.redo, this.filter), this.list);
@@ -2508,9 +2513,20 @@ var Nodes = class {
 		}, h("summary", {}, h("h3", {}, family), h("span", { class: "kind" }, String(members.length))), ...members.map((n) => this.items.get(n.id).element))));
 		this.sift();
 	}
-	/** Sends an edit; of a slider that is held the last one only, as each can be undone. */
+	/** Sends an edit; while a slider is held only when the picture of the last one came. */
 	edit(node, parameter, value, done) {
-		if (!done) return;
+		if (!done) {
+			this.held = {
+				type: "edit",
+				node,
+				parameter,
+				value,
+				moving: true
+			};
+			this.sendHeld();
+			return;
+		}
+		this.held = null;
 		this.wants = true;
 		this.send({
 			type: "edit",
@@ -2518,6 +2534,17 @@ var Nodes = class {
 			parameter,
 			value
 		});
+	}
+	sendHeld() {
+		if (this.held === null || performance.now() - this.sentAt < PATIENCE) return;
+		this.send(this.held);
+		this.held = null;
+		this.sentAt = performance.now();
+	}
+	/** A picture came. */
+	frame() {
+		this.sentAt = -2e3;
+		this.sendHeld();
 	}
 	/** Shows the nodes whose id or kind has the filter's text. */
 	sift() {
@@ -3639,6 +3666,7 @@ function start() {
 	function takeFrame(frame) {
 		view.frame(frame);
 		moving.frame(frame.generation);
+		nodes.frame();
 		status.update(null, frame);
 		compare.takeFrame(frame);
 		errors.takeFrame(frame);
