@@ -116,7 +116,7 @@ export class Errors {
   private fillTable(): void {
     if (!this.table.open) return;
     const value = (v: number | null) => (v === null ? '–' : show(v));
-    const head = ['', 'seconds', 'spp', 'error', 'to B'].map((text) => h('th', { scope: 'col' }, text));
+    const head = ['render', 'seconds', 'spp', 'error', 'to B'].map((text) => h('th', { scope: 'col' }, text));
     const rows = this.convergence.curves.flatMap((curve) =>
       curve.points.map((p) =>
         h(

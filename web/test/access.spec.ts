@@ -6,9 +6,13 @@ import { expect, middle, open, test } from './fixture';
 for (const scheme of ['dark', 'light'] as const) {
   test(`axe finds nothing, ${scheme}`, async ({ mock, ready }) => {
     await ready.emulateMedia({ colorScheme: scheme });
-    for (const title of ['Compare', 'Camera', 'Scene', 'Save', 'Messages']) await open(ready, title);
+    for (const title of ['Compare', 'Error', 'Camera', 'Scene', 'Save', 'Messages']) await open(ready, title);
     await ready.getByRole('button', { name: 'Keep as B' }).click();
     await expect(ready.getByRole('slider', { name: 'Divider' })).toBeVisible();
+    mock.shade = () => [0.5, 0.5, 0.5];
+    for (const samples of [65, 70, 80]) mock.frame({ samples, seconds: samples });
+    await ready.getByText('Table', { exact: true }).click();
+    await expect(ready.locator('.plot .measured.curve')).toHaveCount(1);
     await ready.locator('.node', { hasText: 'red glass' }).locator('> summary').click();
     const [x, y] = await middle(ready);
     // The divider is in the middle.
@@ -53,7 +57,7 @@ test('a window of 360 pixels: nothing is cut, the panel is a sheet', async ({ mo
   await expect(page.locator('.panel')).toBeHidden();
   await page.getByRole('button', { name: 'Panel' }).click();
   await expect(page.locator('.panel')).toBeVisible();
-  for (const title of ['Compare', 'Camera', 'Scene', 'Save', 'Messages']) await open(page, title);
+  for (const title of ['Compare', 'Error', 'Camera', 'Scene', 'Save', 'Messages']) await open(page, title);
   await page.getByRole('button', { name: 'Keep as B' }).click();
   for (const mode of ['flip', 'difference', 'split']) await page.getByLabel('Compare with B').selectOption(mode);
   await page.locator('.node', { hasText: 'red glass' }).locator('> summary').click();

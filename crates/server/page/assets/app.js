@@ -1203,7 +1203,7 @@ var Errors = class {
 		if (!this.table.open) return;
 		const value = (v) => v === null ? "–" : show(v);
 		const head = [
-			"",
+			"render",
 			"seconds",
 			"spp",
 			"error",
