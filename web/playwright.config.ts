@@ -6,8 +6,10 @@ const system = ['/usr/bin/chromium', '/usr/bin/google-chrome'].find((path) => ex
 
 export default defineConfig({
   testDir: 'test',
-  timeout: 30_000,
-  workers: 1,
+  // Generous: machines are busy at times.
+  timeout: 90_000,
+  expect: { timeout: 15_000 },
+  workers: 2,
   fullyParallel: false,
   reporter: 'line',
   use: {
