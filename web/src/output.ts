@@ -5,6 +5,9 @@ import type { Message, State } from './protocol';
 import { toneText } from './tone';
 import type { View } from './view';
 
+/** What stands for the scene among files that can be saved. */
+const SCENE = 'scene.steradian';
+
 export class Output {
   readonly element: HTMLElement;
   private readonly exr = h(
@@ -13,6 +16,11 @@ export class Output {
     'EXR',
   );
   private readonly png = h('a', { class: 'button', download: 'picture.png', href: './api/picture.png' }, 'PNG');
+  private readonly scene = h(
+    'a',
+    { class: 'button', download: 'scene.steradian', href: './api/scene.steradian', title: 'The scene as it is now' },
+    'Scene',
+  );
   private readonly command = h('code', {
     class: 'command',
     tabindex: 0,
@@ -26,17 +34,10 @@ export class Output {
     private readonly view: View,
     private readonly tell: (message: Message) => void,
   ) {
-    const link = (text: string, name: string, title: string) =>
-      h('a', { class: 'button', download: name, href: `./api/${name}`, title }, text);
     this.element = section(
       'Save',
       false,
-      h(
-        'div',
-        { class: 'row' },
-        h('span', {}, 'Download'),
-        h('span', { class: 'buttons' }, this.exr, this.png, link('Scene', 'scene.steradian', 'The scene as it is now')),
-      ),
+      h('div', { class: 'row' }, h('span', {}, 'Download'), h('span', { class: 'buttons' }, this.exr, this.png, this.scene)),
       h(
         'div',
         { class: 'row' },
@@ -44,10 +45,13 @@ export class Output {
         h(
           'span',
           { class: 'buttons' },
-          ...['picture.exr', 'picture.png', 'scene.steradian'].map((name) =>
+          ...['picture.exr', 'picture.png', SCENE].map((name) =>
             h(
               'button',
-              { title: `Write ${name} into the scene’s folder`, onclick: () => void this.save(name) },
+              {
+                title: name === SCENE ? 'Write the scene as it is now into its folder' : `Write ${name} into the scene’s folder`,
+                onclick: () => void this.save(name === SCENE ? (this.state?.saveName ?? SCENE) : name),
+              },
               name.endsWith('steradian') ? 'Scene' : name.slice(-3).toUpperCase(),
             ),
           ),
@@ -62,6 +66,7 @@ export class Output {
     this.state = state;
     if (!state) return;
     this.exr.href = `./api/picture.exr${state.layers.length ? `?layers=${state.layers.join(',')}` : ''}`;
+    this.scene.download = state.saveName;
     this.png.href = `./api/picture.png?${new URLSearchParams(this.look())}`;
     if (this.command.textContent !== state.command) this.command.textContent = state.command;
   }

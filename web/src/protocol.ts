@@ -66,6 +66,8 @@ export interface State {
   undo: number;
   redo: number;
   command: string;
+  /** What the scene is called when it is saved. */
+  saveName: string;
 }
 
 /** What ends a frame: all tiles of its picture and layers came before. */

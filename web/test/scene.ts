@@ -63,6 +63,7 @@ export function firstState(): State {
     paused: false,
     undo: 0,
     redo: 0,
+    saveName: 'spheres-edited.steradian',
     command: 'steradian render /scenes/spheres.steradian --spp 256 --size 96x64 -o picture.exr',
   };
 }

@@ -23,7 +23,7 @@ pub fn run(args: &ViewArgs, terminal: Terminal) -> Outcome {
     }
     let size = args.size.map(|Size(w, h)| (w, h));
     let options = Options {
-        source: Source { name: name.clone(), reading: open::reading(&args.define, None) },
+        source: Source { name: name.clone(), reading: open::reading(&args.define, None), scene: None },
         settings: SettingsChange {
             integrator: args.integrator.clone(),
             spp: args.spp.map(Some),

@@ -18,6 +18,7 @@ mod rays;
 mod render;
 mod scene;
 mod shape;
+mod view;
 
 use pyo3::prelude::*;
 
@@ -49,6 +50,8 @@ mod _steradian {
     use super::scene::Scene;
     #[pymodule_export]
     use super::shape::{mesh, placement, set_mesh, set_placement};
+    #[pymodule_export]
+    use super::view::View;
 }
 
 /// The names of what there is, family by family, each with its description.

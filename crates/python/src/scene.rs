@@ -10,6 +10,7 @@ use crate::{
     message::{Message, error},
     parameter::{self, Parameter},
     render::{self, Request},
+    view::View,
 };
 use pyo3::{
     exceptions::{PyIOError, PyKeyError, PyValueError},
@@ -27,6 +28,7 @@ use steradian::{
     formats::{Options, native, write},
     scene::{Diagnostics, Family, Node, NodeId, SceneDesc},
 };
+use steradian_server::SettingsChange;
 
 /// Files by their names.
 type Files = Vec<(PathBuf, Vec<u8>)>;
@@ -380,6 +382,24 @@ impl Scene {
             CompileOptions { mode: self::color(color)?, size, crop, camera, spp, ..CompileOptions::default() };
         let Ready { scene, files, .. } = self.ready(py, &options)?;
         render::run(py, &Request { scene: &scene, files: &files, quality: &quality, time, progress: progress.as_ref() })
+    }
+
+    /// Shows the scene, as it is now, in a page of a server on this machine.
+    #[pyo3(signature = (*, integrator = None, spp = None, size = None, bind = "127.0.0.1".into(), port = 0))]
+    fn view(
+        &self,
+        py: Python<'_>,
+        integrator: Option<String>,
+        spp: Option<u32>,
+        size: Option<(u32, u32)>,
+        bind: String,
+        port: u16,
+    ) -> PyResult<View> {
+        let (width, height) = size.unzip();
+        let spp = spp.map(Some);
+        let settings = SettingsChange { integrator, spp, width, height, ..SettingsChange::default() };
+        let desc = self.state(py).desc.clone();
+        View::start(py, desc, self.options.clone(), (settings, bind, port))
     }
 
     fn __repr__(&self, py: Python<'_>) -> String {

@@ -70,11 +70,11 @@ impl Viewer {
             }
             Request::Settings(change) => {
                 set(&mut look.settings, change)?;
-                look.region = None;
+                (look.region, look.moving) = (None, false);
                 Ok(Reach::Scene)
             }
             Request::Region { pixels } => {
-                look.region = pixels;
+                (look.region, look.moving) = (pixels, false);
                 Ok(Reach::Scene)
             }
             Request::Layers { names } => {

@@ -34,6 +34,8 @@ pub struct Source {
     pub name: PathBuf,
     /// How it is read.
     pub reading: Options,
+    /// The scene itself, where it is in memory.
+    pub scene: Option<Arc<SceneDesc>>,
 }
 
 /// A scene that is looked at and edited.
@@ -81,11 +83,16 @@ impl Document {
     /// # Errors
     /// All that is wrong with it.
     pub fn open(source: Source) -> Result<Self, Diagnostics> {
-        let loaded = steradian::load(&source.name, &source.reading);
-        if loaded.diagnostics.has_errors() {
-            return Err(loaded.diagnostics);
+        let (desc, diagnostics) = match &source.scene {
+            Some(scene) => (SceneDesc::clone(scene), Diagnostics::default()),
+            None => {
+                let loaded = steradian::load(&source.name, &source.reading);
+                (loaded.desc, loaded.diagnostics)
+            }
+        };
+        if diagnostics.has_errors() {
+            return Err(diagnostics);
         }
-        let (desc, diagnostics) = (loaded.desc, loaded.diagnostics);
         Ok(Self { source, desc, diagnostics, undo: Vec::new(), redo: Vec::new(), kept: Default::default() })
     }
 

@@ -52,11 +52,13 @@ impl Job {
         let control = Control::default();
         let ended = Ended::default();
         thread::scope(|scope| {
-            let (cancel, ended) = (&control.cancel, &ended);
+            let (cancel, trials, ended) = (&control.cancel, &control.trials, &ended);
             scope.spawn(move || {
                 let start = Instant::now();
                 while !ended.within(LOOK_EVERY) {
-                    if start.elapsed() >= time || interrupt.load(Ordering::Relaxed) {
+                    // Trials that are broken off begin anew.
+                    let is_up = start.elapsed() >= time && !trials.load(Ordering::Relaxed);
+                    if is_up || interrupt.load(Ordering::Relaxed) {
                         cancel.store(true, Ordering::Relaxed);
                         return;
                     }

@@ -173,6 +173,8 @@ pub struct State {
     pub redo: usize,
     /// What makes the same picture on the command line.
     pub command: String,
+    /// What the scene is called when it is saved.
+    pub save_name: String,
 }
 
 /// Of a picture, in pixels.

@@ -52,6 +52,7 @@ pub fn of(generation: u32, document: &Document, look: &Look, scene: &Scene) -> A
         undo,
         redo,
         command: command(document, look),
+        save_name: saved_name(document),
     };
     serde_json::to_string(&state).unwrap_or_default().into()
 }

@@ -37,7 +37,11 @@ pub async fn open(State(app): State<App>, form: Multipart) -> Result<Response, R
         Refused(StatusCode::UNPROCESSABLE_ENTITY, format!("there is no scene among the files; scenes are {known}"))
     })?;
     let within = folder.path().canonicalize().map_err(failed)?;
-    let source = Source { name: within.join(scene), reading: Options { within: Some(within), ..Options::default() } };
+    let source = Source {
+        name: within.join(scene),
+        reading: Options { within: Some(within), ..Options::default() },
+        scene: None,
+    };
     let (tell, told) = oneshot::channel();
     app.viewer.send(Task::Open(Box::new(source), tell));
     let opened = told.await.map_err(|_| Refused(StatusCode::SERVICE_UNAVAILABLE, "the view has ended".into()))?;

@@ -10,6 +10,7 @@ use crate::{
     state,
 };
 use std::{
+    panic::{AssertUnwindSafe, catch_unwind},
     sync::{
         Arc, Mutex, PoisonError,
         atomic::{AtomicBool, Ordering},
@@ -25,10 +26,12 @@ use tokio::sync::{broadcast, oneshot, watch};
 const FIRST_PREVIEW: f64 = 30_000.0;
 /// How long a preview may take while the camera moves, and before paths begin.
 const PREVIEW_SECONDS: f64 = 0.045;
-/// Previews are at most this much smaller than the picture, on each side.
-const SMALLEST_PREVIEW: u32 = 16;
-/// How long first paths may take, before the render itself begins.
-const FIRST_PATHS: Duration = Duration::from_millis(250);
+/// First pictures are at most this much smaller than the whole, on each side.
+const COARSEST: u32 = 16;
+/// How long first paths should take, before the render itself begins; they end after twice that.
+const FIRST_PATHS: Duration = Duration::from_millis(200);
+/// Paths per second, before it is known.
+const FIRST_SPEED: f64 = 100_000.0;
 /// Messages that wait for a page to read them.
 const MOST_MESSAGES: usize = 64;
 /// How often it is looked whether files have changed.
@@ -105,6 +108,7 @@ pub fn start(source: Source, settings: SettingsChange) -> Result<Handle, Diagnos
         scene,
         generation: 0,
         pixels_per_second: FIRST_PREVIEW / PREVIEW_SECONDS,
+        paths_per_second: FIRST_SPEED,
         backdrop: None,
         denoised: (0.0, 0.0),
         job: None,
@@ -115,7 +119,14 @@ pub fn start(source: Source, settings: SettingsChange) -> Result<Handle, Diagnos
         messages: messages.clone(),
         shown: Arc::clone(&shown),
     };
-    thread::Builder::new().name("viewer".into()).spawn(move || viewer.run()).map_err(|e| {
+    let run = move || {
+        // What fails inside ends what was being done, not the view.
+        while catch_unwind(AssertUnwindSafe(|| viewer.run())).is_err() {
+            viewer.job = None;
+            viewer.say("error", "the render failed by a fault of the program; the next change begins anew".into());
+        }
+    };
+    thread::Builder::new().name("viewer".into()).spawn(run).map_err(|e| {
         let mut diagnostics = Diagnostics::default();
         diagnostics.error(&Default::default(), None, format!("no thread can be started: {e}"));
         diagnostics
@@ -147,6 +158,8 @@ pub struct Viewer {
     generation: u32,
     /// Speed of previews.
     pixels_per_second: f64,
+    /// Speed of first paths.
+    paths_per_second: f64,
     /// What shows where the render has no samples yet.
     backdrop: Option<Backdrop>,
     /// Of the files that the scene was read from, and as they were seen last.
@@ -177,7 +190,7 @@ pub fn compile(document: &mut Document, look: &Look, purpose: Purpose) -> Result
 
 impl Viewer {
     fn run(&mut self) {
-        let mut reach = Reach::Scene;
+        let mut reach = if self.generation == 0 { Reach::Scene } else { Reach::Nothing };
         loop {
             if reach > Reach::Nothing {
                 self.show_change(reach);
@@ -277,7 +290,7 @@ impl Viewer {
         (self.document, self.look, self.scene) = (document, look, scene);
         self.stamps = self.document.stamps();
         self.seen.clone_from(&self.stamps);
-        self.pixels_per_second = FIRST_PREVIEW / PREVIEW_SECONDS;
+        (self.pixels_per_second, self.paths_per_second) = (FIRST_PREVIEW / PREVIEW_SECONDS, FIRST_SPEED);
         Ok(())
     }
 
@@ -307,16 +320,7 @@ impl Viewer {
 
     /// A picture at once, as fine as there is time for.
     fn preview(&mut self) {
-        let film = self.scene.film();
-        let full = [film.width, film.height];
-        let pixels = f64::from(full[0]) * f64::from(full[1]);
-        let shrink = (pixels / (self.pixels_per_second * PREVIEW_SECONDS)).sqrt().ceil().max(1.0);
-        let shrink = (shrink as u32).min(SMALLEST_PREVIEW);
-        let size = full.map(|n| n.div_ceil(shrink));
-        let mut look = self.look.clone();
-        (look.settings.width, look.settings.height) = (Some(size[0]), Some(size[1]));
-        look.region =
-            look.region.map(|[x0, y0, x1, y1]| [x0 / shrink, y0 / shrink, x1.div_ceil(shrink), y1.div_ceil(shrink)]);
+        let look = self.coarse(self.pixels_per_second * PREVIEW_SECONDS);
         let Ok(scene) = compile(&mut self.document, &look, Purpose::Preview) else { return };
         let start = Instant::now();
         let raster = Quality::of("raster");
@@ -328,24 +332,43 @@ impl Viewer {
         };
         job.run();
         let seconds = start.elapsed().as_secs_f64().max(1e-4);
-        self.pixels_per_second = f64::from(size[0]) * f64::from(size[1]) / seconds;
         let shown = job.shown(self.generation, self.full_crop(), "preview");
+        self.pixels_per_second = shown.film.pixels.len() as f64 / seconds;
         self.backdrop = Some(Backdrop::new(&shown, None));
         self.show(Arc::new(shown));
     }
 
-    /// First paths, without the trials that come before a render.
+    /// First paths, of a coarser picture and without the trials that come before a render.
     fn first_paths(&mut self) {
-        let look = &self.look;
-        let name = look.settings.integrator.as_deref().and_then(|i| i.split(':').next());
+        let name = self.look.settings.integrator.as_deref().and_then(|i| i.split(':').next());
         let Some(name @ ("path" | "volpath")) = name else { return };
-        let plain = Quality { integrator: Some(format!("{name}:{PLAIN}")), spp: Some(1), ..quality(look) };
-        let Ok(mut job) = Job::new(&self.scene, &plain) else { return };
-        job.advance(FIRST_PATHS, &self.interrupt);
-        let shown = job.shown(self.generation, self.full_crop(), "render");
-        self.backdrop = Some(Backdrop::new(&shown, self.backdrop.as_ref()));
-        let shown = Shown { is_done: false, target: quality(look).spp.unwrap_or(self.scene.settings().spp), ..shown };
-        self.show(Arc::new(shown));
+        let integrator = Some(format!("{name}:{PLAIN}"));
+        let plain = Quality { integrator, spp: Some(1), ..quality(&self.look) };
+        let look = self.coarse(self.paths_per_second * FIRST_PATHS.as_secs_f64());
+        let Ok(scene) = compile(&mut self.document, &look, Purpose::Render) else { return };
+        let Ok(mut job) = Job::new(&scene, &plain) else { return };
+        job.advance(2 * FIRST_PATHS, &self.interrupt);
+        let target = quality(&self.look).spp.unwrap_or(self.scene.settings().spp);
+        let shown = Shown { is_done: false, target, ..job.shown(self.generation, self.full_crop(), "render") };
+        if shown.samples > 0.0 {
+            self.paths_per_second = shown.film.pixels.len() as f64 * shown.samples / shown.seconds.max(1e-3);
+            let behind = self.backdrop.take();
+            self.backdrop = Some(Backdrop::new(&shown, behind.as_ref()));
+            self.show(Arc::new(shown));
+        }
+    }
+
+    /// How the scene is looked at for a picture of about so many pixels.
+    fn coarse(&self, pixels: f64) -> Look {
+        let film = self.scene.film();
+        let full = [film.width, film.height];
+        let shrink = (f64::from(full[0]) * f64::from(full[1]) / pixels.max(1.0)).sqrt().ceil().max(1.0);
+        let shrink = (shrink as u32).min(COARSEST);
+        let mut look = self.look.clone();
+        (look.settings.width, look.settings.height) = (Some(full[0].div_ceil(shrink)), Some(full[1].div_ceil(shrink)));
+        let part = |[x0, y0, x1, y1]: [u32; 4]| [x0 / shrink, y0 / shrink, x1.div_ceil(shrink), y1.div_ceil(shrink)];
+        look.region = look.region.map(part);
+        look
     }
 
     /// The part of the picture that is shown, in its pixels.

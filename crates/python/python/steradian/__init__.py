@@ -19,11 +19,11 @@ from numpy.typing import ArrayLike, NDArray
 from . import _describe, _rays, _steradian
 from ._rays import BsdfSamples, Hits, Material
 from ._scene import Node, Parameters, Scene, SceneWarning, StrPath
-from ._steradian import Image, Message, Parameter, Progress, SceneError, __version__, read_image, registry
+from ._steradian import Image, Message, Parameter, Progress, SceneError, View, __version__, read_image, registry
 
 __all__ = [
     "BsdfSamples", "Hits", "Image", "Material", "Message", "Node", "Parameter", "Parameters", "Progress", "Scene", "SceneError",
-    "SceneWarning", "__version__", "compare", "load", "material", "read_image", "registry", "scene", "spectrum",
+    "SceneWarning", "View", "__version__", "compare", "load", "material", "read_image", "registry", "scene", "spectrum",
 ]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import warnings
+import webbrowser
 from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
 from typing import Any, Union
 
@@ -14,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _rays, _steradian
 from ._describe import PARTS, mesh_arrays, text
 from ._rays import Hits, Material
-from ._steradian import Image, Message, Parameter, Progress, SceneError
+from ._steradian import Image, Message, Parameter, Progress, SceneError, View
 
 StrPath = Union[str, "os.PathLike[str]"]
 
@@ -307,6 +308,27 @@ class Scene(Mapping[str, Node]):
         self._warn(self._inner.messages, 3)
         return image
 
+    def view(
+        self,
+        *,
+        integrator: str | None = None,
+        spp: int | None = None,
+        size: tuple[int, int] | None = None,
+        bind: str = "127.0.0.1",
+        port: int = 0,
+        open: bool | None = None,
+    ) -> View:
+        """Shows the scene, as it is now, in a page that renders while one looks: `steradian view` of the command line.
+
+        The View ends with `close()`, at the end of a `with`, or when it goes away. In notebooks it is shown as a frame where a
+        cell ends with it; elsewhere the browser opens, unless `open` is false. Who knows the address may edit the page's copy of
+        the scene, and save pictures into its folder.
+        """
+        view = self._inner.view(integrator=integrator, spp=spp, size=size, bind=bind, port=port)
+        if open or (open is None and not _is_notebook()):
+            webbrowser.open(view.url)
+        return view
+
     def text(self, path: StrPath = "scene.steradian") -> str:
         """The scene in Steradian's own language; files are named as from `path`."""
         return self._inner.text(path)[0]
@@ -342,7 +364,11 @@ class Scene(Mapping[str, Node]):
 
 def _is_watched() -> bool:
     """Whether somebody sees lines that are written over: in a terminal or a notebook."""
-    return sys.stderr.isatty() or "ipykernel" in sys.modules
+    return sys.stderr.isatty() or _is_notebook()
+
+
+def _is_notebook() -> bool:
+    return "ipykernel" in sys.modules
 
 
 class _Bar:

@@ -106,6 +106,19 @@ class Progress:
     """Seconds so far."""
 
 @final
+class View:
+    """A page that shows a scene as it was when the view began; it ends when it is closed, or goes away."""
+
+    url: str
+    """Its address, which holds a secret."""
+    def close(self) -> None:
+        """Ends it; once more does nothing."""
+    def __enter__(self) -> View: ...
+    def __exit__(self, *_exception: object) -> None: ...
+    def _repr_html_(self) -> str:
+        """What notebooks show: the page in a frame."""
+
+@final
 class Image:
     """A picture: planes of linear values by name, rows from the top.
 
@@ -239,6 +252,16 @@ class Scene:
         """Writes the scene in the format of the extension; gives what was approximated or left out."""
     def copy(self) -> Scene:
         """A scene of its own that is as this one."""
+    def view(
+        self,
+        *,
+        integrator: str | None = None,
+        spp: int | None = None,
+        size: tuple[int, int] | None = None,
+        bind: str = "127.0.0.1",
+        port: int = 0,
+    ) -> View:
+        """Shows the scene, as it is now, in a page of a server on this machine."""
     def origin(self) -> tuple[os.PathLike[str] | None, list[os.PathLike[str]]]:
         """Where the scene's file is, and the folders that are searched for others."""
     def material(self, name: str, *, color: str = "auto") -> Material:

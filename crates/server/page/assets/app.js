@@ -2555,6 +2555,8 @@ var Nodes = class {
 };
 // src/output.ts
 /** Panel "Save": files to download or to write beside the scene, and the command that renders the same. */
+/** What stands for the scene among files that can be saved. */
+var SCENE = "scene.steradian";
 var Output = class {
 	view;
 	tell;
@@ -2570,6 +2572,12 @@ var Output = class {
 		download: "picture.png",
 		href: "./api/picture.png"
 	}, "PNG");
+	scene = h("a", {
+		class: "button",
+		download: "scene.steradian",
+		href: "./api/scene.steradian",
+		title: "The scene as it is now"
+	}, "Scene");
 	command = h("code", {
 		class: "command",
 		tabindex: 0,
@@ -2581,25 +2589,20 @@ var Output = class {
 	constructor(view, tell) {
 		this.view = view;
 		this.tell = tell;
-		const link = (text, name, title) => h("a", {
-			class: "button",
-			download: name,
-			href: `./api/${name}`,
-			title
-		}, text);
-		this.element = section("Save", false, h("div", { class: "row" }, h("span", {}, "Download"), h("span", { class: "buttons" }, this.exr, this.png, link("Scene", "scene.steradian", "The scene as it is now"))), h("div", { class: "row" }, h("span", {}, "Beside scene"), h("span", { class: "buttons" }, ...[
+		this.element = section("Save", false, h("div", { class: "row" }, h("span", {}, "Download"), h("span", { class: "buttons" }, this.exr, this.png, this.scene)), h("div", { class: "row" }, h("span", {}, "Beside scene"), h("span", { class: "buttons" }, ...[
 			"picture.exr",
 			"picture.png",
-			"scene.steradian"
+			SCENE
 		].map((name) => h("button", {
-			title: `Write ${name} into the scene’s folder`,
-			onclick: () => void this.save(name)
+			title: name === SCENE ? "Write the scene as it is now into its folder" : `Write ${name} into the scene’s folder`,
+			onclick: () => void this.save(name === SCENE ? this.state?.saveName ?? SCENE : name)
 		}, name.endsWith("steradian") ? "Scene" : name.slice(-3).toUpperCase())))), this.command, h("div", { class: "buttons" }, h("button", { onclick: () => void this.copy() }, "Copy command")));
 	}
 	update(state = this.state) {
 		this.state = state;
 		if (!state) return;
 		this.exr.href = `./api/picture.exr${state.layers.length ? `?layers=${state.layers.join(",")}` : ""}`;
+		this.scene.download = state.saveName;
 		this.png.href = `./api/picture.png?${new URLSearchParams(this.look())}`;
 		if (this.command.textContent !== state.command) this.command.textContent = state.command;
 	}
