@@ -18,6 +18,7 @@ mod scenes;
 mod sensors;
 #[cfg(unix)]
 mod stopping;
+mod view;
 
 use std::{
     path::PathBuf,

@@ -177,8 +177,9 @@ const CLASHES: &[(&str, &[&str], &[&str])] = &[
     ("estimate", &["importance", "wall.png", "-o", "wall.png"], &["importance", "-o", "n.svg", "--table", "./n.svg"]),
 ];
 
-/// Commands that write nothing but to stdout.
-const WITHOUT_FILES: [&str; 6] = ["list", "meter", "bench", "completions", "man", "help"];
+/// Commands that write nothing but to stdout, and the one whose pages save nothing but new files (tests of
+/// `steradian-server`).
+const WITHOUT_FILES: [&str; 7] = ["list", "meter", "bench", "completions", "man", "help", "view"];
 
 /// One guard holds for all commands: what is read stays, and each output has a file of its own.
 #[test]
