@@ -67,7 +67,8 @@ fields! {
     Counters { rays, samples, nonfinite }
     Pixel { sum, sum_squares, samples }
     FirstHit {
-        albedo, normal, seen_albedo, seen_normal, geometric_normal, position, depth, distance, uv, shape, material, coverage
+        albedo, normal, seen_albedo, seen_normal, geometric_normal,
+        position, depth, distance, uv, shape, material, coverage
     }
     FirstHitSums { sum, samples }
     Hits { ids, counts }

@@ -1,8 +1,8 @@
 //! Steradian's live view: a scene that is rendered while a web page looks at it.
 //!
-//! A thread renders ([`viewer`]), and shows what there is as [`frame`]s, encoded once for all pages. A server on this
-//! machine hands them to pages over sockets ([`socket`]), takes requests, and answers who may ask ([`access`]). The
-//! page is part of the program ([`page`]).
+//! A thread renders (`viewer`), and shows what there is as `frame`s, encoded once for all pages. A server on this
+//! machine hands them to pages over sockets (`socket`), takes requests, and answers who may ask (`access`). The
+//! page is part of the program (`page`).
 //!
 //! ```no_run
 //! let view = steradian_server::View::start(&steradian_server::Options::of("scene.pbrt"))?;

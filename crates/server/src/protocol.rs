@@ -67,7 +67,7 @@ pub enum Request {
     },
 }
 
-/// What is to be changed of [`Settings`]; what is absent stays.
+/// What is to be changed of how pictures are made; what is absent stays.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq)]
 #[serde(rename_all = "camelCase", deny_unknown_fields, default)]
 #[allow(missing_docs)]
