@@ -20,7 +20,7 @@ use steradian::{
     formats::Options,
     image::tone::Tone,
     math::DVec3,
-    scene::{Diagnostic, Diagnostics, Format, SceneDesc, Severity},
+    scene::{Diagnostic, Diagnostics, SceneDesc, Severity},
 };
 
 /// Most bytes that are read from standard input, of which nobody tells how much is to come.
@@ -98,12 +98,9 @@ impl Opened {
         Inputs::of(self.desc.files().chain(self.files.iter().map(PathBuf::as_path)))
     }
 
-    /// The tone curve that suits the scene: models are lit so that no colour burns out with this one.
+    /// The tone curve that suits the scene.
     pub fn tone(&self) -> Tone {
-        match self.desc.format {
-            Format::Model | Format::Gltf => Tone::parse("pbr-neutral").unwrap_or_default(),
-            _ => Tone::default(),
-        }
+        Tone::parse(steradian::load::suited_tone(self.desc.format)).unwrap_or_default()
     }
 }
 

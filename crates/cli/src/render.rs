@@ -270,13 +270,11 @@ impl<'a> Job<'a> {
     fn plan(&self, scene: &Scene) -> Result<Planned, Failure> {
         let Self { args, terminal, quality, .. } = self;
         let mut render = quality.render(scene).map_err(|e| Failure::bad_input(e.to_string()))?;
-        if args.denoise.is_some() {
-            let sensor = "the film adds the noise of a sensor, which is to stay";
-            let refusal = render.not_denoisable().or(scene.film().sensor.is_some().then_some(sensor));
-            if let Some(why) = refusal {
-                let name = quality.integrator_name(scene);
-                return Err(Failure::bad_input(format!("--denoise is not for '{name}' here: {why}")));
-            }
+        if args.denoise.is_some()
+            && let Some(why) = render.not_denoisable(scene)
+        {
+            let name = quality.integrator_name(scene);
+            return Err(Failure::bad_input(format!("--denoise is not for '{name}' here: {why}")));
         }
         // Mattes are counted apart from other layers, and have eight times as many planes.
         let is_pipeline = render.integrator().is_none();

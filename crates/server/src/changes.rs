@@ -30,10 +30,10 @@ impl Viewer {
         }
         let scene = compile(&mut self.document, &self.look, Purpose::Render).map_err(|d| told(&d))?;
         let render = quality(&self.look).render(&scene).map_err(|e| e.to_string())?;
-        if self.look.settings.denoise == Some(true) {
-            let sensor = "the film adds the noise of a sensor, which is to stay";
-            let refusal = render.not_denoisable().or(scene.film().sensor.is_some().then_some(sensor));
-            refusal.map_or(Ok(()), |why| Err(format!("noise cannot be removed here: {why}")))?;
+        if self.look.settings.denoise == Some(true)
+            && let Some(why) = render.not_denoisable(&scene)
+        {
+            return Err(format!("noise cannot be removed here: {why}"));
         }
         self.scene = scene;
         Ok(())

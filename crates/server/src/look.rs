@@ -13,6 +13,7 @@ use steradian::{
 pub const MOST_PIXELS: u64 = 1 << 24;
 /// Longest edge of a picture: tiles count with 16 bits.
 const LONGEST_EDGE: u32 = 1 << 15;
+
 /// Which of two scenes is compiled: they keep what they are made of apart, as they may compute colours differently.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
@@ -98,7 +99,25 @@ pub fn quality(look: &Look) -> Quality {
     }
 }
 
+/// Refuses pictures without pixels, with too many, or too long for tiles.
+///
+/// # Errors
+/// What can be shown.
+pub fn check_size(width: u32, height: u32) -> Result<(), String> {
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels == 0 || width.max(height) > LONGEST_EDGE || pixels > MOST_PIXELS {
+        return Err(format!(
+            "pictures of {width} x {height} pixels are not shown: at least 1, at most {MOST_PIXELS} in all and \
+             {LONGEST_EDGE} along an edge"
+        ));
+    }
+    Ok(())
+}
+
 /// Takes over what is given.
+///
+/// # Errors
+/// What is wrong; nothing is taken over then.
 pub fn set(settings: &mut SettingsChange, change: SettingsChange) -> Result<(), String> {
     let SettingsChange { integrator, spp, sampler, color, seed, max_depth, denoise, width, height } = change;
     if let Some(color) = &color
@@ -107,10 +126,8 @@ pub fn set(settings: &mut SettingsChange, change: SettingsChange) -> Result<(), 
         return Err(format!("there is no colour mode '{color}'; known are {}", COLORS.join(", ")));
     }
     let size = [width.or(settings.width), height.or(settings.height)];
-    if let [Some(w), Some(h)] = size
-        && (w == 0 || h == 0 || w.max(h) > LONGEST_EDGE || u64::from(w) * u64::from(h) > MOST_PIXELS)
-    {
-        return Err(format!("pictures of {w} x {h} pixels are not shown: at least 1, at most {MOST_PIXELS} in all"));
+    if let [Some(w), Some(h)] = size {
+        check_size(w, h)?;
     }
     if width.is_some() != height.is_some() {
         return Err("'width' and 'height' are set together".into());

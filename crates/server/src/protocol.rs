@@ -163,11 +163,11 @@ pub struct State {
     pub region: Option<[u32; 4]>,
     pub camera: CameraState,
     pub settings: Settings,
-    pub choices: Choices,
+    pub choices: &'static Choices,
     /// Layers that are sent along.
     pub layers: Vec<String>,
     /// The tone curve that suits the scene.
-    pub tone: String,
+    pub tone: &'static str,
     pub paused: bool,
     pub undo: usize,
     pub redo: usize,

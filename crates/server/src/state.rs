@@ -6,13 +6,17 @@ use crate::{
     look::{Look, quality},
     protocol::{About, COLORS, CameraState, Choices, Named, Said, Settings, Size, State, Tone, ToneParameter},
 };
-use std::{path::Path, sync::Arc};
+use std::{
+    path::Path,
+    sync::{Arc, LazyLock},
+};
 use steradian::{
     Scene, Viewpoint, all_integrators,
     image::tone::CURVES,
+    load::suited_tone,
     math::{DVec3, Ray, Transform},
     registry,
-    scene::{Format, Node, Severity, Value},
+    scene::{Node, Severity, Value},
 };
 
 /// Messages that pages are told, at most.
@@ -41,13 +45,9 @@ pub fn of(generation: u32, document: &Document, look: &Look, scene: &Scene) -> A
         region: look.region,
         camera: camera(document, look, scene),
         settings,
-        choices: choices(),
+        choices: &CHOICES,
         layers: look.layers.iter().map(|l| l.name().to_owned()).collect(),
-        tone: match document.desc.format {
-            Format::Model | Format::Gltf => "pbr-neutral",
-            _ => CURVES[0].name,
-        }
-        .into(),
+        tone: suited_tone(document.desc.format),
         paused: look.paused,
         undo,
         redo,
@@ -137,6 +137,9 @@ fn upright(place: &Transform, scene: &Scene) -> Option<Viewpoint> {
     let up = upwards.map_or(ahead.up, |axis| axis * axis.dot(ahead.up).signum());
     Some(Viewpoint { target: ahead.eye + forward * distance, up, ..ahead })
 }
+
+/// What pages choose from, whatever the scene.
+static CHOICES: LazyLock<Choices> = LazyLock::new(choices);
 
 fn choices() -> Choices {
     let family = |name: &str| registry().into_iter().find(|f| f.0 == name).map(|f| f.1).unwrap_or_default();

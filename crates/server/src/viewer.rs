@@ -5,7 +5,7 @@ use crate::{
     document::{Document, Source, Stamps, told},
     frame::{Backdrop, Frame, Shown},
     job::Job,
-    look::{Look, Purpose, options, quality},
+    look::{Look, Purpose, check_size, options, quality},
     protocol::{Message, Request, SettingsChange},
     state,
 };
@@ -185,7 +185,19 @@ pub struct Viewer {
 /// All that is wrong with it.
 pub fn compile(document: &mut Document, look: &Look, purpose: Purpose) -> Result<Arc<Scene>, Diagnostics> {
     let options = options(look, document.desc.format, purpose);
-    document.compile(purpose, &options, look.view.as_ref())
+    let scene = document.compile(purpose, &options, look.view.as_ref())?;
+    fits(&scene)?;
+    Ok(scene)
+}
+
+/// Refuses pictures that are too large to be shown.
+fn fits(scene: &Scene) -> Result<(), Diagnostics> {
+    let film = scene.film();
+    let mut diagnostics = Diagnostics::default();
+    if let Err(why) = check_size(film.width, film.height) {
+        diagnostics.error(&Default::default(), None, format!("{why}; another size can be chosen (--size WxH)"));
+    }
+    if diagnostics.has_errors() { Err(diagnostics) } else { Ok(()) }
 }
 
 impl Viewer {

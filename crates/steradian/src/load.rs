@@ -10,7 +10,7 @@ use std::{
 use steradian_formats::{Import, Options};
 use steradian_math::DVec3;
 use steradian_scene::{
-    Diagnostic, Diagnostics, SceneDesc, Severity,
+    Diagnostic, Diagnostics, Format, SceneDesc, Severity,
     names::{did_you_mean, nearest},
 };
 
@@ -36,6 +36,14 @@ pub const EXTENSIONS: &[(&str, &str)] = &[
     ("gltf", "glTF 2.0 scene, also in binary form (.glb)"),
     ("glb", "glTF 2.0 scene in binary form"),
 ];
+
+/// The tone curve that suits scenes of a format: models are lit so that no colour burns out with this one.
+pub fn suited_tone(format: Format) -> &'static str {
+    match format {
+        Format::Model | Format::Gltf => "pbr-neutral",
+        _ => "none",
+    }
+}
 
 /// Reads a scene. `builtin:NAME` names one of the built-in scenes ([`cornell::BUILTIN`]); other names are files, told
 /// apart by extension.

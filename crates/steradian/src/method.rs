@@ -34,8 +34,9 @@ impl Render {
     }
 
     /// Why a denoiser cannot tell noise in the picture: where what pixels err is not independent, or not noise.
-    pub fn not_denoisable(&self) -> Option<&'static str> {
+    pub fn not_denoisable(&self, scene: &Scene) -> Option<&'static str> {
         match &self.method {
+            _ if scene.film().sensor.is_some() => Some("the film adds the noise of a sensor, which is to stay"),
             Method::Pipeline(..) => {
                 Some("rasterisation has no noise of paths (its frames frame=hybrid are denoised already)")
             }

@@ -55,6 +55,11 @@ fn what_cannot_be_looked_at_is_told() {
     let place = Place::new();
     place.refuse(2, &["view", "nowhere.pbrt"], &["cannot find the scene 'nowhere.pbrt'"]);
     place.refuse(2, &["view", "-"], &["standard input"]);
+    place.refuse(2, &["view", "--size", "5000x5000"], &["5000 x 5000 pixels are not shown", "--size"]);
+    let film =
+        "Film \"rgb\" \"integer xresolution\" 100000 \"integer yresolution\" 2 Camera \"perspective\" WorldBegin";
+    place.file("wide.pbrt", film);
+    place.refuse(2, &["view", "wide.pbrt"], &["100000 x 2 pixels are not shown", "--size"]);
     place.refuse(1, &["view", "--bind", "203.0.113.1"], &["cannot listen at 203.0.113.1:0"]);
     place.refuse(2, &["render", "--look-at", "0,0,0,0,0,0,0,1,0", "-o", "n.png"], &["apart from the target"]);
     place.refuse(2, &["render", "--look-at", "0,0,0", "-o", "n.png"], &["nine numbers"]);
