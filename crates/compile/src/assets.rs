@@ -42,7 +42,7 @@ impl Source {
     }
 
     /// Whether the file is still the same.
-    fn is_current(&self, desc: &SceneDesc, path: &Path) -> bool {
+    pub fn is_current(&self, desc: &SceneDesc, path: &Path) -> bool {
         match (self, desc.embedded.get(path)) {
             (Self::Memory(then), Some(now)) => Arc::ptr_eq(then, now),
             (Self::File(then), None) => *then == Stamp::of(path),

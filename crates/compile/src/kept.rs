@@ -1,11 +1,18 @@
 //! What one compilation leaves to the next of the same scene: after an edit only what changed is made anew.
 
-use super::{Options, assets::Assets, coats::Coats};
-use std::{collections::HashMap, sync::Arc};
+use super::{
+    Compiled, Compiler, Options,
+    assets::{Assets, Source},
+    coats::Coats,
+};
+use std::{collections::HashMap, path::PathBuf, sync::Arc, time::Duration};
 use steradian_accel::Accel;
-use steradian_core::scene::{Geometry, Shape};
+use steradian_core::{
+    camera::Camera,
+    scene::{Geometry, Scene, Shape},
+};
 use steradian_math::spectra::ColorMode;
-use steradian_scene::{Instance, Mesh, Node, NodeId, SceneDesc, Transform, Value};
+use steradian_scene::{Diagnostics, Instance, Mesh, Node, NodeId, SceneDesc, Transform, Value};
 
 /// Pictures and grids that were read, shapes that were placed, tables of coats, and the structure that rays go through,
 /// each with what it was made from. What is made from it is bit for bit what is made without it.
@@ -17,9 +24,15 @@ pub struct Kept {
     pub(super) coats: Option<Coats>,
     pub(super) shapes: HashMap<NodeId, KeptShape>,
     pub(super) accel: Option<KeptAccel>,
+    pub(super) whole: Option<KeptScene>,
 }
 
 impl Kept {
+    /// The scene of the last compilation as another camera sees it, where nothing else has changed.
+    pub(super) fn seen_anew(&self, now: &Compiler<'_>) -> Option<Compiled> {
+        self.whole.as_ref()?.seen_anew(now)
+    }
+
     /// Forgets what was made for other options, and of files that have changed.
     pub(super) fn refresh(&mut self, desc: &SceneDesc, mode: ColorMode, options: &Options) {
         let Options { accelerator, texture_limit, image_limits, .. } = options;
@@ -28,6 +41,89 @@ impl Kept {
             *self = Self { options: now, ..Self::default() };
         }
         self.assets.refresh(desc);
+    }
+}
+
+/// Parameters of cameras that nothing else depends on.
+const OF_CAMERAS: [&str; 6] = ["to_world", "to_world_end", "motion_times", "fov", "lens_radius", "focal_distance"];
+
+/// A scene, and all that it was made from.
+#[derive(Debug)]
+pub(super) struct KeptScene {
+    desc: SceneDesc,
+    options: Options,
+    files: Vec<(PathBuf, Source)>,
+    scene: Scene,
+    diagnostics: Diagnostics,
+    /// Files that the description does not name.
+    further: Vec<PathBuf>,
+}
+
+impl KeptScene {
+    /// Keeps what was compiled.
+    pub fn new(compiler: &Compiler<'_>, scene: &Scene) -> Self {
+        let desc = compiler.desc;
+        let further = compiler.files.clone();
+        let files = desc.files().chain(further.iter().map(PathBuf::as_path));
+        Self {
+            files: files.map(|path| (path.to_owned(), Source::of(desc, path))).collect(),
+            desc: desc.clone(),
+            options: compiler.options.clone(),
+            scene: scene.clone(),
+            diagnostics: compiler.diagnostics.clone(),
+            further,
+        }
+    }
+
+    /// The scene with film and camera as they are described now; `None` where more has changed.
+    fn seen_anew(&self, now: &Compiler<'_>) -> Option<Compiled> {
+        let Compiler { desc, mode, options, .. } = *now;
+        let view = Options { size: self.options.size, crop: self.options.crop, ..options.clone() };
+        let is_same = options.memory.is_none()
+            && view == self.options
+            && self.is_same(desc, now.chosen_camera()?)
+            && self.files.iter().all(|(path, source)| source.is_current(desc, path));
+        if !is_same {
+            return None;
+        }
+        // What was said of the view then must be what is to be said of it now.
+        let view = |desc: &SceneDesc, options: &Options| {
+            let mut compiler = Compiler::new(desc, mode, options);
+            let seen = compiler.view();
+            let said: Vec<String> = compiler.diagnostics.iter().map(ToString::to_string).collect();
+            (seen, said)
+        };
+        let ((film, camera), said) = view(desc, options);
+        let (film, camera) = film.zip(camera)?;
+        if said != view(&self.desc, &self.options).1 {
+            return None;
+        }
+        let scene = self.scene.clone().changed(|parts| {
+            parts.camera = Camera { medium: parts.camera.medium, ..camera };
+            parts.film = film;
+        });
+        let (diagnostics, files) = (self.diagnostics.clone(), self.further.clone());
+        Some(Compiled { scene: Some(scene), diagnostics, build_time: Duration::ZERO, files })
+    }
+
+    /// Whether a description differs in what a camera alone depends on.
+    fn is_same(&self, desc: &SceneDesc, camera: NodeId) -> bool {
+        let then = &self.desc;
+        let index = camera.0 as usize;
+        let nodes = (0..).zip(then.nodes.iter().zip(&desc.nodes));
+        let rest = |node: &Node| {
+            let mut node = node.clone();
+            node.params.retain(|p| !OF_CAMERAS.contains(&p.name.as_str()));
+            node
+        };
+        let parts = |d: &SceneDesc| (d.film, d.filter, d.sampler, d.integrator, d.format, d.path.clone());
+        parts(then) == parts(desc)
+            && then.nodes.len() == desc.nodes.len()
+            && nodes.into_iter().all(|(k, (a, b))| if k == index { rest(a) == rest(b) } else { a == b })
+            && then.meshes.len() == desc.meshes.len()
+            && then.meshes.iter().zip(&desc.meshes).all(|(a, b)| Arc::ptr_eq(a, b))
+            && (&then.shapes, &then.groups, &then.instances) == (&desc.shapes, &desc.groups, &desc.instances)
+            && (&then.lights, &then.cameras) == (&desc.lights, &desc.cameras)
     }
 }
 

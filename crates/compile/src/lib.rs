@@ -42,7 +42,7 @@ mod view;
 use assets::Assets;
 use coats::Coats;
 pub use kept::Kept;
-use kept::{KeptAccel, KeptShape, Space};
+use kept::{KeptAccel, KeptScene, KeptShape, Space};
 use schedule::Lamp;
 use std::{
     collections::{BTreeMap, HashMap, HashSet},
@@ -52,6 +52,8 @@ use std::{
 };
 use steradian_accel::{Accel, Accelerator, Object};
 use steradian_core::{
+    camera::Camera,
+    film::FilmSpec,
     light::{Emitter, Light, LightGroups, Lights, Schedule},
     material::Material,
     medium::Medium,
@@ -62,7 +64,7 @@ use steradian_scene::{Diagnostics, Format, NodeId, SceneDesc, Span};
 use steradian_texture::{FloatTexture, TextureId, Textures};
 
 /// What the user decides about a scene.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
     /// Colour mode; `None` follows the format: spectral for pbrt scenes, RGB for others.
     pub mode: Option<ColorMode>,
@@ -131,6 +133,8 @@ struct Compiler<'a> {
     coats: Coats,
     /// Where the camera is, and what a pixel measures at distance one.
     eye: Option<(steradian_math::Vec3, f32)>,
+    /// Whether shapes were made for where the camera is.
+    suits_eye: bool,
     emitters: Vec<Emitter>,
     lights: Vec<Light>,
     light_groups: LightGroups,
@@ -162,59 +166,83 @@ fn compiled(desc: &SceneDesc, options: &Options, mut kept: Option<&mut Kept>) ->
         Format::Pbrt => ColorMode::Spectral,
         _ => ColorMode::Rgb,
     });
+    let mut c = Compiler::new(desc, mode, options);
     if let Some(kept) = kept.as_deref_mut() {
         kept.refresh(desc, mode, options);
+        if let Some(compiled) = kept.seen_anew(&c) {
+            return compiled;
+        }
+        c.assets = std::mem::take(&mut kept.assets);
+        c.coats = kept.coats.take().unwrap_or_else(|| Coats::new(mode));
+        c.kept_shapes = Some([std::mem::take(&mut kept.shapes), HashMap::new()]);
+        c.kept_accel = kept.accel.take();
     }
-    let mut c = Compiler {
-        desc,
-        mode,
-        options,
-        diagnostics: Diagnostics::default(),
-        textures: Textures::new(mode),
-        texture_ids: HashMap::new(),
-        assets: kept.as_deref_mut().map(|k| std::mem::take(&mut k.assets)).unwrap_or_default(),
-        files: Vec::new(),
-        materials: vec![Material::default_diffuse()],
-        material_names: vec!["default".into()],
-        material_ids: HashMap::new(),
-        media: Vec::new(),
-        medium_ids: HashMap::new(),
-        open: HashSet::new(),
-        coats: kept.as_deref_mut().and_then(|k| k.coats.take()).unwrap_or_else(|| Coats::new(mode)),
-        eye: None,
-        emitters: Vec::new(),
-        lights: Vec::new(),
-        light_groups: LightGroups::default(),
-        unnamed_lights: HashMap::new(),
-        grouped: Vec::new(),
-        schedules: Vec::new(),
-        geometries: Vec::new(),
-        kept_shapes: kept.as_deref_mut().map(|k| [std::mem::take(&mut k.shapes), HashMap::new()]),
-        kept_accel: kept.as_deref_mut().and_then(|k| k.accel.take()),
-    };
     let (scene, build_time) = c.run();
+    let scene = scene.filter(|_| !c.diagnostics.has_errors());
     if let Some(kept) = kept {
-        (kept.assets, kept.coats) = (std::mem::take(&mut c.assets), Some(c.coats));
-        (kept.shapes, kept.accel) = (c.kept_shapes.map(|[_, now]| now).unwrap_or_default(), c.kept_accel);
+        (kept.assets, kept.coats) =
+            (std::mem::take(&mut c.assets), Some(std::mem::replace(&mut c.coats, Coats::new(mode))));
+        (kept.shapes, kept.accel) = (c.kept_shapes.take().map(|[_, now]| now).unwrap_or_default(), c.kept_accel.take());
+        kept.whole = scene.as_ref().filter(|_| !c.suits_eye).map(|scene| KeptScene::new(&c, scene));
     }
-    let scene = if c.diagnostics.has_errors() { None } else { scene };
     Compiled { scene, diagnostics: c.diagnostics, build_time, files: c.files }
 }
 
+impl<'a> Compiler<'a> {
+    fn new(desc: &'a SceneDesc, mode: ColorMode, options: &'a Options) -> Self {
+        Self {
+            desc,
+            mode,
+            options,
+            diagnostics: Diagnostics::default(),
+            textures: Textures::new(mode),
+            texture_ids: HashMap::new(),
+            assets: Assets::default(),
+            files: Vec::new(),
+            materials: vec![Material::default_diffuse()],
+            material_names: vec!["default".into()],
+            material_ids: HashMap::new(),
+            media: Vec::new(),
+            medium_ids: HashMap::new(),
+            open: HashSet::new(),
+            coats: Coats::new(mode),
+            eye: None,
+            suits_eye: false,
+            emitters: Vec::new(),
+            lights: Vec::new(),
+            light_groups: LightGroups::default(),
+            unnamed_lights: HashMap::new(),
+            grouped: Vec::new(),
+            schedules: Vec::new(),
+            geometries: Vec::new(),
+            kept_shapes: None,
+            kept_accel: None,
+        }
+    }
+}
+
 impl Compiler<'_> {
-    fn run(&mut self) -> (Option<Scene>, Duration) {
+    /// Checks the description, and compiles film and camera, whose medium is left to the caller.
+    fn view(&mut self) -> (Option<FilmSpec>, Option<Camera>) {
         self.check_names();
         self.check_soundness();
         if self.diagnostics.has_errors() {
+            return (None, None);
+        }
+        (self.film(), self.camera())
+    }
+
+    fn run(&mut self) -> (Option<Scene>, Duration) {
+        let (film, camera) = self.view();
+        if self.diagnostics.has_errors() {
             return (None, Duration::ZERO);
         }
-        let film = self.film();
         let pixels = film.as_ref().map_or(0, |f| u64::from(f.crop.width()) * u64::from(f.crop.height()));
         self.load_images(pixels.saturating_mul(BYTES_PER_PIXEL));
         if self.diagnostics.has_errors() {
             return (None, Duration::ZERO);
         }
-        let camera = self.camera();
+        let camera = camera.map(|camera| Camera { medium: self.camera_medium(), ..camera });
         if let (Some(camera), Some(film)) = (&camera, &film) {
             let pixel = (camera.window[1] - camera.window[0]).abs() / film.width.max(1) as f32;
             self.eye = Some((camera.world_from_camera.point(steradian_math::Vec3::ZERO), pixel));

@@ -28,7 +28,13 @@ impl Compiler<'_> {
         self.desc.camera(self.options.camera.as_deref())
     }
 
-    /// Compiles the chosen camera.
+    /// The medium around the chosen camera.
+    pub(super) fn camera_medium(&mut self) -> Option<u32> {
+        let medium = self.chosen_camera().and_then(|id| self.reference(self.node(id), "medium"));
+        self.medium(medium)
+    }
+
+    /// Compiles the chosen camera, but for the medium around it.
     pub(super) fn camera(&mut self) -> Option<Camera> {
         let Some(id) = self.chosen_camera() else {
             self.error(
@@ -114,7 +120,6 @@ impl Compiler<'_> {
         };
         let focal_distance = self.positive(node, "focal_distance", 1e6);
         let near = if node.get("near").is_some() { self.float(node, "near", 0.0).max(0.0) } else { 0.0 };
-        let medium = self.reference(node, "medium");
         Some(Camera {
             projection,
             world_from_camera: place,
@@ -123,7 +128,7 @@ impl Compiler<'_> {
             lens_radius,
             focal_distance,
             near,
-            medium: self.medium(medium),
+            medium: None,
         })
     }
 

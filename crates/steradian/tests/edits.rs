@@ -6,7 +6,7 @@ use steradian::{
     CompileOptions, Kept, Scene, compile,
     formats::Options,
     load, recompile,
-    scene::{Family, Instance, NodeId, SceneDesc, Transform, Value},
+    scene::{Family, Instance, Node, NodeId, SceneDesc, Transform, Value},
 };
 use steradian_math::DVec3;
 
@@ -83,6 +83,36 @@ fn every_edit_gives_the_scene_that_is_compiled_from_nothing() {
         }
     }
     assert!(edits > 200, "{edits}");
+}
+
+/// Where only the camera and the size of the picture change, what an earlier compilation made is taken as it is, but
+/// for shapes that were divided for the camera.
+#[test]
+fn another_view_gives_the_scene_that_is_compiled_from_nothing() {
+    let steps: [(Option<(u32, u32)>, Option<[u32; 4]>); 3] =
+        [(Some((40, 30)), None), (None, Some([1, 2, 9, 8])), (None, None)];
+    let mut divided = read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/verify/textured.pbrt"));
+    let bumps = divided.add(Node::new(Family::Texture, "checker", None));
+    let mesh = divided.shapes.iter().position(|s| s.mesh.is_some()).expect("a mesh");
+    let node = divided.shapes[mesh].node;
+    divided.node_mut(node).set("displacement", Value::Node(bumps), None);
+    divided.node_mut(node).set("edge_pixels", 1.5, None);
+    for desc in scenes().iter().map(|path| read(path)).chain([divided]) {
+        let (mut desc, mut kept) = (desc, Kept::default());
+        recompile(&desc, &CompileOptions::default(), &mut kept);
+        let camera = desc.cameras[0];
+        for (k, (size, crop)) in steps.into_iter().enumerate() {
+            let place = desc.node(camera).get("to_world").cloned();
+            let Some(Value::Transform(place)) = place.or(Some(Value::Transform(Transform::IDENTITY))) else { panic!() };
+            let moved = Transform::translate(DVec3::new(0.01, 0.02, -0.2)) * place;
+            desc.node_mut(camera).set("to_world", Value::Transform(moved), None);
+            desc.node_mut(camera).set("fov", 30.0 + k as f64, None);
+            let options = CompileOptions { size, crop, ..CompileOptions::default() };
+            let (new, old) = (all(recompile(&desc, &options, &mut kept)), all(compile(&desc, &options)));
+            let differs = new.lines().zip(old.lines()).find(|(a, b)| a != b);
+            assert!(new == old && !new.ends_with("None"), "{:?}: {k}: {differs:?}", desc.path);
+        }
+    }
 }
 
 #[test]
