@@ -93,8 +93,8 @@ impl KeptScene {
             let said: Vec<String> = compiler.diagnostics.iter().map(ToString::to_string).collect();
             (seen, said)
         };
-        let ((film, camera), said) = view(desc, options);
-        let (film, camera) = film.zip(camera)?;
+        let (seen, said) = view(desc, options);
+        let (film, camera) = seen?;
         if said != view(&self.desc, &self.options).1 {
             return None;
         }

@@ -222,27 +222,33 @@ impl<'a> Compiler<'a> {
 }
 
 impl Compiler<'_> {
-    /// Checks the description, and compiles film and camera, whose medium is left to the caller.
-    fn view(&mut self) -> (Option<FilmSpec>, Option<Camera>) {
+    /// Checks the description; whether it can be compiled.
+    fn is_sound(&mut self) -> bool {
         self.check_names();
         self.check_soundness();
-        if self.diagnostics.has_errors() {
-            return (None, None);
+        !self.diagnostics.has_errors()
+    }
+
+    /// Checks the description, and compiles film and camera, whose medium is left to the caller.
+    fn view(&mut self) -> Option<(FilmSpec, Camera)> {
+        if !self.is_sound() {
+            return None;
         }
-        (self.film(), self.camera())
+        let (film, camera) = (self.film(), self.camera());
+        film.zip(camera)
     }
 
     fn run(&mut self) -> (Option<Scene>, Duration) {
-        let (film, camera) = self.view();
-        if self.diagnostics.has_errors() {
+        if !self.is_sound() {
             return (None, Duration::ZERO);
         }
+        let film = self.film();
         let pixels = film.as_ref().map_or(0, |f| u64::from(f.crop.width()) * u64::from(f.crop.height()));
         self.load_images(pixels.saturating_mul(BYTES_PER_PIXEL));
         if self.diagnostics.has_errors() {
             return (None, Duration::ZERO);
         }
-        let camera = camera.map(|camera| Camera { medium: self.camera_medium(), ..camera });
+        let camera = self.camera().map(|camera| Camera { medium: self.camera_medium(), ..camera });
         if let (Some(camera), Some(film)) = (&camera, &film) {
             let pixel = (camera.window[1] - camera.window[0]).abs() / film.width.max(1) as f32;
             self.eye = Some((camera.world_from_camera.point(steradian_math::Vec3::ZERO), pixel));

@@ -1,13 +1,15 @@
 //! What requests change.
 
 use crate::{
-    document::{Edit, told},
+    document::told,
+    edits::{Edit, What},
     frame,
     look::{Purpose, View, options, quality, set},
     protocol::Request,
     state,
     viewer::{Reach, Viewer, compile},
 };
+use std::sync::Arc;
 
 impl Viewer {
     /// Carries out what a page asks for.
@@ -37,6 +39,20 @@ impl Viewer {
         }
         self.scene = scene;
         Ok(())
+    }
+
+    /// Puts a picture around the scene.
+    pub fn surround(&mut self, name: String, picture: Arc<[u8]>) -> Result<(), String> {
+        let to_world = state::surroundings(&self.document, &self.look, &self.scene);
+        let options = options(&self.look, self.document.desc.format, Purpose::Render);
+        let edit = Edit { what: What::Surroundings { name, picture, to_world }, moving: false };
+        self.document.edit(edit, Purpose::Render, &options)?;
+        self.look.moving = false;
+        let remade = self.remake();
+        if remade.is_err() {
+            self.document.undo();
+        }
+        remade
     }
 
     fn change(&mut self, request: Request) -> Result<Reach, String> {
@@ -84,7 +100,8 @@ impl Viewer {
             Request::Edit { node, parameter, value, moving } => {
                 let purpose = if moving { Purpose::Preview } else { Purpose::Render };
                 let options = options(look, document.desc.format, purpose);
-                document.edit(Edit { node, parameter, value, moving }, purpose, &options)?;
+                let what = What::Parameter { node, parameter, value };
+                document.edit(Edit { what, moving }, purpose, &options)?;
                 look.moving = moving;
                 Ok(Reach::Scene)
             }

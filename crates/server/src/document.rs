@@ -1,11 +1,12 @@
 //! The scene under view: its description, what was edited, and what is compiled of it.
 
 use crate::{
+    edits::{Change, Edit, PLACE, placements},
     look::{Purpose, View},
     protocol::{NodeState, ParameterState},
 };
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, HashMap},
     path::{Path, PathBuf},
     sync::Arc,
     time::SystemTime,
@@ -14,7 +15,7 @@ use steradian::{
     CompileOptions, Kept, Scene,
     formats::{Options, native},
     recompile,
-    scene::{Diagnostics, Node, NodeId, Param, SceneDesc},
+    scene::{Diagnostics, Node, SceneDesc, Transform, Value},
 };
 
 /// Most edits that can be taken back.
@@ -24,6 +25,10 @@ const MOST_EDITS: usize = 256;
 const MOST_FILES: usize = 1024;
 /// When files were changed and how long they are; `None` of those that are not there.
 pub type Stamps = BTreeMap<PathBuf, Option<(Option<SystemTime>, u64)>>;
+/// Bytes of pictures that edits bring.
+const MOST_BYTES: usize = 1 << 30;
+/// Most placements that are told beside those of nodes.
+const MOST_PLACEMENTS: usize = 1000;
 /// Longest text of a value that pages are told.
 const LONGEST: usize = 4096;
 
@@ -51,30 +56,6 @@ pub struct Document {
     redo: Vec<Change>,
     /// Of the scene that is rendered, and of previews.
     kept: [Kept; 2],
-}
-
-/// A parameter of a node that is set, or taken away.
-#[derive(Clone, Debug)]
-pub struct Edit {
-    /// The node's name.
-    pub node: String,
-    /// The parameter's.
-    pub parameter: String,
-    /// In Steradian's own language.
-    pub value: Option<String>,
-    /// Whether the next edit of the parameter replaces it.
-    pub moving: bool,
-}
-
-/// What an edit changed: a node's parameters, and the nodes that came with them. Taken back, what it had put there.
-#[derive(Debug)]
-struct Change {
-    edit: Edit,
-    node: NodeId,
-    params: Vec<Param>,
-    /// How many nodes there were before it, and those that came.
-    count: usize,
-    added: Vec<Node>,
 }
 
 impl Document {
@@ -145,14 +126,12 @@ impl Document {
         !self.undo.is_empty()
     }
 
-    /// Sets a parameter of a node, or takes it away; the scene must compile still.
+    /// Makes an edit; the scene must compile still.
     ///
     /// # Errors
     /// What is wrong with it; nothing is changed then.
     pub fn edit(&mut self, edit: Edit, purpose: Purpose, options: &CompileOptions) -> Result<(), String> {
-        let is_going_on =
-            |c: &Change| c.edit.moving && (&c.edit.node, &c.edit.parameter) == (&edit.node, &edit.parameter);
-        let replaced = self.undo.last().is_some_and(is_going_on);
+        let replaced = self.undo.last().is_some_and(|c| c.goes_on(&edit));
         if replaced {
             self.undo();
         }
@@ -177,18 +156,12 @@ impl Document {
 
     /// Changes the description.
     fn carry_out(&mut self, edit: Edit) -> Result<(), String> {
-        let ids = native::ids(&self.desc);
-        let Some(node) = ids.iter().position(|id| *id == edit.node).map(|k| NodeId(k as u32)) else {
-            let hint = steradian::scene::names::did_you_mean(&edit.node, ids.iter().map(String::as_str));
-            let hint = hint.map(|h| format!("; {h}")).unwrap_or_default();
-            return Err(format!("there is no node '{}'{hint}", edit.node));
-        };
-        let (params, count) = (self.desc.node(node).params.clone(), self.desc.nodes.len());
-        // What is typed into a page names no file elsewhere.
+        let bytes: usize = self.undo.iter().map(|c| &c.edit).chain([&edit]).map(Edit::bytes).sum();
+        if bytes > MOST_BYTES {
+            return Err(format!("pictures around the scene take more than {MOST_BYTES} bytes; undo those before"));
+        }
         let reading = Options { within: Some(self.folder()), ..self.source.reading.clone() };
-        let value = edit.value.as_deref().unwrap_or("null");
-        native::set(&mut self.desc, node, &edit.parameter, value, &reading).map_err(|d| told(&d))?;
-        self.undo.push(Change { edit, node, params, count, added: Vec::new() });
+        self.undo.push(Change::make(&mut self.desc, edit, &reading)?);
         Ok(())
     }
 
@@ -218,8 +191,7 @@ impl Document {
     /// Takes the last edit back; whether there was one.
     pub fn undo(&mut self) -> bool {
         let Some(mut change) = self.undo.pop() else { return false };
-        std::mem::swap(&mut self.desc.node_mut(change.node).params, &mut change.params);
-        change.added = self.desc.nodes.split_off(change.count);
+        change.undo(&mut self.desc);
         self.redo.push(change);
         true
     }
@@ -227,8 +199,7 @@ impl Document {
     /// Does it again; whether there was one.
     pub fn redo(&mut self) -> bool {
         let Some(mut change) = self.redo.pop() else { return false };
-        self.desc.nodes.append(&mut change.added);
-        std::mem::swap(&mut self.desc.node_mut(change.node).params, &mut change.params);
+        change.redo(&mut self.desc);
         self.undo.push(change);
         true
     }
@@ -260,7 +231,36 @@ impl Document {
                 parameters: described.collect(),
             }
         };
-        self.desc.nodes.iter().zip(&ids).map(node).collect()
+        let mut nodes: Vec<NodeState> = self.desc.nodes.iter().zip(&ids).map(node).collect();
+        let known: HashMap<&String, usize> = ids.iter().zip(0..).collect();
+        let mut further = 0;
+        for placed in placements(&self.desc, &ids) {
+            let place = place(&ids, placed.place);
+            match known.get(&placed.id) {
+                Some(k) => nodes[*k].parameters.push(place),
+                None if further < MOST_PLACEMENTS => {
+                    further += 1;
+                    let (id, kind) = (placed.id, placed.kind);
+                    nodes.push(NodeState { id, family: "placement", kind, parameters: vec![place] });
+                }
+                None => {}
+            }
+        }
+        nodes
+    }
+}
+
+/// Where something is placed, as a parameter.
+fn place(ids: &[String], place: Transform) -> ParameterState {
+    ParameterState {
+        name: PLACE.into(),
+        value: Some(native::value_text(ids, PLACE, &Value::Transform(place))),
+        default: "identity",
+        values: "transform".into(),
+        unit: "",
+        range: None,
+        doc: "places it".into(),
+        words: Vec::new(),
     }
 }
 

@@ -16,6 +16,7 @@ mod app;
 mod changes;
 mod difference;
 mod document;
+mod edits;
 mod frame;
 mod job;
 mod kept;

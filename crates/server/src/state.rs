@@ -16,7 +16,7 @@ use steradian::{
     load::suited_tone,
     math::{DVec3, Ray, Transform},
     registry,
-    scene::{Node, Severity, Value},
+    scene::{Format, Node, Severity, Value},
 };
 
 /// Messages that pages are told, at most.
@@ -116,6 +116,18 @@ fn camera(document: &Document, look: &Look, scene: &Scene) -> CameraState {
         moved: look.view.is_some(),
         movable: is_movable(document, look),
     }
+}
+
+/// How a picture around the scene is turned, so that it stands upright and is not mirrored for the camera.
+pub fn surroundings(document: &Document, look: &Look, scene: &Scene) -> Transform {
+    let camera = camera(document, look, scene);
+    let up = DVec3::from(camera.up).try_normalize().unwrap_or(DVec3::Y);
+    let own = if document.desc.format == Format::Pbrt { DVec3::Z } else { DVec3::Y };
+    // Where the two are opposite, about any axis across them.
+    let axis = own.cross(up).try_normalize().unwrap_or(DVec3::X);
+    let turned = Transform::rotate(axis, own.dot(up).clamp(-1.0, 1.0).acos());
+    let is_mirrored = (camera.handedness > 0) == (document.desc.format == Format::Pbrt);
+    if is_mirrored { turned * Transform::scale(DVec3::new(-1.0, 1.0, 1.0)) } else { turned }
 }
 
 /// Where a camera stands, with what is in the middle of its picture as target, and as `up` the axis of the world that

@@ -52,6 +52,8 @@ pub enum Task {
     Page(Request, oneshot::Sender<Result<(), String>>),
     /// Another scene.
     Open(Box<Source>, oneshot::Sender<Result<(), Vec<String>>>),
+    /// A picture around the scene, by its name and bytes.
+    Surround(String, Arc<[u8]>, oneshot::Sender<Result<(), String>>),
     /// Something about the scene as it is.
     Ask(Question),
 }
@@ -245,6 +247,12 @@ impl Viewer {
                 let opened = self.open(*source);
                 let reach = if opened.is_ok() { Reach::Scene } else { Reach::Nothing };
                 let _ = answer.send(opened);
+                reach
+            }
+            Task::Surround(name, picture, answer) => {
+                let done = self.surround(name, picture);
+                let reach = if done.is_ok() { Reach::Scene } else { Reach::Nothing };
+                let _ = answer.send(done);
                 reach
             }
             Task::Ask(ask) => {

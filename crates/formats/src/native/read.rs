@@ -443,8 +443,9 @@ impl<'a> Reader<'a> {
                     let name = value::text(item)?;
                     let hint = || did_you_mean(name, self.groups.keys().map(String::as_str)).unwrap_or_default();
                     let found = self.groups.get(name).copied();
-                    group =
-                        Some(found.ok_or_else(|| (format!("there is no group '{name}' above {}", hint()), item.span))?);
+                    group = Some(found.ok_or_else(|| {
+                        (format!("there is no group '{name}' above {}", hint()).trim_end().to_owned(), item.span)
+                    })?);
                 }
                 "to_world" => world_from_group = value::transform(item)?,
                 "to_world_end" => end = Some(value::transform(item)?),

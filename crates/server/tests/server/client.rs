@@ -198,3 +198,11 @@ impl Page {
 pub fn camera(x: f64) -> Value {
     json!({"type": "camera", "eye": [x, 0.0, -3.0], "target": [0.0, 0.0, 0.0], "up": [0.0, 1.0, 0.0]})
 }
+
+/// The picture that the server gives as a file.
+pub fn served(server: &Server) -> steradian::image::Image {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    std::fs::write(&path, server.get("api/picture.exr").body).unwrap();
+    steradian::image::read(&path, &Default::default()).unwrap()
+}

@@ -1,6 +1,7 @@
 //! Scenes that are dropped onto the page.
 
-use crate::client::Server;
+use crate::client::{Server, served};
+use serde_json::json;
 
 const QUAD: &[u8] = b"v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n";
 
@@ -80,4 +81,77 @@ fn dropped_scenes_read_nothing_elsewhere() {
     for name in ["../x.obj", "/tmp/x.obj", "a/../../x.obj", "a\\..\\x.obj"] {
         assert_eq!(server.upload(&[(name, QUAD)]).status, 400, "{name}");
     }
+}
+
+/// A picture that is dropped by itself is put around the scene, upright and not mirrored for its camera; it is taken back
+/// as other edits are, and saved with the scene.
+#[test]
+fn pictures_are_put_around_the_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    // Red and green tell the angle around it from left to right, blue what is above.
+    let mut picture = b"PF\n32 4\n-1.0\n".to_vec();
+    // Rows from the lowest.
+    for blue in [1.0_f32, 1.0, 2.0, 2.0] {
+        for column in 0..32 {
+            let (sine, cosine) = ((column as f32 + 0.5) / 32.0 * std::f32::consts::TAU).sin_cos();
+            [1.5 + cosine, 1.5 + sine, blue].iter().for_each(|v| picture.extend(v.to_le_bytes()));
+        }
+    }
+    let angle = |column: usize, image: &[[f32; 3]]| {
+        let mean = |c: usize| (0..16).map(|row| image[24 * row + column][c]).sum::<f32>() / 16.0;
+        (mean(1) - 1.5).atan2(mean(0) - 1.5)
+    };
+    // By how much it turns from the left of a picture to the right, 90 degrees apart but for a pixel, and what is above.
+    let seen = |image: &[[f32; 3]]| {
+        let [left, right] = [0, 23].map(|column| angle(column, image));
+        ((right - left).rem_euclid(std::f32::consts::TAU), image[24 + 12][2] / image[14 * 24 + 12][2])
+    };
+    let check = |name: &str, image: &[[f32; 3]]| {
+        let (turn, above) = seen(image);
+        assert!((turn - 1.6).abs() < 0.35, "{name}: {turn}");
+        assert!(above > 1.5, "{name}: {above}");
+    };
+    let mirrored = "Scale -1 1 1 LookAt 0 0 0  1 0 0  0 0 1";
+    let pbrt =
+        |view: &str| format!("{view} Camera \"perspective\" \"float fov\" 90 WorldBegin LightSource \"infinite\"");
+    let xml = |axes: &str| {
+        format!(
+            "<scene version='3.0.0'><sensor type='perspective'><float name='fov' value='90'/><transform \
+             name='to_world'><lookat origin='0,0,0' {axes}/></transform></sensor><emitter type='constant'/></scene>"
+        )
+    };
+    let scenes = [
+        ("z.pbrt", pbrt("LookAt 0 0 0  1 0 0  0 0 1")),
+        ("mirrored.pbrt", pbrt(mirrored)),
+        ("y.pbrt", pbrt("LookAt 0 0 0  0 0 1  0 1 0")),
+        ("y.xml", xml("target='0,0,-1' up='0,1,0'")),
+        ("z.xml", xml("target='0,-1,0' up='0,0,1'")),
+    ];
+    for (name, text) in scenes {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        let server = Server::of(&path);
+        let mut page = server.page();
+        page.until("the picture", |v| v["type"] == "frame" && v["done"] == true && v["kind"] == "render");
+        let answer = server.upload(&[("studio.pfm", &picture)]);
+        assert_eq!(answer.json()["surrounded"], "studio.pfm", "{}", answer.text());
+        page.until("it", |v| v["type"] == "frame" && v["done"] == true && v["kind"] == "render");
+        let image = served(&server).to_rgb().unwrap();
+        check(name, &image);
+        page.finished(json!({"type": "undo"}));
+        let plain = served(&server).to_rgb().unwrap();
+        let blue = |row: usize| plain[24 * row..24 * (row + 1)].iter().map(|p| p[2]).sum::<f32>();
+        assert!((blue(1) / blue(14) - 1.0).abs() < 0.2, "{name}: {} {}", blue(1), blue(14));
+        page.finished(json!({"type": "redo"}));
+        assert_eq!(served(&server).to_rgb().unwrap(), image);
+        let file = format!("{name}.steradian");
+        assert_eq!(server.post("api/save", &json!({"name": file})).status, 200);
+        let saved = steradian::load(&folder.path().join(file), &Default::default());
+        let options = steradian::CompileOptions { size: Some((24, 16)), ..Default::default() };
+        let scene = std::sync::Arc::new(steradian::compile(&saved.desc, &options).scene.unwrap());
+        let image = steradian::render(&scene, &steradian::Quality::of("path").spp(4)).unwrap();
+        check("saved", &image.to_rgb().unwrap());
+    }
+    let server = Server::of("builtin:cornell-box");
+    assert_eq!(server.upload(&[("studio.pfm", b"PF\n1 1\n")]).status, 422);
 }

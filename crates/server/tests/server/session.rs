@@ -1,8 +1,12 @@
 //! What a page sees and does: pictures as the library makes them, cameras, settings, edits, files.
 
-use crate::client::{Server, camera};
+use crate::client::{Server, camera, served};
 use serde_json::json;
-use steradian::{CompileOptions, Quality, Viewpoint, image::Image, math::DVec3};
+use steradian::{
+    CompileOptions, Quality, Viewpoint,
+    image::Image,
+    math::{DVec3, Transform},
+};
 
 const BOX: &str = "builtin:cornell-box";
 
@@ -15,14 +19,6 @@ fn rendered(quality: &Quality, view: Option<Viewpoint>, edit: impl FnOnce(&mut s
     let options = CompileOptions { size: Some((24, 16)), spp: quality.spp, ..CompileOptions::default() };
     let scene = std::sync::Arc::new(steradian::compile(&desc, &options).scene.unwrap());
     steradian::render(&scene, quality).unwrap()
-}
-
-/// The picture that the server gives as a file.
-fn served(server: &Server) -> Image {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.exr");
-    std::fs::write(&path, server.get("api/picture.exr").body).unwrap();
-    steradian::image::read(&path, &Default::default()).unwrap()
 }
 
 /// A page is told the state first, then a picture at once, and in the end the one that the library makes, bit for bit;
@@ -231,12 +227,18 @@ fn changed_files_are_read_again() {
     page.finished(json!({"type": "edit", "node": "white", "parameter": "reflectance", "value": "0.25"}));
     let before = served(&server).to_rgb().unwrap();
     let view = page.state["camera"]["eye"].clone();
-    std::fs::write(&file, "steradian: 1\nshapes: [{shape: shpere}]").unwrap();
+    // At once, since a machine that is busy may take any time between opening a file and writing it.
+    let write = |text: &str| {
+        let beside = folder.path().join("b");
+        std::fs::write(&beside, text).unwrap();
+        std::fs::rename(beside, &file).unwrap();
+    };
+    write("steradian: 1\nshapes: [{shape: shpere}]");
     let (said, _) = page.until("what is wrong", |v| v["type"] == "message");
     assert!(said["text"].as_str().unwrap().contains("shpere"), "{said}");
     assert_eq!(served(&server).to_rgb().unwrap(), before);
     assert!(text.contains("radius: 0.3"), "{text}");
-    std::fs::write(&file, text.replace("radius: 0.3", "radius: 0.25")).unwrap();
+    write(&text.replace("radius: 0.3", "radius: 0.25"));
     page.until("the news", |v| v["type"] == "message" && v["severity"] == "note");
     page.until("the end", |v| v["type"] == "frame" && v["done"] == true && v["kind"] == "render");
     assert_eq!((&page.state["camera"]["eye"], &page.state["undo"]), (&view, &json!(1)));
@@ -253,4 +255,71 @@ fn changed_files_are_read_again() {
         }
     });
     assert_eq!(after, expected.to_rgb().unwrap());
+}
+
+/// Where shapes and groups are placed is edited as all else is: the picture is the library's, slider edits are one, and it
+/// is taken back. A shape that is placed several times has a name for each place, as instances have.
+#[test]
+fn places_of_shapes_are_edited() {
+    let server = Server::of(BOX);
+    let mut page = server.page();
+    let nodes = server.get("api/nodes").json();
+    let block = nodes.as_array().unwrap().iter().rfind(|n| n["family"] == "shape").unwrap().clone();
+    let place = block["parameters"].as_array().unwrap().iter().find(|p| p["name"] == "to_world").unwrap().clone();
+    assert_eq!(place["type"], "transform");
+    let edit = |value: &str, moving: bool| json!({"type": "edit", "node": block["id"], "parameter": "to_world", "value": value, "moving": moving});
+    let up = format!("[{}, {{translate: [0, 0.25, 0]}}]", place["value"].as_str().unwrap());
+    let moved = |desc: &mut steradian::scene::SceneDesc| {
+        let shape = desc.shapes.last_mut().unwrap();
+        shape.world_from_object = Transform::translate(DVec3::Y * 0.25) * shape.world_from_object;
+    };
+    page.finished(edit(&up, false));
+    let quality = Quality::of("path").spp(4);
+    let image = served(&server).to_rgb().unwrap();
+    assert_eq!(image, rendered(&quality, None, moved).to_rgb().unwrap());
+    page.finished(json!({"type": "undo"}));
+    assert_eq!(served(&server).to_rgb().unwrap(), rendered(&quality, None, |_| {}).to_rgb().unwrap());
+    for value in ["{translate: [0, 0.125, 0]}", "{translate: [0, 0.75, 0]}"] {
+        page.send(edit(value, true));
+        page.until("a preview", |v| v["type"] == "frame" && v["kind"] == "preview");
+    }
+    page.finished(edit(&up, false));
+    assert_eq!(served(&server).to_rgb().unwrap(), image);
+    assert_eq!(page.state["undo"], 1);
+    for (wrong, why) in
+        [("{scale: 0}", "singular"), ("{scale: [1, 2]}", "to_world:1:"), ("7", "a transform is expected")]
+    {
+        let said = page.refusal(edit(wrong, false));
+        assert!(said.contains(why), "{wrong}: {said}");
+    }
+    assert_eq!(served(&server).to_rgb().unwrap(), image);
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.steradian");
+    let text = "steradian: 1\ncameras: [{camera: perspective, to_world: {translate: [0, 0, -4]}}]\n\
+                lights: [{light: environment}]\n\
+                nodes: {ball: {shape: sphere, radius: 0.5}}\n\
+                shapes: [{node: ball, to_world: {translate: [-1, 0, 0]}}, {node: ball, to_world: {translate: [1, 0, 0]}}]\n\
+                groups: {pair: [{shape: disk}]}\n\
+                instances: [{group: pair}]\n";
+    std::fs::write(&path, text).unwrap();
+    let server = Server::of(&path);
+    let mut page = server.page();
+    let nodes = server.get("api/nodes").json();
+    let nodes = nodes.as_array().unwrap();
+    let places: Vec<_> = nodes.iter().filter(|n| n["family"] == "placement").collect();
+    assert_eq!(places.iter().map(|n| n["kind"].as_str().unwrap()).collect::<Vec<_>>(), ["ball", "ball", "pair"]);
+    let edit = |node: &serde_json::Value| json!({"type": "edit", "node": node, "parameter": "to_world", "value": "{translate: [0, 1, 0]}"});
+    let said = page.refusal(edit(&json!("ball")));
+    assert!(said.contains("placed several times, as #placement0, #placement1"), "{said}");
+    let said = page.refusal(edit(&json!("#placement9")));
+    assert!(said.contains("there is no node"), "{said}");
+    for (k, place) in places.iter().enumerate() {
+        page.finished(edit(&place["id"]));
+        assert_eq!(page.state["undo"], 1 + k);
+    }
+    assert_eq!(server.post("api/save", &json!({"name": "b.steradian"})).status, 200);
+    let saved = steradian::load(&folder.path().join("b.steradian"), &Default::default()).desc;
+    let up = Transform::translate(DVec3::Y);
+    assert!(saved.shapes.iter().all(|s| s.world_from_object == up) && saved.instances[0].world_from_group == up);
 }
