@@ -39,12 +39,32 @@ test('what cannot be is refused in words, and the picture stays', async ({ view 
   expect(differing(await canvas(view), before)).toBe(0);
 });
 
+test('a shape is placed elsewhere, as the command line renders it', async ({ program, view }) => {
+  const before = await canvas(view);
+  await open(view, 'Scene');
+  const sphere = view.locator('.node', { hasText: 'sphere' }).first();
+  await sphere.locator('> summary').click();
+  const field = sphere.getByLabel(/to_world, location y$/);
+  await anew(view, async () => {
+    await field.fill(String(Number(await field.inputValue()) + 0.4));
+    await field.press('Enter');
+  });
+  expect(differing(await canvas(view), before)).toBeGreaterThan(300);
+  expect(await command(view)).toContain('cornell-box-edited.steradian');
+  await download(view, program, 'Scene', 'cornell-box-edited.steradian');
+  await expectSame(view, program, 'placed');
+});
+
 const GEM = readFileSync(new URL('./gem.obj', import.meta.url), 'utf8');
+
+/** A picture of surroundings, green. */
+const GREEN = `PF\n1 1\n-1.0\n\0\0\0\0\0\0\x80?\0\0\0\0`;
 
 /** Files dropped in the window, with their texts. */
 const drop = (files: Record<string, string>) => {
   const data = new DataTransfer();
-  for (const [name, text] of Object.entries(files)) data.items.add(new File([text], name));
+  const bytes = (text: string) => Uint8Array.from(text, (c) => c.charCodeAt(0));
+  for (const [name, text] of Object.entries(files)) data.items.add(new File([bytes(text)], name));
   for (const type of ['dragenter', 'dragover', 'drop'])
     dispatchEvent(new DragEvent(type, { dataTransfer: data, cancelable: true, bubbles: true }));
 };
@@ -74,6 +94,12 @@ test.describe('dropped', () => {
     await expect(view).toHaveTitle(/^gem\.obj/);
     await view.evaluate(drop, { 'notes.txt': 'no scene' });
     await expect(view.getByRole('alert')).toContainText('no scene among the files');
+    expect(differing(await canvas(view, film), gem)).toBe(0);
+
+    await anew(view, () => view.evaluate(drop, { 'green.pfm': GREEN }));
+    const [red, green] = (await canvas(view, film)).slice(0, 2);
+    expect(green! - red!, 'green around it').toBeGreaterThan(60);
+    await anew(view, () => view.getByRole('button', { name: 'Undo' }).click());
     expect(differing(await canvas(view, film), gem)).toBe(0);
   });
 });

@@ -3,6 +3,8 @@
 import { hexOf, linearOf } from './color';
 import { h, setValue } from './dom';
 import { numberField } from './number';
+import { placeOf } from './place';
+import { placeField } from './placefield';
 import type { NodeParameter } from './protocol';
 
 export interface Field {
@@ -35,12 +37,13 @@ export function kindOf(p: NodeParameter): string {
   if (p.words.length > 0 && (p.value === null || p.words.includes(p.value))) return 'word';
   if (/spectrum/.test(p.type) && triple(text)) return 'color';
   if (/^(whole )?number/.test(p.type) && NUMBER.test(text)) return 'number';
+  if (p.type === 'transform' && placeOf(text)) return 'place';
   return 'text';
 }
 
 export function parameterField(p: NodeParameter, label: string, edit: Edit): Field {
   const kind = kindOf(p);
-  const make = { flag, word, color, number, text }[kind]!;
+  const make = { flag, word, color, number, place, text }[kind]!;
   return { kind, ...make(p, label, edit) };
 }
 
@@ -114,6 +117,11 @@ function color(p: NodeParameter, label: string, edit: Edit): Made {
   };
   set(p);
   return { element: h('span', { class: 'color' }, picker, ...fields), set };
+}
+
+function place(p: NodeParameter, label: string, edit: Edit): Made {
+  const field = placeField(label, current(p), edit);
+  return { element: field.element, set: (p) => field.set(current(p)) };
 }
 
 function text(p: NodeParameter, label: string, edit: Edit): Made {

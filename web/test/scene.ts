@@ -103,7 +103,11 @@ export function firstNodes(): SceneNode[] {
       id: 'sphere 2',
       family: 'shape',
       kind: 'sphere',
-      parameters: [parameter('center', 'three numbers', '[0, 1, 0]'), parameter('radius', 'number', '1', { range: [0, 1e9], unit: 'm' })],
+      parameters: [
+        parameter('center', 'three numbers', '[0, 1, 0]'),
+        parameter('radius', 'number', '1', { range: [0, 1e9], unit: 'm' }),
+        parameter('to_world', 'transform', '{matrix: [0.0, -2.0, 0.0, 1.5, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.0, -3.0, 0.0, 0.0, 0.0, 1.0]}'),
+      ],
     },
   ];
 }

@@ -774,13 +774,13 @@ var Compare = class {
 	}
 };
 // src/drop.ts
-/** Files dropped on the page are opened: models or scenes with what belongs to them, folders too. */
+/** Files dropped on the page are opened: models or scenes with what belongs to them, folders too; a picture goes around the scene. */
 var Drop = class {
 	tell;
 	hint = h("div", {
 		class: "drop",
 		hidden: true
-	}, "Drop a model or a scene, with what belongs to it");
+	}, "Drop a model or a scene with what belongs to it, or a picture of surroundings");
 	constructor(tell) {
 		this.tell = tell;
 		let depth = 0;
@@ -822,6 +822,10 @@ var Drop = class {
 				severity: response.ok ? "warning" : "error",
 				text: message
 			} : message);
+			if (answer.surrounded) this.tell({
+				severity: "note",
+				text: `${answer.surrounded} is around the scene now`
+			});
 			if (!response.ok && !answer.messages?.length) this.tell({
 				severity: "error",
 				text: answer.error ?? response.statusText
@@ -1590,7 +1594,7 @@ var POINTER = [
 /** A plain key, by the character it writes. */
 var character = (...keys) => (event) => !event.ctrlKey && !event.metaKey && !event.altKey && keys.includes(event.key);
 /** A key by its place, whatever else is held but Alt. */
-var place = (...codes) => (event) => !event.altKey && codes.includes(event.code);
+var place$1 = (...codes) => (event) => !event.altKey && codes.includes(event.code);
 /** Whether what has the focus wants the keys for itself. */
 function isTyping(target) {
 	if (target instanceof HTMLInputElement) return ![
@@ -1650,7 +1654,7 @@ function bindings({ view, camera, toolbar, look, compare, inspector, move, from,
 		shown,
 		doc: `from the ${of}; with Ctrl from the opposite side`,
 		group: "Camera",
-		is: place(code),
+		is: place$1(code),
 		act: (e) => from(of, e.ctrlKey)
 	});
 	const history = (shown, type, is) => ({
@@ -1739,7 +1743,7 @@ function bindings({ view, camera, toolbar, look, compare, inspector, move, from,
 			shown: "Arrows",
 			doc: "orbit; with Shift pan",
 			group: "Camera",
-			is: place("ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown"),
+			is: place$1("ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown"),
 			act: ({ code, shiftKey }) => {
 				const [dx, dy] = {
 					ArrowLeft: [-20, 0],
@@ -1754,7 +1758,7 @@ function bindings({ view, camera, toolbar, look, compare, inspector, move, from,
 			shown: "Page up, down",
 			doc: "dolly",
 			group: "Camera",
-			is: place("PageUp", "PageDown"),
+			is: place$1("PageUp", "PageDown"),
 			act: (e) => move(() => camera.dolly(e.code === "PageUp" ? .9 : 1 / .9))
 		},
 		{
@@ -1768,7 +1772,7 @@ function bindings({ view, camera, toolbar, look, compare, inspector, move, from,
 			shown: "Home",
 			doc: "back to the scene’s camera",
 			group: "Camera",
-			is: place("Home"),
+			is: place$1("Home"),
 			act: () => send({ type: "camera-reset" })
 		},
 		{
@@ -1791,7 +1795,7 @@ function bindings({ view, camera, toolbar, look, compare, inspector, move, from,
 			shown: "Escape",
 			doc: "put the tool down, unpin the pixel",
 			group: "Render",
-			is: place("Escape"),
+			is: place$1("Escape"),
 			act: () => toolbar.region ? toolbar.setRegion(false) : inspector.set(null)
 		}
 	];
@@ -2227,6 +2231,187 @@ function linearOf(hex) {
 		5
 	].map((at) => Number(decode(parseInt(hex.slice(at, at + 2), 16) / 255).toPrecision(4)));
 }
+// src/place.ts
+/** More than this part of shear is told from rounding. */
+var SHEAR = 1e-6;
+/** The place of a transform in Steradian's language; `null` for what is none, or shears. */
+function placeOf(text) {
+	if (text === "identity") return {
+		location: [
+			0,
+			0,
+			0
+		],
+		rotation: [
+			0,
+			0,
+			0
+		],
+		scale: [
+			1,
+			1,
+			1
+		]
+	};
+	const m = /^\{matrix: \[([^[\]]*)\]\}$/.exec(text.trim())?.[1]?.split(",").map(Number);
+	if (m?.length !== 16 || !m.every(Number.isFinite) || m[12] !== 0 || m[13] !== 0 || m[14] !== 0 || m[15] !== 1) return null;
+	const column = (i) => [
+		m[i],
+		m[4 + i],
+		m[8 + i]
+	];
+	const axes = [
+		column(0),
+		column(1),
+		column(2)
+	];
+	const sizes = axes.map(length);
+	if (sizes.some((s) => s === 0)) return null;
+	if (dot(cross(axes[0], axes[1]), axes[2]) < 0) sizes[0] = -sizes[0];
+	const [x, y, z] = axes.map((a, i) => scale(a, 1 / sizes[i]));
+	if ([
+		dot(x, y),
+		dot(y, z),
+		dot(z, x)
+	].some((d) => Math.abs(d) > SHEAR)) return null;
+	const sine = Math.max(-1, Math.min(1, -x[2]));
+	const turns = Math.hypot(x[0], x[1]) > 1e-9 ? [
+		Math.atan2(y[2], z[2]),
+		Math.asin(sine),
+		Math.atan2(x[1], x[0])
+	] : [
+		Math.atan2(-z[1], y[1]),
+		Math.asin(sine),
+		0
+	];
+	return {
+		location: column(3),
+		rotation: turns.map((v) => v * 180 / Math.PI),
+		scale: sizes
+	};
+}
+/** A place in Steradian's language. */
+function textOf({ location, rotation, scale: size }) {
+	const [[sx, cx], [sy, cy], [sz, cz]] = rotation.map((v) => {
+		const exact = [
+			0,
+			1,
+			0,
+			-1
+		];
+		const quarter = v / 90;
+		if (Number.isInteger(quarter)) return [exact[(quarter % 4 + 4) % 4], exact[((quarter + 1) % 4 + 4) % 4]];
+		return [Math.sin(v * Math.PI / 180), Math.cos(v * Math.PI / 180)];
+	});
+	return `{matrix: [${[
+		...[
+			[
+				cy * cz,
+				sx * sy * cz - cx * sz,
+				cx * sy * cz + sx * sz
+			],
+			[
+				cy * sz,
+				sx * sy * sz + cx * cz,
+				cx * sy * sz - sx * cz
+			],
+			[
+				-sy,
+				sx * cy,
+				cx * cy
+			]
+		].flatMap((row, i) => [...row.map((v, k) => v * size[k]), location[i]]),
+		0,
+		0,
+		0,
+		1
+	].join(", ")}]}`;
+}
+// src/placefield.ts
+/** A field for a transform: location, rotation and scale, each number to be typed, or dragged by its letter. */
+var PARTS = [
+	"location",
+	"rotation",
+	"scale"
+];
+var AXES = [
+	"x",
+	"y",
+	"z"
+];
+/** `change` is called with each new place in Steradian's language; `done` is false while a number is dragged. */
+function placeField(label, text, change) {
+	let place = placeOf(text);
+	/** By how much a pixel of dragging changes a number. */
+	function step(part, axis) {
+		if (part === "rotation") return .5;
+		if (part === "scale") return Math.abs(place.scale[axis]) / 200;
+		return Math.max(Math.hypot(...place.location), Math.hypot(...place.scale), .001) / 300;
+	}
+	function take(part, axis, value, done) {
+		const changed = [...place[part]];
+		changed[axis] = value;
+		if (!Number.isFinite(value) || part === "scale" && value === 0) return show();
+		place = {
+			...place,
+			[part]: changed
+		};
+		show();
+		change(textOf(place), done);
+	}
+	function number(part, axis) {
+		const name = AXES[axis];
+		const field = h("input", {
+			type: "number",
+			class: "number",
+			step: "any",
+			required: true,
+			"aria-label": `${label}, ${part} ${name}`,
+			onchange: () => field.checkValidity() ? take(part, axis, field.valueAsNumber, true) : field.reportValidity()
+		});
+		const handle = h("span", {
+			class: `axis ${name}`,
+			title: "Drag to change",
+			"aria-hidden": "true"
+		}, name);
+		handle.addEventListener("pointerdown", (down) => {
+			if (down.button !== 0) return;
+			down.preventDefault();
+			handle.setPointerCapture(down.pointerId);
+			const [from, by] = [place[part][axis], step(part, axis)];
+			const at = (event) => Number((from + by * (event.clientX - down.clientX)).toPrecision(6));
+			const move = (event) => take(part, axis, at(event), false);
+			const end = (event) => {
+				handle.removeEventListener("pointermove", move);
+				handle.removeEventListener("pointerup", end);
+				handle.removeEventListener("pointercancel", end);
+				if (event.clientX !== down.clientX) take(part, axis, at(event), true);
+			};
+			handle.addEventListener("pointermove", move);
+			handle.addEventListener("pointerup", end);
+			handle.addEventListener("pointercancel", end);
+		});
+		return {
+			field,
+			element: h("span", { class: "axis-field" }, handle, field)
+		};
+	}
+	const numbers = PARTS.map((part) => AXES.map((_, axis) => number(part, axis)));
+	function show() {
+		PARTS.forEach((part, i) => place[part].forEach((v, axis) => setValue(numbers[i][axis].field, String(Number(v.toPrecision(7))))));
+	}
+	show();
+	const rows = PARTS.map((part, i) => h("div", { class: "place-row" }, h("span", { class: "part" }, part), ...numbers[i].map((n) => n.element)));
+	const set = (text) => {
+		const now = placeOf(text);
+		if (now) place = now;
+		show();
+	};
+	return {
+		element: h("div", { class: "place" }, ...rows),
+		set
+	};
+}
 // src/parameter.ts
 /** A field for a node's parameter, by its type and value. */
 var NUMBER = /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i;
@@ -2243,6 +2428,7 @@ function kindOf(p) {
 	if (p.words.length > 0 && (p.value === null || p.words.includes(p.value))) return "word";
 	if (/spectrum/.test(p.type) && triple(text)) return "color";
 	if (/^(whole )?number/.test(p.type) && NUMBER.test(text)) return "number";
+	if (p.type === "transform" && placeOf(text)) return "place";
 	return "text";
 }
 function parameterField(p, label, edit) {
@@ -2252,6 +2438,7 @@ function parameterField(p, label, edit) {
 		word,
 		color,
 		number,
+		place,
 		text
 	}[kind];
 	return {
@@ -2359,6 +2546,13 @@ function color(p, label, edit) {
 	return {
 		element: h("span", { class: "color" }, picker, ...fields),
 		set
+	};
+}
+function place(p, label, edit) {
+	const field = placeField(label, current(p), edit);
+	return {
+		element: field.element,
+		set: (p) => field.set(current(p))
 	};
 }
 function text(p, label, edit) {
