@@ -50,6 +50,8 @@ export interface Settings {
   maxDepth: number | null;
   /** Absent where the server does not denoise. */
   denoise?: boolean;
+  /** Whether the light of each group of lights is sent along; absent where the server cannot. */
+  lightGroups?: boolean;
 }
 
 export interface State {
@@ -90,6 +92,8 @@ export interface FrameMessage {
   /** The one layer that it ends, where it isn't all of them. */
   layer?: string;
   denoised?: boolean;
+  /** The groups of lights whose planes came with it, in their order. */
+  lightGroups?: string[];
 }
 
 export type ServerMessage = ({ type: 'state' } & State) | ({ type: 'frame' } & FrameMessage) | ({ type: 'message' } & Message);

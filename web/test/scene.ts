@@ -38,7 +38,16 @@ export function firstState(): State {
       moved: false,
       movable: true,
     },
-    settings: { integrator: 'path', spp: 256, sampler: 'zsobol', color: 'auto', seed: 0, maxDepth: null, denoise: false },
+    settings: {
+      integrator: 'path',
+      spp: 256,
+      sampler: 'zsobol',
+      color: 'auto',
+      seed: 0,
+      maxDepth: null,
+      denoise: false,
+      lightGroups: false,
+    },
     choices: {
       integrators: named('path', 'direct', 'raster', 'bdpt', 'ao'),
       samplers: named('zsobol', 'independent', 'halton'),

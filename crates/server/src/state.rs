@@ -11,7 +11,7 @@ use std::{
     sync::{Arc, LazyLock},
 };
 use steradian::{
-    Scene, Viewpoint, all_integrators,
+    Layer, Scene, Viewpoint, all_integrators,
     image::tone::CURVES,
     load::suited_tone,
     math::{DVec3, Ray, Transform},
@@ -37,6 +37,7 @@ pub fn of(generation: u32, document: &Document, look: &Look, scene: &Scene) -> A
         seed: asked.seed.flatten(),
         max_depth: asked.max_depth.flatten(),
         denoise: asked.denoise.unwrap_or(false),
+        light_groups: asked.light_groups.unwrap_or(false),
     };
     let state = State {
         generation,
@@ -199,6 +200,7 @@ fn command(document: &Document, look: &Look) -> String {
     option("crop", look.region.map(|r| r.map(|n| n.to_string()).join(",")));
     option("camera", look.camera.clone());
     option("denoise", asked.denoise.filter(|on| *on).map(|_| String::new()));
+    option("aov", asked.light_groups.filter(|on| *on).map(|_| Layer::LightGroups.name().into()));
     if is_file && let Some(view) = look.view {
         let Viewpoint { eye, target, up } = view.point;
         let numbers = [eye, target, up].map(|v| v.to_array().map(|n| n.to_string()).join(","));
