@@ -22,6 +22,7 @@ import { Navigate } from './navigate';
 import { Nodes } from './nodes';
 import { Output } from './output';
 import { Overlay, regionOf } from './overlay';
+import { Pick } from './pick';
 import { CameraPanel, RenderPanel, type Side } from './panel';
 import type { FrameMessage, Message, PageMessage, State } from './protocol';
 import { Socket } from './socket';
@@ -72,6 +73,8 @@ function start(): void {
     moving.moved();
     moving.stop(150);
   };
+  const pick = new Pick(camera, move, send, (message) => messages.add(message));
+  const focus = () => state && void pick.focus(state.camera);
   const from = (side: Side, opposite = false) => move(() => camera.from(side, opposite));
   const startFly = () => state?.camera.movable && fly.start();
   const cameraPanel = new CameraPanel(send, { from, fly: startFly, fov: (degrees) => moving.fov(degrees) });
@@ -115,7 +118,10 @@ function start(): void {
   fly.changed = (on) => (flying.hidden = !on);
 
   new Navigate(view, camera, moving, fly, {
-    hover: (pixel) => inspector.show(pixel, pixel && view.values(...pixel), view.isMixed),
+    hover: (pixel) => {
+      pick.pixel = pixel;
+      inspector.show(pixel, pixel && view.values(...pixel), view.isMixed);
+    },
     click: (pixel) => {
       const inside = view.values(...pixel) !== null;
       inspector.set(inside ? pixel : null);
@@ -134,7 +140,7 @@ function start(): void {
   });
 
   const keys = new Keys(
-    bindings({ view, camera, toolbar, look, compare, inspector, move, from, fly: startFly, send, help: () => keys.toggle() }),
+    bindings({ view, camera, toolbar, look, compare, inspector, pick, focus, move, from, fly: startFly, send, help: () => keys.toggle() }),
   );
 
   const socket = new Socket({

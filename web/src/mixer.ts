@@ -76,6 +76,8 @@ export class Mixer {
   /** Those that were there before keep their places. */
   private readonly strips = new Map<string, Strip>();
   private names: string[] = [];
+  /** Of which scene. */
+  private scene = '';
 
   constructor(
     private readonly view: View,
@@ -88,6 +90,12 @@ export class Mixer {
 
   update({ scene, settings }: State): void {
     const isOn = settings.lightGroups ?? false;
+    const of = `${scene.path} ${scene.name}`;
+    if (of !== this.scene) {
+      this.scene = of;
+      this.names = [];
+      this.strips.clear();
+    }
     this.element.hidden = settings.lightGroups === undefined || scene.lights === 0;
     this.on.checked = isOn;
     if (!isOn) {

@@ -36,6 +36,12 @@ export interface CameraState {
   handedness: number;
   moved: boolean;
   movable: boolean;
+  /** What edits call it. */
+  id: string;
+  /** How long one along its axis is in the world. */
+  unit: number;
+  /** Radius of its lens, 0 for a pinhole; `null` where it has no focal distance. */
+  lens: number | null;
 }
 
 export interface Settings {

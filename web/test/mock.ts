@@ -4,7 +4,7 @@ import { createServer, type IncomingMessage, type ServerResponse } from 'node:ht
 import { readFile } from 'node:fs/promises';
 import type { AddressInfo } from 'node:net';
 import { WebSocketServer, type WebSocket } from 'ws';
-import type { FrameMessage, PageMessage, SceneNode, State } from '../src/protocol';
+import type { FrameMessage, PageMessage, Pixel, SceneNode, State } from '../src/protocol';
 import { toHalf } from './half';
 import { Reference } from './reference';
 import { firstNodes, firstState } from './scene';
@@ -41,6 +41,8 @@ export class Mock {
   refuses: string | null = null;
   /** The light of groups by their names, sent where they are asked for. */
   groups: [string, Shade][] = [];
+  /** Where the point of a pixel is, as channels. */
+  places: (x: number, y: number) => Pixel['channels'] = () => ({});
   readonly reference = new Reference(this);
 
   private readonly sockets = new Set<WebSocket>();
@@ -240,7 +242,7 @@ export class Mock {
     if (!(x >= 0 && y >= 0 && x < film.width && y < film.height)) return void json({ error: `the picture has no pixel ${x}, ${y}` }, 404);
     const value = (v: number) => (Number.isFinite(v) ? v : String(v));
     const [R, G, B] = this.shade(x, y).map(value);
-    const channels = { R, G, B, 'albedo.R': 0.8, 'albedo.G': 0.25, 'albedo.B': y / film.height, depth: 3.25 };
+    const channels = { R, G, B, 'albedo.R': 0.8, 'albedo.G': 0.25, 'albedo.B': y / film.height, depth: 3.25, ...this.places(x, y) };
     json({ x, y, generation, samples: this.samples, error: 0.0123, object: 'sphere 2', material: 'red glass', channels });
   }
 }

@@ -37,6 +37,9 @@ export function firstState(): State {
       handedness: 1,
       moved: false,
       movable: true,
+      id: 'main',
+      unit: 1,
+      lens: 0.1,
     },
     settings: {
       integrator: 'path',

@@ -152,6 +152,12 @@ pub struct CameraState {
     pub handedness: i32,
     pub moved: bool,
     pub movable: bool,
+    /// What edits call it.
+    pub id: String,
+    /// How long one along its axis is in the world.
+    pub unit: f64,
+    /// Radius of its lens, 0 for a pinhole; `None` where it has no focal distance.
+    pub lens: Option<f64>,
 }
 
 /// All that pages know.

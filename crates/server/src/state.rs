@@ -102,6 +102,7 @@ fn camera(document: &Document, look: &Look, scene: &Scene) -> CameraState {
         Some(Value::Int(v)) => Some(*v as f64),
         _ => None,
     };
+    let has_focus = node.family.parameters(&node.kind).into_iter().flatten().any(|p| p.name == "focal_distance");
     let is_perspective = node.kind == "perspective";
     let fov = look.view.and_then(|v| v.fov).or_else(|| number("fov")).unwrap_or(90.0);
     let ids = steradian::formats::native::ids(&document.desc);
@@ -116,6 +117,9 @@ fn camera(document: &Document, look: &Look, scene: &Scene) -> CameraState {
         handedness: if place.swaps_handedness() { 1 } else { -1 },
         moved: look.view.is_some(),
         movable: is_movable(document, look),
+        id: document.desc.camera(look.camera.as_deref()).map(|id| ids[id.0 as usize].clone()).unwrap_or_default(),
+        unit: place.vector(DVec3::Z).length(),
+        lens: has_focus.then(|| number("lens_radius").unwrap_or(0.0).max(0.0)),
     }
 }
 

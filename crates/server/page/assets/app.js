@@ -149,6 +149,12 @@ var Camera = class {
 		const distance = Math.min(Math.max(this.distance * factor, 1e-6), 1e9);
 		this.eye = sub(this.target, scale(this.forward, distance));
 	}
+	/** Looks at a point, and turns about it from then on. */
+	center(point) {
+		const level = across(this.forward, this.axis);
+		if (length(level) > 1e-4) this.heading = normalize(level);
+		this.target = [...point];
+	}
 	move(by) {
 		this.eye = add(this.eye, by);
 		this.target = add(this.target, by);
@@ -1856,7 +1862,7 @@ var Keys = class {
 // src/bindings.ts
 /** CSS pixels of a drag that an arrow key stands for. */
 var STEP = 20;
-function bindings({ view, camera, toolbar, look, compare, inspector, move, from, fly, send, help }) {
+function bindings({ view, camera, toolbar, look, compare, inspector, pick, focus, move, from, fly, send, help }) {
 	const zoom = (factor) => {
 		view.placement.zoom(factor);
 		view.redraw();
@@ -1971,6 +1977,13 @@ function bindings({ view, camera, toolbar, look, compare, inspector, move, from,
 			group: "Camera",
 			is: place$1("PageUp", "PageDown"),
 			act: (e) => move(() => camera.dolly(e.code === "PageUp" ? .9 : 1 / .9))
+		},
+		{
+			shown: ".",
+			doc: "turn to the point under the pointer, and about it; with Shift focus there",
+			group: "Camera",
+			is: place("Period", "NumpadDecimal"),
+			act: (e) => e.shiftKey ? focus() : void pick.center()
 		},
 		{
 			shown: "Shift + `",
@@ -2311,6 +2324,8 @@ var Mixer = class {
 	/** Those that were there before keep their places. */
 	strips = /* @__PURE__ */ new Map();
 	names = [];
+	/** Of which scene. */
+	scene = "";
 	constructor(view, send, changed) {
 		this.view = view;
 		this.changed = changed;
@@ -2325,6 +2340,12 @@ var Mixer = class {
 	}
 	update({ scene, settings }) {
 		const isOn = settings.lightGroups ?? false;
+		const of = `${scene.path} ${scene.name}`;
+		if (of !== this.scene) {
+			this.scene = of;
+			this.names = [];
+			this.strips.clear();
+		}
 		this.element.hidden = settings.lightGroups === void 0 || scene.lights === 0;
 		this.on.checked = isOn;
 		if (!isOn) {
@@ -3249,6 +3270,76 @@ function regionOf([ax, ay], [bx, by], film) {
 		y1
 	] : null;
 }
+// src/pick.ts
+var Pick = class {
+	camera;
+	move;
+	send;
+	tell;
+	/** The pixel under the pointer. */
+	pixel = null;
+	constructor(camera, move, send, tell) {
+		this.camera = camera;
+		this.move = move;
+		this.send = send;
+		this.tell = tell;
+	}
+	/** Turns the camera to the point, about which it turns from then on. */
+	async center() {
+		const point = await this.point();
+		if (point) this.move(() => this.camera.center(point));
+	}
+	/** Makes sharp what is as far along the axis as the point. */
+	async focus({ id, unit, lens }) {
+		if (lens === null) return this.tell({
+			severity: "note",
+			text: "this kind of camera has no focal distance"
+		});
+		const point = await this.point();
+		if (!point) return;
+		const far = dot(sub(point, this.camera.eye), this.camera.forward) / unit;
+		if (!(far > 0)) return this.tell({
+			severity: "note",
+			text: "the point is not in front of the camera"
+		});
+		this.send({
+			type: "edit",
+			node: id,
+			parameter: "focal_distance",
+			value: String(Number(far.toPrecision(7)))
+		});
+		if (lens <= 0) this.tell({
+			severity: "note",
+			text: `all is sharp through a pinhole: 'lens_radius' of ${id} above 0 shows where the focus is`
+		});
+	}
+	async point() {
+		const none = (text) => (this.tell({
+			severity: "note",
+			text
+		}), null);
+		if (!this.pixel) return none("there is no point under the pointer");
+		const [x, y] = this.pixel;
+		try {
+			const pixel = await (await fetch(`./api/pixel?x=${x}&y=${y}`)).json();
+			if (!("channels" in pixel)) return none(pixel.error);
+			const { "P.X": px, "P.Y": py, "P.Z": pz, Z: depth } = pixel.channels;
+			if (px === void 0) return none("points are not known of a preview: try again in a moment");
+			return [
+				px,
+				py,
+				pz,
+				depth
+			].every((v) => typeof v === "number") ? [
+				px,
+				py,
+				pz
+			] : none("there is no surface under the pointer");
+		} catch {
+			return none("no answer");
+		}
+	}
+};
 // src/panel.ts
 /** Panels "Render" and "Camera": what the server is asked to render. */
 /** A field for a whole number of the settings; empty for none where `optional`. */
@@ -4030,6 +4121,8 @@ function start() {
 		moving.moved();
 		moving.stop(150);
 	};
+	const pick = new Pick(camera, move, send, (message) => messages.add(message));
+	const focus = () => state && void pick.focus(state.camera);
 	const from = (side, opposite = false) => move(() => camera.from(side, opposite));
 	const startFly = () => state?.camera.movable && fly.start();
 	const cameraPanel = new CameraPanel(send, {
@@ -4073,7 +4166,10 @@ function start() {
 	}, "Flying: W A S D Q E and the mouse; Escape ends");
 	fly.changed = (on) => flying.hidden = !on;
 	new Navigate(view, camera, moving, fly, {
-		hover: (pixel) => inspector.show(pixel, pixel && view.values(...pixel), view.isMixed),
+		hover: (pixel) => {
+			pick.pixel = pixel;
+			inspector.show(pixel, pixel && view.values(...pixel), view.isMixed);
+		},
 		click: (pixel) => {
 			const inside = view.values(...pixel) !== null;
 			inspector.set(inside ? pixel : null);
@@ -4100,6 +4196,8 @@ function start() {
 		look,
 		compare,
 		inspector,
+		pick,
+		focus,
 		move,
 		from,
 		fly: startFly,
