@@ -1982,7 +1982,7 @@ function bindings({ view, camera, toolbar, look, compare, inspector, pick, focus
 			shown: ".",
 			doc: "turn to the point under the pointer, and about it; with Shift focus there",
 			group: "Camera",
-			is: place("Period", "NumpadDecimal"),
+			is: place$1("Period", "NumpadDecimal"),
 			act: (e) => e.shiftKey ? focus() : void pick.center()
 		},
 		{
