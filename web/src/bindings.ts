@@ -6,6 +6,7 @@ import type { Inspector } from './inspector';
 import { character, place, type Key } from './keys';
 import type { Look } from './look';
 import type { Side } from './panel';
+import type { Pick } from './pick';
 import type { PageMessage } from './protocol';
 import type { Toolbar } from './toolbar';
 import type { View } from './view';
@@ -17,6 +18,8 @@ export interface Bound {
   look: Look;
   compare: Compare;
   inspector: Inspector;
+  pick: Pick;
+  focus(): void;
   /** Moves the camera, if it may be moved. */
   move(change: () => void): void;
   from(side: Side, opposite: boolean): void;
@@ -28,7 +31,7 @@ export interface Bound {
 /** CSS pixels of a drag that an arrow key stands for. */
 const STEP = 20;
 
-export function bindings({ view, camera, toolbar, look, compare, inspector, move, from, fly, send, help }: Bound): Key[] {
+export function bindings({ view, camera, toolbar, look, compare, inspector, pick, focus, move, from, fly, send, help }: Bound): Key[] {
   const zoom = (factor: number) => {
     view.placement.zoom(factor);
     view.redraw();
@@ -111,6 +114,13 @@ export function bindings({ view, camera, toolbar, look, compare, inspector, move
       group: 'Camera',
       is: place('PageUp', 'PageDown'),
       act: (e) => move(() => camera.dolly(e.code === 'PageUp' ? 0.9 : 1 / 0.9)),
+    },
+    {
+      shown: '.',
+      doc: 'turn to the point under the pointer, and about it; with Shift focus there',
+      group: 'Camera',
+      is: place('Period', 'NumpadDecimal'),
+      act: (e) => (e.shiftKey ? focus() : void pick.center()),
     },
     { shown: 'Shift + `', doc: 'fly', group: 'Camera', is: (e) => e.shiftKey && e.code === 'Backquote', act: fly },
     { shown: 'Home', doc: 'back to the scene’s camera', group: 'Camera', is: place('Home'), act: () => send({ type: 'camera-reset' }) },

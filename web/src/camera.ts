@@ -92,6 +92,13 @@ export class Camera {
     this.eye = sub(this.target, scale(this.forward, distance));
   }
 
+  /** Looks at a point, and turns about it from then on. */
+  center(point: Vec3): void {
+    const level = across(this.forward, this.axis);
+    if (length(level) > 1e-4) this.heading = normalize(level);
+    this.target = [...point];
+  }
+
   move(by: Vec3): void {
     this.eye = add(this.eye, by);
     this.target = add(this.target, by);

@@ -58,6 +58,17 @@ export function statistics(halves: Uint16Array, components: number): Statistics 
   return { maximum: VALUES[largest]!, nonfinite, dark, pixels, counts };
 }
 
+/** The nearest half of a number; what is beyond their range is the largest. */
+export function halfOf(v: number): number {
+  float[0] = v;
+  const word = bits[0]!;
+  const sign = (word >>> 16) & 0x8000;
+  if (Number.isNaN(v)) return 0x7e00;
+  const a = Math.abs(v);
+  if (a > 65504) return sign | 0x7bff;
+  return sign | (a < 2 ** -14 ? Math.round(a * 2 ** 24) : ((word & 0x7fffffff) - 0x38000000 + 0x1000) >>> 13);
+}
+
 /** The middle of a bin. */
 function middle(bin: number): number {
   bits[0] = (bin << SHIFT) | (1 << (SHIFT - 1));

@@ -20,9 +20,9 @@ export class Inspector {
   }
 
   /** Values under the pointer. */
-  show(pixel: [number, number] | null, values: number[] | null): void {
+  show(pixel: [number, number] | null, values: number[] | null, isMixed: boolean): void {
     if (!pixel || !values) return setText(this.hover, 'Point at the picture; click to pin a pixel.');
-    setText(this.hover, `${pixel[0]}, ${pixel[1]}:  ${values.map(show).join('  ')}`);
+    setText(this.hover, `${pixel[0]}, ${pixel[1]}:  ${values.map(show).join('  ')}${isMixed ? '  (mixed)' : ''}`);
   }
 
   set(pixel: [number, number] | null): void {

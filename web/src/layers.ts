@@ -13,6 +13,14 @@ export interface Picture {
   crop: Box;
 }
 
+/** Puts a tile's halves among those of its frame. */
+export function put(halves: Uint16Array, tile: Tile): void {
+  const row = tile.width * tile.components;
+  for (let y = 0; y < tile.height; y++) {
+    halves.set(tile.halves.subarray(y * row, (y + 1) * row), ((tile.y + y) * tile.frameWidth + tile.x) * tile.components);
+  }
+}
+
 interface Layer {
   front: Picture | null;
   back: Picture | null;
@@ -48,10 +56,7 @@ export class Layers {
     gl.bindTexture(gl.TEXTURE_2D, picture.texture);
     const format = components === 1 ? gl.RED : gl.RGB;
     gl.texSubImage2D(gl.TEXTURE_2D, 0, tile.x, tile.y, tile.width, tile.height, format, gl.HALF_FLOAT, tile.halves);
-    const row = tile.width * components;
-    for (let y = 0; y < tile.height; y++) {
-      picture.halves.set(tile.halves.subarray(y * row, (y + 1) * row), ((tile.y + y) * width + tile.x) * components);
-    }
+    put(picture.halves, tile);
   }
 
   /** A frame is whole: shows the layers that came with it, or this one of them, as a part of the film. */

@@ -8,6 +8,7 @@ import { Drop } from './drop';
 import { Errors } from './errors';
 import { falseScale, Legend, WHITE } from './falsecolor';
 import { Fly } from './fly';
+import { FIRST_PLANE } from './groups';
 import { Histogram } from './histogram';
 import { Inspector } from './inspector';
 import { bindings } from './bindings';
@@ -15,13 +16,15 @@ import { Keys } from './keys';
 import { Look } from './look';
 import { FLIP_SCALE } from './magma';
 import { Messages } from './messages';
+import { Mixer } from './mixer';
 import { Moving } from './moving';
 import { Navigate } from './navigate';
 import { Nodes } from './nodes';
 import { Output } from './output';
 import { Overlay, regionOf } from './overlay';
+import { Pick } from './pick';
 import { CameraPanel, RenderPanel, type Side } from './panel';
-import type { FrameMessage, PageMessage, State } from './protocol';
+import type { FrameMessage, Message, PageMessage, State } from './protocol';
 import { Socket } from './socket';
 import { Status } from './status';
 import { Toolbar } from './toolbar';
@@ -63,12 +66,15 @@ function start(): void {
   );
   histogram.element.addEventListener('toggle', showHistogram);
   const render = new RenderPanel(send);
+  const mixer = new Mixer(view, send, showHistogram);
   const move = (change: () => void) => {
     if (state === null || !state.camera.movable) return;
     change();
     moving.moved();
     moving.stop(150);
   };
+  const pick = new Pick(camera, move, send, (message) => messages.add(message));
+  const focus = () => state && void pick.focus(state.camera);
   const from = (side: Side, opposite = false) => move(() => camera.from(side, opposite));
   const startFly = () => state?.camera.movable && fly.start();
   const cameraPanel = new CameraPanel(send, { from, fly: startFly, fov: (degrees) => moving.fov(degrees) });
@@ -83,6 +89,7 @@ function start(): void {
     histogram.element,
     inspector.element,
     render.element,
+    mixer.element,
     cameraPanel.element,
     nodes.element,
     output.element,
@@ -111,11 +118,14 @@ function start(): void {
   fly.changed = (on) => (flying.hidden = !on);
 
   new Navigate(view, camera, moving, fly, {
-    hover: (pixel) => inspector.show(pixel, pixel && view.values(...pixel)),
+    hover: (pixel) => {
+      pick.pixel = pixel;
+      inspector.show(pixel, pixel && view.values(...pixel), view.isMixed);
+    },
     click: (pixel) => {
       const inside = view.values(...pixel) !== null;
       inspector.set(inside ? pixel : null);
-      if (inside) inspector.show(pixel, view.values(...pixel));
+      if (inside) inspector.show(pixel, view.values(...pixel), view.isMixed);
     },
     region: (a, b, done) => {
       overlay.region = regionOf(a, b, view.film);
@@ -130,16 +140,17 @@ function start(): void {
   });
 
   const keys = new Keys(
-    bindings({ view, camera, toolbar, look, compare, inspector, move, from, fly: startFly, send, help: () => keys.toggle() }),
+    bindings({ view, camera, toolbar, look, compare, inspector, pick, focus, move, from, fly: startFly, send, help: () => keys.toggle() }),
   );
 
   const socket = new Socket({
     message(message) {
       if (message.type === 'state') takeState(message);
       else if (message.type === 'frame') takeFrame(message);
-      else if (message.type === 'message') messages.add(message);
+      else if (message.type === 'message') takeMessage(message);
     },
     tile(tile) {
+      if (tile.layer >= FIRST_PLANE) return view.groups.tile(tile.layer - FIRST_PLANE, tile);
       const layer = tile.layer === 0 ? 'picture' : state?.layers[tile.layer - 1];
       if (layer !== undefined) view.tile(layer, tile);
     },
@@ -162,6 +173,7 @@ function start(): void {
     compare.takeState(next);
     errors.takeState(next);
     render.update(next);
+    mixer.update(next);
     cameraPanel.update(next);
     moving.state(next.generation, next.camera, isNew);
     nodes.update(next, isNew);
@@ -175,8 +187,17 @@ function start(): void {
     view.redraw();
   }
 
+  function takeMessage(message: Message): void {
+    messages.add(message);
+    if (message.severity !== 'error' || state === null) return;
+    // What was refused does not hold.
+    render.update(state);
+    mixer.update(state);
+  }
+
   function takeFrame(frame: FrameMessage): void {
     view.frame(frame);
+    mixer.takeFrame(frame);
     moving.frame(frame.generation);
     nodes.frame();
     status.update(null, frame);

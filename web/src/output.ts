@@ -65,7 +65,8 @@ export class Output {
   update(state: State | null = this.state): void {
     this.state = state;
     if (!state) return;
-    this.exr.href = `./api/picture.exr${state.layers.length ? `?layers=${state.layers.join(',')}` : ''}`;
+    const layers = [...state.layers, ...(state.settings.lightGroups ? ['light_groups'] : [])];
+    this.exr.href = `./api/picture.exr${layers.length ? `?layers=${layers.join(',')}` : ''}`;
     this.scene.download = state.saveName;
     this.png.href = `./api/picture.png?${new URLSearchParams(this.look())}`;
     if (this.command.textContent !== state.command) this.command.textContent = state.command;

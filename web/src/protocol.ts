@@ -36,6 +36,12 @@ export interface CameraState {
   handedness: number;
   moved: boolean;
   movable: boolean;
+  /** What edits call it. */
+  id: string;
+  /** How long one along its axis is in the world. */
+  unit: number;
+  /** Radius of its lens, 0 for a pinhole; `null` where it has no focal distance. */
+  lens: number | null;
 }
 
 export interface Settings {
@@ -50,6 +56,8 @@ export interface Settings {
   maxDepth: number | null;
   /** Absent where the server does not denoise. */
   denoise?: boolean;
+  /** Whether the light of each group of lights is sent along; absent where the server cannot. */
+  lightGroups?: boolean;
 }
 
 export interface State {
@@ -90,6 +98,8 @@ export interface FrameMessage {
   /** The one layer that it ends, where it isn't all of them. */
   layer?: string;
   denoised?: boolean;
+  /** The groups of lights whose planes came with it, in their order. */
+  lightGroups?: string[];
 }
 
 export type ServerMessage = ({ type: 'state' } & State) | ({ type: 'frame' } & FrameMessage) | ({ type: 'message' } & Message);

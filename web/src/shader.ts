@@ -1,6 +1,7 @@
 /** The shaders that draw the picture. */
 
 import { FALSE_COLOR_GLSL } from './falsecolor';
+import { MIX_GLSL } from './groups';
 import { MAGMA_GLSL } from './magma';
 import { TONE_GLSL } from './tone';
 
@@ -24,6 +25,7 @@ out vec4 color;
 ${TONE_GLSL}
 ${FALSE_COLOR_GLSL}
 ${MAGMA_GLSL}
+${MIX_GLSL}
 bool isFinite(float v) { return (floatBitsToUint(v) & 0x7f800000u) != 0x7f800000u; }
 float sanitized(float v) { return v > 0.0 ? min(v, 1e9) : 0.0; }
 
@@ -43,7 +45,7 @@ void main() {
     color = vec4(0.0);
     return;
   }
-  vec3 v = colorAt(picture, at);
+  vec3 v = groupCount > 0 ? mixedAt(at) : colorAt(picture, at);
   vec3 o = comparison > 0 ? colorAt(other, atOther) : v;
   if (comparison == 3) {
     vec3 d = v - o;

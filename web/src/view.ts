@@ -1,6 +1,7 @@
 /** The canvas: draws the shown layer through exposure and tone curve, or in false colour, alone or with another picture. */
 
 import { scaleEnds } from './falsecolor';
+import { Groups } from './groups';
 import { statistics, VALUES, type Statistics } from './half';
 import { Layers, type Picture } from './layers';
 import { Placement } from './placement';
@@ -17,6 +18,8 @@ export class View {
   readonly layers: Layers;
   /** `reference`, the picture's other one, and `map`, of how far they are apart. */
   readonly others: Layers;
+  /** The light of each group of lights, where the server sends it. */
+  readonly groups: Groups;
   comparison: Comparison = 'off';
   /** Where the picture ends and the other one begins, as a part of the canvas' width. */
   split = 0.5;
@@ -48,6 +51,7 @@ export class View {
     this.gl = gl;
     this.layers = new Layers(gl);
     this.others = new Layers(gl);
+    this.groups = new Groups(gl);
     this.program = link(gl);
     new ResizeObserver(() => this.redraw()).observe(canvas);
     addEventListener('resize', () => this.redraw());
@@ -65,6 +69,19 @@ export class View {
   /** A frame's tiles are all there. */
   frame(message: FrameMessage): void {
     this.layers.swap(cropOf(message, this.film, this.region), message.layer);
+    if (message.layer === undefined) this.groups.swap(message.lightGroups ?? [], message.width, message.height);
+    this.version++;
+    this.redraw();
+  }
+
+  /** Whether a mix of groups of lights is shown. */
+  get isMixed(): boolean {
+    return this.layer === 'picture' && this.groups.names.length > 0;
+  }
+
+  /** Mixes groups of lights by these factors of red, green and blue. */
+  mix(weights: Float32Array): void {
+    this.groups.weights = weights;
     this.version++;
     this.redraw();
   }
@@ -74,7 +91,11 @@ export class View {
     const picture = this.picture;
     if (!picture) return null;
     if (this.known?.picture !== picture || this.known.version !== this.version) {
-      this.known = { picture, version: this.version, statistics: statistics(picture.halves, picture.components) };
+      this.known = {
+        picture,
+        version: this.version,
+        statistics: statistics(this.isMixed ? this.groups.mixed() : picture.halves, picture.components),
+      };
     }
     return this.known.statistics;
   }
@@ -105,6 +126,7 @@ export class View {
     if (x < x0 || y < y0 || x >= x1 || y >= y1) return null;
     const column = Math.floor(((x - x0) * picture.width) / (x1 - x0));
     const line = Math.floor(((y - y0) * picture.height) / (y1 - y0));
+    if (this.isMixed) return this.groups.at(line * picture.width + column);
     const at = (line * picture.width + column) * picture.components;
     return Array.from(picture.halves.subarray(at, at + picture.components), (bits) => VALUES[bits]!);
   }
@@ -166,8 +188,13 @@ export class View {
     const [ox0, oy0, ox1, oy1] = (other ?? picture).crop;
     gl.activeTexture(gl.TEXTURE1);
     gl.bindTexture(gl.TEXTURE_2D, (other ?? picture).texture);
+    gl.activeTexture(gl.TEXTURE2);
+    gl.bindTexture(gl.TEXTURE_2D_ARRAY, this.groups.texture);
     gl.activeTexture(gl.TEXTURE0);
     gl.uniform1i(this.at('other'), 1);
+    gl.uniform1i(this.at('groups'), 2);
+    gl.uniform1i(this.at('groupCount'), this.isMixed ? this.groups.names.length : 0);
+    if (this.isMixed) gl.uniform3fv(this.at('weights'), this.groups.weights);
     gl.uniform2f(this.at('otherCorner'), left + ox0 * scale, top + oy0 * scale);
     gl.uniform2f(this.at('otherSize'), (ox1 - ox0) * scale, (oy1 - oy0) * scale);
     gl.uniform1i(this.at('comparison'), way);

@@ -1,12 +1,23 @@
 /** Whether everybody can use it: axe, keys, narrow windows. */
 
 import AxeBuilder from '@axe-core/playwright';
+import type { Page } from '@playwright/test';
 import { expect, middle, open, test } from './fixture';
+import type { Mock } from './mock';
+
+/** Two groups in the mixer, one with a long name. */
+async function mixed(mock: Mock, page: Page): Promise<void> {
+  mock.groups = ['key', 'a lamp with a name that is longer than the panel is wide'].map((name) => [name, () => [0.25, 0.25, 0.25]]);
+  await page.getByLabel('Mix', { exact: true }).click();
+  await expect(page.getByLabel('key: solo')).toBeVisible();
+}
 
 for (const scheme of ['dark', 'light'] as const) {
   test(`axe finds nothing, ${scheme}`, async ({ mock, ready }) => {
     await ready.emulateMedia({ colorScheme: scheme });
-    for (const title of ['Compare', 'Error', 'Camera', 'Scene', 'Save', 'Messages']) await open(ready, title);
+    for (const title of ['Compare', 'Error', 'Light groups', 'Camera', 'Scene', 'Save', 'Messages']) await open(ready, title);
+    await mixed(mock, ready);
+    await ready.getByLabel('key: solo').click();
     await ready.getByRole('button', { name: 'Keep as B' }).click();
     await expect(ready.getByRole('slider', { name: 'Divider' })).toBeVisible();
     mock.shade = () => [0.5, 0.5, 0.5];
@@ -57,7 +68,8 @@ test('a window of 360 pixels: nothing is cut, the panel is a sheet', async ({ mo
   await expect(page.locator('.panel')).toBeHidden();
   await page.getByRole('button', { name: 'Panel' }).click();
   await expect(page.locator('.panel')).toBeVisible();
-  for (const title of ['Compare', 'Error', 'Camera', 'Scene', 'Save', 'Messages']) await open(page, title);
+  for (const title of ['Compare', 'Error', 'Light groups', 'Camera', 'Scene', 'Save', 'Messages']) await open(page, title);
+  await mixed(mock, page);
   await page.getByRole('button', { name: 'Keep as B' }).click();
   for (const mode of ['flip', 'difference', 'split']) await page.getByLabel('Compare with B').selectOption(mode);
   await page.locator('.node', { hasText: 'red glass' }).locator('> summary').click();
@@ -65,7 +77,7 @@ test('a window of 360 pixels: nothing is cut, the panel is a sheet', async ({ mo
     const all = [
       document.documentElement,
       document.body,
-      ...document.querySelectorAll<HTMLElement>('.panel, .section, .body, .toolbar, .row'),
+      ...document.querySelectorAll<HTMLElement>('.panel, .section, .body, .toolbar, .row, .strip, .strip-head'),
     ];
     return all
       .filter((e) => e.scrollWidth > e.clientWidth + 1)

@@ -1,6 +1,9 @@
 /** Moving the camera and the picture. */
 
+import type { Page } from '@playwright/test';
+import type { Pixel } from '../src/protocol';
 import { codes, expect, middle, sent, test } from './fixture';
+import type { Mock } from './mock';
 
 const sub = (a: number[], b: number[]) => a.map((v, i) => v - b[i]!);
 const length = (a: number[]) => Math.hypot(...a);
@@ -167,4 +170,45 @@ test('one finger orbits, two pan and dolly', async ({ mock, browser }) => {
   const pinched = sent(mock, 'camera').at(-1)!;
   expect(length(sub(pinched.eye, pinched.target))).toBeCloseTo(2.5, 1);
   await context.close();
+});
+
+/** Points at the middle of the picture, where this point is. */
+async function pointAt(mock: Mock, page: Page, at: Pixel['channels']): Promise<void> {
+  mock.places = () => at;
+  await page.mouse.move(...(await middle(page)));
+  await page.locator('canvas.picture').focus();
+}
+
+test('the camera turns to the point under the pointer, and about it', async ({ mock, ready }) => {
+  await pointAt(mock, ready, { 'P.X': 1, 'P.Y': 2, 'P.Z': -1, Z: 6 });
+  await ready.keyboard.press('.');
+  await expect.poll(() => sent(mock, 'camera').at(-1)?.moving).toBe(false);
+  expect(sent(mock, 'camera').at(-1)).toMatchObject({ eye: [0, 1, 5], target: [1, 2, -1], up: [0, 1, 0] });
+  await ready.keyboard.press('ArrowRight');
+  await expect.poll(() => sent(mock, 'camera').filter((c) => !c.moving)).toHaveLength(2);
+  const { eye, target } = sent(mock, 'camera').at(-1)!;
+  expect(target).toEqual([1, 2, -1]);
+  expect(length(sub(eye, target))).toBeCloseTo(Math.sqrt(38), 6);
+  expect(eye[0]).toBeLessThan(-0.1);
+});
+
+test('with Shift the lens is focused as far as the point is along the axis', async ({ mock, ready }) => {
+  // From (0, 1, 5) along −z, in a camera of half the scale.
+  mock.change({ camera: { ...mock.state.camera, unit: 0.5 } });
+  await pointAt(mock, ready, { 'P.X': 1, 'P.Y': 2, 'P.Z': -1.25, Z: 6.25 });
+  await ready.keyboard.press('Shift+Period');
+  const edit = { type: 'edit', node: 'main', parameter: 'focal_distance', value: '12.5' };
+  await expect.poll(() => sent(mock, 'edit')).toEqual([edit]);
+  expect(sent(mock, 'camera')).toEqual([]);
+
+  mock.change({ camera: { ...mock.state.camera, lens: null } });
+  await ready.keyboard.press('Shift+Period');
+  await expect(ready.locator('.toast')).toHaveText('this kind of camera has no focal distance');
+  await pointAt(mock, ready, { 'P.X': 0, 'P.Y': 0, 'P.Z': 0, Z: 'Infinity' });
+  await ready.keyboard.press('.');
+  await expect(ready.locator('.toast')).toHaveText('there is no surface under the pointer');
+  await pointAt(mock, ready, {});
+  await ready.keyboard.press('.');
+  await expect(ready.locator('.toast')).toContainText('not known of a preview');
+  expect([sent(mock, 'edit').length, sent(mock, 'camera').length]).toEqual([1, 0]);
 });

@@ -4,7 +4,7 @@ import { createServer, type IncomingMessage, type ServerResponse } from 'node:ht
 import { readFile } from 'node:fs/promises';
 import type { AddressInfo } from 'node:net';
 import { WebSocketServer, type WebSocket } from 'ws';
-import type { FrameMessage, PageMessage, SceneNode, State } from '../src/protocol';
+import type { FrameMessage, PageMessage, Pixel, SceneNode, State } from '../src/protocol';
 import { toHalf } from './half';
 import { Reference } from './reference';
 import { firstNodes, firstState } from './scene';
@@ -20,6 +20,9 @@ export function pattern(x: number, y: number, width = 96, height = 64): [number,
   return [(4 * x) / (width - 1), (4 * y) / (height - 1), ((x * 7 + y * 13) % 64) / 16];
 }
 
+/** A plane of the whole film that is none of a frame. */
+const FILM = { width: 0, height: 0, layer: 0xffff, generation: 0 };
+
 type Shade = (x: number, y: number) => [number, number, number];
 
 export class Mock {
@@ -34,6 +37,12 @@ export class Mock {
   /** Whether a camera is answered by a picture. */
   answersCamera = true;
   samples = 64;
+  /** Why settings are refused, where they are. */
+  refuses: string | null = null;
+  /** The light of groups by their names, sent where they are asked for. */
+  groups: [string, Shade][] = [];
+  /** Where the point of a pixel is, as channels. */
+  places: (x: number, y: number) => Pixel['channels'] = () => ({});
   readonly reference = new Reference(this);
 
   private readonly sockets = new Set<WebSocket>();
@@ -101,6 +110,12 @@ export class Mock {
         }
       }
     }
+    // A preview is without.
+    const groups = settings.lightGroups && reduced === 1 ? this.groups : [];
+    groups.forEach(([, shade], group) => {
+      const tiles = this.plane(3, shade, { width, height, layer: 256 + group, generation });
+      for (const socket of to) for (const tile of tiles) socket.send(tile);
+    });
     const frame: FrameMessage = {
       generation,
       width,
@@ -113,6 +128,7 @@ export class Mock {
       seconds: 1.25,
       done: this.samples >= settings.spp,
       nonfinite: 0,
+      lightGroups: groups.map(([name]) => name),
       ...message,
     };
     for (const socket of to) socket.send(JSON.stringify({ type: 'frame', ...frame }));
@@ -142,12 +158,13 @@ export class Mock {
     return buffer;
   }
 
-  /** A tile of the whole film, not of a frame. */
-  plane(components: 1 | 3, shade: (x: number, y: number) => number[]): Buffer[] {
-    const { width, height } = this.state.film;
+  /** A plane as one tile. */
+  plane(components: 1 | 3, shade: (x: number, y: number) => number[], of: Partial<typeof FILM> = {}): Buffer[] {
+    const { width, height, layer, generation } = { ...FILM, ...this.state.film, ...of };
     const buffer = Buffer.alloc(24 + 2 * width * height * components);
     buffer.writeUInt32LE(0x54525453, 0);
-    [0xffff, components, width, height, 0, 0, width, height].forEach((v, i) => buffer.writeUInt16LE(v, 8 + 2 * i));
+    buffer.writeUInt32LE(generation, 4);
+    [layer, components, width, height, 0, 0, width, height].forEach((v, i) => buffer.writeUInt16LE(v, 8 + 2 * i));
     let at = 24;
     for (let y = 0; y < height; y++) {
       for (let x = 0; x < width; x++) for (const v of shade(x, y)) at = buffer.writeUInt16LE(toHalf(v), at);
@@ -166,6 +183,8 @@ export class Mock {
       const { eye, target, up, fov } = message;
       this.change({ camera: { ...state.camera, eye, target, up, fov: fov ?? state.camera.fov, moved: true } });
       if (this.answersCamera) this.frame(message.moving ? { kind: 'preview', reduced: 2, error: null, done: false } : {});
+    } else if (message.type === 'settings' && this.refuses !== null) {
+      this.broadcast({ type: 'message', severity: 'error', text: this.refuses });
     } else if (message.type === 'settings') {
       const { type: _, width = state.film.width, height = state.film.height, ...settings } = message;
       this.change({ settings: { ...state.settings, ...settings }, film: { width, height } });
@@ -223,7 +242,7 @@ export class Mock {
     if (!(x >= 0 && y >= 0 && x < film.width && y < film.height)) return void json({ error: `the picture has no pixel ${x}, ${y}` }, 404);
     const value = (v: number) => (Number.isFinite(v) ? v : String(v));
     const [R, G, B] = this.shade(x, y).map(value);
-    const channels = { R, G, B, 'albedo.R': 0.8, 'albedo.G': 0.25, 'albedo.B': y / film.height, depth: 3.25 };
+    const channels = { R, G, B, 'albedo.R': 0.8, 'albedo.G': 0.25, 'albedo.B': y / film.height, depth: 3.25, ...this.places(x, y) };
     json({ x, y, generation, samples: this.samples, error: 0.0123, object: 'sphere 2', material: 'red glass', channels });
   }
 }

@@ -3,7 +3,7 @@
 use crate::{
     document::told,
     edits::{Edit, What},
-    frame,
+    frame, groups,
     look::{Purpose, View, options, quality, set},
     protocol::Request,
     state,
@@ -36,6 +36,12 @@ impl Viewer {
             && let Some(why) = render.not_denoisable(&scene)
         {
             return Err(format!("noise cannot be removed here: {why}"));
+        }
+        if self.look.settings.light_groups == Some(true) {
+            if self.look.settings.denoise == Some(true) {
+                return Err("a picture without its noise has no light groups: only one of both can be on".into());
+            }
+            groups::check(&scene)?;
         }
         self.scene = scene;
         Ok(())

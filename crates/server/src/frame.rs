@@ -1,6 +1,7 @@
 //! A picture that is shown, as pages get it.
 
 use crate::{
+    groups,
     protocol::FrameEnd,
     tile::{self, Plane},
 };
@@ -152,6 +153,12 @@ impl Frame {
             let plane = Plane { layer: number as u16, components, size, values: &values };
             tiles.extend(tile::tiles(shown.generation, &plane).into_iter().map(Into::into));
         }
+        let names = groups::names(&shown.scene, &shown.film);
+        for group in 0..names.len() {
+            let values = groups::plane(&shown.film, group, names.len());
+            let plane = Plane { layer: groups::FIRST_PLANE + group as u16, components: 3, size, values: &values };
+            tiles.extend(tile::tiles(shown.generation, &plane).into_iter().map(Into::into));
+        }
         let end = FrameEnd {
             generation: shown.generation,
             width: size[0],
@@ -165,6 +172,7 @@ impl Frame {
             done: shown.is_done,
             denoised: shown.denoised.is_some(),
             nonfinite: shown.nonfinite,
+            light_groups: names.to_vec(),
             crop: shown.crop,
         };
         Self { tiles, end: serde_json::to_string(&end).unwrap_or_default() }

@@ -18,6 +18,7 @@ mod difference;
 mod document;
 mod edits;
 mod frame;
+mod groups;
 mod job;
 mod kept;
 mod look;

@@ -86,6 +86,7 @@ pub fn options(look: &Look, format: Format, purpose: Purpose) -> CompileOptions 
 /// What the session is asked for.
 pub fn quality(look: &Look) -> Quality {
     let s = &look.settings;
+    let groups = s.light_groups.filter(|on| *on).map(|_| Layer::LightGroups);
     Quality {
         integrator: s.integrator.clone(),
         spp: s.spp.flatten(),
@@ -93,7 +94,7 @@ pub fn quality(look: &Look) -> Quality {
         max_depth: s.max_depth.flatten(),
         sampler: s.sampler.clone().flatten(),
         // What the inspector tells.
-        layers: frame::LAYERS.to_vec(),
+        layers: frame::LAYERS.into_iter().chain(groups).collect(),
         independent: s.denoise == Some(true),
         ..Quality::default()
     }
@@ -119,7 +120,8 @@ pub fn check_size(width: u32, height: u32) -> Result<(), String> {
 /// # Errors
 /// What is wrong; nothing is taken over then.
 pub fn set(settings: &mut SettingsChange, change: SettingsChange) -> Result<(), String> {
-    let SettingsChange { integrator, spp, sampler, color, seed, max_depth, denoise, width, height } = change;
+    let SettingsChange { integrator, spp, sampler, color, seed, max_depth, denoise, light_groups, width, height } =
+        change;
     if let Some(color) = &color
         && !COLORS.contains(&color.as_str())
     {
@@ -144,6 +146,7 @@ pub fn set(settings: &mut SettingsChange, change: SettingsChange) -> Result<(), 
     replace(&mut settings.seed, seed);
     replace(&mut settings.max_depth, max_depth);
     replace(&mut settings.denoise, denoise);
+    replace(&mut settings.light_groups, light_groups);
     (settings.width, settings.height) = (size[0], size[1]);
     Ok(())
 }

@@ -83,6 +83,7 @@ pub struct SettingsChange {
     #[serde(deserialize_with = "given")]
     pub max_depth: Option<Option<u32>>,
     pub denoise: Option<bool>,
+    pub light_groups: Option<bool>,
     pub width: Option<u32>,
     pub height: Option<u32>,
 }
@@ -110,6 +111,8 @@ pub struct Settings {
     pub max_depth: Option<u32>,
     /// Whether noise is removed, at times while it renders and in the end.
     pub denoise: bool,
+    /// Whether the light of each group of lights is rendered apart, and sent along.
+    pub light_groups: bool,
 }
 
 /// The scene, as far as pages show it.
@@ -149,6 +152,12 @@ pub struct CameraState {
     pub handedness: i32,
     pub moved: bool,
     pub movable: bool,
+    /// What edits call it.
+    pub id: String,
+    /// How long one along its axis is in the world.
+    pub unit: f64,
+    /// Radius of its lens, 0 for a pinhole; `None` where it has no focal distance.
+    pub lens: Option<f64>,
 }
 
 /// All that pages know.
@@ -250,6 +259,8 @@ pub struct FrameEnd {
     pub denoised: bool,
     /// Samples that were not finite and count as black.
     pub nonfinite: u64,
+    /// Groups of lights whose planes came, from [`crate::groups::FIRST_PLANE`] on.
+    pub light_groups: Vec<String>,
 }
 
 /// A message to people.

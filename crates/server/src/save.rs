@@ -48,7 +48,10 @@ impl Display {
 
     fn layers(&self) -> Result<Vec<Layer>, Refused> {
         let names = self.layers.split(',').filter(|n| !n.is_empty());
-        let named = |name| crate::frame::layer(name).map_err(|why| Refused(StatusCode::BAD_REQUEST, why));
+        let named = |name| match name == Layer::LightGroups.name() {
+            true => Ok(Layer::LightGroups),
+            false => crate::frame::layer(name).map_err(|why| Refused(StatusCode::BAD_REQUEST, why)),
+        };
         names.map(named).collect()
     }
 }

@@ -11,7 +11,7 @@ use std::{
     sync::{Arc, LazyLock},
 };
 use steradian::{
-    Scene, Viewpoint, all_integrators,
+    Layer, Scene, Viewpoint, all_integrators,
     image::tone::CURVES,
     load::suited_tone,
     math::{DVec3, Ray, Transform},
@@ -37,6 +37,7 @@ pub fn of(generation: u32, document: &Document, look: &Look, scene: &Scene) -> A
         seed: asked.seed.flatten(),
         max_depth: asked.max_depth.flatten(),
         denoise: asked.denoise.unwrap_or(false),
+        light_groups: asked.light_groups.unwrap_or(false),
     };
     let state = State {
         generation,
@@ -101,6 +102,7 @@ fn camera(document: &Document, look: &Look, scene: &Scene) -> CameraState {
         Some(Value::Int(v)) => Some(*v as f64),
         _ => None,
     };
+    let has_focus = node.family.parameters(&node.kind).into_iter().flatten().any(|p| p.name == "focal_distance");
     let is_perspective = node.kind == "perspective";
     let fov = look.view.and_then(|v| v.fov).or_else(|| number("fov")).unwrap_or(90.0);
     let ids = steradian::formats::native::ids(&document.desc);
@@ -115,6 +117,9 @@ fn camera(document: &Document, look: &Look, scene: &Scene) -> CameraState {
         handedness: if place.swaps_handedness() { 1 } else { -1 },
         moved: look.view.is_some(),
         movable: is_movable(document, look),
+        id: document.desc.camera(look.camera.as_deref()).map(|id| ids[id.0 as usize].clone()).unwrap_or_default(),
+        unit: place.vector(DVec3::Z).length(),
+        lens: has_focus.then(|| number("lens_radius").unwrap_or(0.0).max(0.0)),
     }
 }
 
@@ -199,6 +204,7 @@ fn command(document: &Document, look: &Look) -> String {
     option("crop", look.region.map(|r| r.map(|n| n.to_string()).join(",")));
     option("camera", look.camera.clone());
     option("denoise", asked.denoise.filter(|on| *on).map(|_| String::new()));
+    option("aov", asked.light_groups.filter(|on| *on).map(|_| Layer::LightGroups.name().into()));
     if is_file && let Some(view) = look.view {
         let Viewpoint { eye, target, up } = view.point;
         let numbers = [eye, target, up].map(|v| v.to_array().map(|n| n.to_string()).join(","));

@@ -149,6 +149,12 @@ var Camera = class {
 		const distance = Math.min(Math.max(this.distance * factor, 1e-6), 1e9);
 		this.eye = sub(this.target, scale(this.forward, distance));
 	}
+	/** Looks at a point, and turns about it from then on. */
+	center(point) {
+		const level = across(this.forward, this.axis);
+		if (length(level) > 1e-4) this.heading = normalize(level);
+		this.target = [...point];
+	}
 	move(by) {
 		this.eye = add(this.eye, by);
 		this.target = add(this.target, by);
@@ -910,6 +916,16 @@ function statistics(halves, components) {
 		counts
 	};
 }
+/** The nearest half of a number; what is beyond their range is the largest. */
+function halfOf(v) {
+	float[0] = v;
+	const word = bits[0];
+	const sign = word >>> 16 & 32768;
+	if (Number.isNaN(v)) return 32256;
+	const a = Math.abs(v);
+	if (a > 65504) return sign | 31743;
+	return sign | (a < 2 ** -14 ? Math.round(a * 2 ** 24) : (word & 2147483647) - 939524096 + 4096 >>> 13);
+}
 /** The middle of a bin. */
 function middle(bin) {
 	bits[0] = bin << SHIFT | 2048;
@@ -1424,6 +1440,207 @@ var Fly = class {
 		requestAnimationFrame((next) => this.step(next));
 	}
 };
+// src/layers.ts
+/** Puts a tile's halves among those of its frame. */
+function put(halves, tile) {
+	const row = tile.width * tile.components;
+	for (let y = 0; y < tile.height; y++) halves.set(tile.halves.subarray(y * row, (y + 1) * row), ((tile.y + y) * tile.frameWidth + tile.x) * tile.components);
+}
+var Layers = class {
+	gl;
+	layers = /* @__PURE__ */ new Map();
+	constructor(gl) {
+		this.gl = gl;
+		gl.pixelStorei(gl.UNPACK_ALIGNMENT, 2);
+	}
+	/** The frame of a layer to be shown. */
+	shown(layer) {
+		return this.layers.get(layer)?.front ?? null;
+	}
+	/** Takes a tile of the frame that comes. */
+	tile(name, tile) {
+		const { gl } = this;
+		const layer = this.layers.get(name) ?? {
+			front: null,
+			back: null,
+			isFresh: false
+		};
+		this.layers.set(name, layer);
+		const [width, height, components] = [
+			tile.frameWidth,
+			tile.frameHeight,
+			tile.components
+		];
+		const back = layer.back;
+		if (!back || back.width !== width || back.height !== height || back.components !== components) {
+			if (back) gl.deleteTexture(back.texture);
+			layer.back = this.create(width, height, components);
+		}
+		const picture = layer.back;
+		layer.isFresh = true;
+		gl.bindTexture(gl.TEXTURE_2D, picture.texture);
+		const format = components === 1 ? gl.RED : gl.RGB;
+		gl.texSubImage2D(gl.TEXTURE_2D, 0, tile.x, tile.y, tile.width, tile.height, format, gl.HALF_FLOAT, tile.halves);
+		put(picture.halves, tile);
+	}
+	/** A frame is whole: shows the layers that came with it, or this one of them, as a part of the film. */
+	swap(crop, only) {
+		for (const [name, layer] of this.layers) {
+			if (!layer.back || !layer.isFresh || only !== void 0 && name !== only) continue;
+			layer.back.crop = crop;
+			layer.isFresh = false;
+			[layer.front, layer.back] = [layer.back, layer.front];
+		}
+	}
+	/** Forgets layers but these. */
+	keep(names) {
+		for (const [name, layer] of this.layers) {
+			if (names.includes(name)) continue;
+			for (const picture of [layer.front, layer.back]) if (picture) this.gl.deleteTexture(picture.texture);
+			this.layers.delete(name);
+		}
+	}
+	create(width, height, components) {
+		const { gl } = this;
+		const texture = gl.createTexture();
+		gl.bindTexture(gl.TEXTURE_2D, texture);
+		gl.texStorage2D(gl.TEXTURE_2D, 1, components === 1 ? gl.R16F : gl.RGB16F, width, height);
+		gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
+		gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+		gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
+		gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
+		return {
+			texture,
+			width,
+			height,
+			components,
+			halves: new Uint16Array(width * height * components),
+			crop: [
+				0,
+				0,
+				width,
+				height
+			]
+		};
+	}
+};
+var Groups = class {
+	gl;
+	/** Those of the shown frame, in the order of their planes; none where it came without. */
+	names = [];
+	/** All planes, as layers of one texture. */
+	texture;
+	/** Factors of red, green and blue for each group. */
+	weights = (/* @__PURE__ */ new Float32Array(96)).fill(1);
+	size = [
+		1,
+		1,
+		1
+	];
+	front = [];
+	back = [];
+	constructor(gl) {
+		this.gl = gl;
+		this.texture = this.create();
+	}
+	/** Takes a tile of the frame that comes. */
+	tile(group, tile) {
+		if (group >= 32 || tile.components !== 3) return;
+		const count = 3 * tile.frameWidth * tile.frameHeight;
+		if (this.back[group]?.length !== count) this.back[group] = new Uint16Array(count);
+		put(this.back[group], tile);
+	}
+	/** A frame is whole: shows the planes that came with it, if any did. */
+	swap(names, width, height) {
+		const isWhole = names.length <= 32 && names.every((_, g) => this.back[g]?.length === 3 * width * height);
+		this.names = isWhole ? names : [];
+		if (this.names.length === 0) return;
+		[this.front, this.back] = [this.back, this.front];
+		const { gl } = this;
+		const size = [
+			width,
+			height,
+			names.length
+		];
+		if (size.some((n, i) => n !== this.size[i])) {
+			this.size = size;
+			gl.deleteTexture(this.texture);
+			this.texture = this.create();
+		}
+		gl.bindTexture(gl.TEXTURE_2D_ARRAY, this.texture);
+		for (let g = 0; g < names.length; g++) gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, 0, g, width, height, 1, gl.RGB, gl.HALF_FLOAT, this.front[g]);
+	}
+	/** Forgets all planes. */
+	clear() {
+		if (this.front.length + this.back.length === 0) return;
+		[this.names, this.front, this.back, this.size] = [
+			[],
+			[],
+			[],
+			[
+				1,
+				1,
+				1
+			]
+		];
+		this.gl.deleteTexture(this.texture);
+		this.texture = this.create();
+	}
+	/** The mixed colour of a pixel, by its number. */
+	at(pixel) {
+		const sum = [
+			0,
+			0,
+			0
+		];
+		for (let g = 0; g < this.names.length; g++) for (let c = 0; c < 3; c++) {
+			const weight = this.weights[3 * g + c];
+			if (weight > 0) sum[c] += weight * VALUES[this.front[g][3 * pixel + c]];
+		}
+		return sum;
+	}
+	/** The mixed picture. */
+	mixed() {
+		const sums = new Float32Array(this.front[0]?.length ?? 0);
+		for (let g = 0; g < this.names.length; g++) {
+			const plane = this.front[g];
+			for (let c = 0; c < 3; c++) {
+				const weight = this.weights[3 * g + c];
+				if (weight > 0) for (let i = c; i < sums.length; i += 3) sums[i] += weight * VALUES[plane[i]];
+			}
+		}
+		return Uint16Array.from(sums, halfOf);
+	}
+	create() {
+		const { gl } = this;
+		const [width, height, depth] = this.size;
+		const texture = gl.createTexture();
+		gl.bindTexture(gl.TEXTURE_2D_ARRAY, texture);
+		gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, gl.RGB16F, width, height, depth);
+		gl.texParameteri(gl.TEXTURE_2D_ARRAY, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
+		gl.texParameteri(gl.TEXTURE_2D_ARRAY, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+		gl.texParameteri(gl.TEXTURE_2D_ARRAY, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
+		gl.texParameteri(gl.TEXTURE_2D_ARRAY, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
+		return texture;
+	}
+};
+/** `mixedAt(at)`: the weighted sum of all groups. One that's put out adds nothing, whatever it holds. */
+var MIX_GLSL = `
+uniform highp sampler2DArray groups;
+uniform int groupCount;                      // 0 where the picture is shown as it is
+uniform vec3 weights[32];
+
+vec3 mixedAt(vec2 at) {
+  ivec2 size = textureSize(groups, 0).xy;
+  ivec2 texel = min(ivec2(at * vec2(size)), size - 1);
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < groupCount; i++) {
+    vec3 v = isNearest ? texelFetch(groups, ivec3(texel, i), 0).rgb : texture(groups, vec3(at, float(i))).rgb;
+    sum += mix(vec3(0.0), weights[i] * v, greaterThan(weights[i], vec3(0.0)));
+  }
+  return sum;
+}
+`;
 // src/histogram.ts
 /** Panel "Histogram": luminance by powers of two, the share that is clipped, and what isn't finite. */
 var LOW = -14;
@@ -1513,9 +1730,9 @@ var Inspector = class {
 		this.element = section("Pixel", true, this.hover, this.pin);
 	}
 	/** Values under the pointer. */
-	show(pixel, values) {
+	show(pixel, values, isMixed) {
 		if (!pixel || !values) return setText(this.hover, "Point at the picture; click to pin a pixel.");
-		setText(this.hover, `${pixel[0]}, ${pixel[1]}:  ${values.map(show).join("  ")}`);
+		setText(this.hover, `${pixel[0]}, ${pixel[1]}:  ${values.map(show).join("  ")}${isMixed ? "  (mixed)" : ""}`);
 	}
 	set(pixel) {
 		this.pinned = pixel;
@@ -1645,7 +1862,7 @@ var Keys = class {
 // src/bindings.ts
 /** CSS pixels of a drag that an arrow key stands for. */
 var STEP = 20;
-function bindings({ view, camera, toolbar, look, compare, inspector, move, from, fly, send, help }) {
+function bindings({ view, camera, toolbar, look, compare, inspector, pick, focus, move, from, fly, send, help }) {
 	const zoom = (factor) => {
 		view.placement.zoom(factor);
 		view.redraw();
@@ -1760,6 +1977,13 @@ function bindings({ view, camera, toolbar, look, compare, inspector, move, from,
 			group: "Camera",
 			is: place$1("PageUp", "PageDown"),
 			act: (e) => move(() => camera.dolly(e.code === "PageUp" ? .9 : 1 / .9))
+		},
+		{
+			shown: ".",
+			doc: "turn to the point under the pointer, and about it; with Shift focus there",
+			group: "Camera",
+			is: place$1("Period", "NumpadDecimal"),
+			act: (e) => e.shiftKey ? focus() : void pick.center()
 		},
 		{
 			shown: "Shift + `",
@@ -1956,7 +2180,7 @@ var FLIP_SCALE = {
 // src/messages.ts
 /** Panel "Messages", and the newest one over the picture for some seconds. */
 var SHOWN = 8e3;
-var KEPT = 100;
+var KEPT$1 = 100;
 var Messages = class {
 	element;
 	toast = h("div", {
@@ -1983,7 +2207,7 @@ var Messages = class {
 		this.fill();
 	}
 	add(message) {
-		this.own = [message, ...this.own].slice(0, KEPT);
+		this.own = [message, ...this.own].slice(0, KEPT$1);
 		this.fill();
 		this.toast.className = `toast ${message.severity}`;
 		this.toast.setAttribute("role", message.severity === "error" ? "alert" : "status");
@@ -2003,6 +2227,163 @@ var Messages = class {
 		const items = all.map(({ severity, text }) => h("li", { class: severity }, h("span", { class: "severity" }, severity), text));
 		this.list.replaceChildren(...items);
 		setText(this.element.querySelector("h2"), all.length > 0 ? `Messages (${all.length})` : "Messages");
+	}
+};
+// src/color.ts
+/** Linear Rec.709 colours in the browser's picker, which is of sRGB in 8 bits. */
+var encode = (v) => v <= .0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - .055;
+var decode = (v) => v <= .04045 ? v / 12.92 : ((v + .055) / 1.055) ** 2.4;
+/** `#rrggbb` of a linear colour, cut to [0, 1]. */
+function hexOf(rgb) {
+	return "#" + rgb.map((v) => Math.round(255 * encode(Math.min(Math.max(v, 0), 1))).toString(16).padStart(2, "0")).join("");
+}
+/** The linear colour of `#rrggbb`, to four digits. */
+function linearOf(hex) {
+	return [
+		1,
+		3,
+		5
+	].map((at) => Number(decode(parseInt(hex.slice(at, at + 2), 16) / 255).toPrecision(4)));
+}
+// src/mixer.ts
+/** Panel "Light groups": how bright, and of which colour, each group of lights is shown. Only the switch asks for a render. */
+/** Stops by which a group is brightened or dimmed at most. */
+var STOPS = 6;
+var WHITE = "#ffffff";
+var ABOUT = "Renders the light of each lamp, or of lamps of the same name, apart. What they add up to is then mixed without a render.";
+var KEPT = "The mix is of this page: previews, B and saved files are without it; an EXR has a layer for each group.";
+/** A group in the mixer. */
+var Strip = class {
+	element;
+	stops = 0;
+	mute;
+	solo;
+	color;
+	field;
+	constructor(name, changed) {
+		this.field = numberField({
+			label: `${name}: intensity in EV`,
+			value: 0,
+			range: [-6, STOPS],
+			slider: [-6, STOPS],
+			step: .1,
+			unit: "EV",
+			change: (v) => {
+				this.stops = v;
+				changed();
+			}
+		});
+		const toggle = (letter, what, title) => {
+			const press = () => {
+				button.setAttribute("aria-pressed", String(!isOn(button)));
+				changed();
+			};
+			const button = h("button", {
+				class: "small",
+				title,
+				"aria-label": `${name}: ${what}`,
+				"aria-pressed": "false",
+				onclick: press
+			}, letter);
+			return button;
+		};
+		this.mute = toggle("M", "mute", "Mute: put this group out");
+		this.solo = toggle("S", "solo", "Solo: put all groups out that are not solo");
+		this.color = h("input", {
+			type: "color",
+			value: WHITE,
+			title: "Colour that the light is multiplied by",
+			"aria-label": `${name}: colour`,
+			oninput: changed
+		});
+		const head = h("div", { class: "strip-head" }, h("span", {
+			class: "id",
+			title: name
+		}, name), this.color, this.mute, this.solo);
+		this.element = h("div", { class: "strip" }, head, this.field.element);
+	}
+	reset() {
+		this.stops = 0;
+		this.field.set(0);
+		this.color.value = WHITE;
+		for (const button of [this.mute, this.solo]) button.setAttribute("aria-pressed", "false");
+	}
+};
+var isOn = (button) => button.getAttribute("aria-pressed") === "true";
+var Mixer = class {
+	view;
+	changed;
+	element;
+	on;
+	facts = h("p", { class: "facts" }, ABOUT);
+	list = h("div", {
+		role: "group",
+		"aria-label": "Mixer"
+	});
+	buttons = h("div", { class: "buttons" }, h("button", { onclick: () => this.reset() }, "Reset mix"));
+	/** Those that were there before keep their places. */
+	strips = /* @__PURE__ */ new Map();
+	names = [];
+	/** Of which scene. */
+	scene = "";
+	constructor(view, send, changed) {
+		this.view = view;
+		this.changed = changed;
+		this.on = h("input", {
+			type: "checkbox",
+			onchange: () => send({
+				type: "settings",
+				lightGroups: this.on.checked
+			})
+		});
+		this.element = section("Light groups", false, row("Mix", this.on, ABOUT), this.facts, this.list, this.buttons);
+	}
+	update({ scene, settings }) {
+		const isOn = settings.lightGroups ?? false;
+		const of = `${scene.path} ${scene.name}`;
+		if (of !== this.scene) {
+			this.scene = of;
+			this.names = [];
+			this.strips.clear();
+		}
+		this.element.hidden = settings.lightGroups === void 0 || scene.lights === 0;
+		this.on.checked = isOn;
+		if (!isOn) {
+			this.view.groups.clear();
+			this.names = [];
+			this.list.replaceChildren();
+		}
+		this.buttons.hidden = this.names.length === 0;
+		setText(this.facts, isOn ? KEPT : ABOUT);
+	}
+	/** Shows the groups of a frame; of one that came without, those stay that were there. */
+	takeFrame({ lightGroups = [] }) {
+		const isSame = lightGroups.length === this.names.length && lightGroups.every((name, g) => name === this.names[g]);
+		if (lightGroups.length === 0 || isSame) return;
+		this.names = lightGroups;
+		const strips = lightGroups.map((name) => {
+			const strip = this.strips.get(name) ?? new Strip(name, () => this.mix());
+			this.strips.set(name, strip);
+			return strip.element;
+		});
+		this.list.replaceChildren(...strips);
+		this.buttons.hidden = false;
+		this.mix();
+	}
+	reset() {
+		for (const strip of this.strips.values()) strip.reset();
+		this.mix();
+	}
+	mix() {
+		const strips = this.names.map((name) => this.strips.get(name));
+		const someSolo = strips.some((s) => isOn(s.solo));
+		const weights = /* @__PURE__ */ new Float32Array(96);
+		strips.forEach((s, g) => {
+			if (isOn(s.mute) || someSolo && !isOn(s.solo)) return;
+			weights.set(linearOf(s.color.value).map((v) => v * 2 ** s.stops), 3 * g);
+		});
+		this.view.mix(weights);
+		this.changed();
 	}
 };
 // src/moving.ts
@@ -2215,22 +2596,6 @@ var Navigate = class {
 		return Math.min(film.width, film.height) * placement.scale / devicePixelRatio;
 	}
 };
-// src/color.ts
-/** Linear Rec.709 colours in the browser's picker, which is of sRGB in 8 bits. */
-var encode = (v) => v <= .0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - .055;
-var decode = (v) => v <= .04045 ? v / 12.92 : ((v + .055) / 1.055) ** 2.4;
-/** `#rrggbb` of a linear colour, cut to [0, 1]. */
-function hexOf(rgb) {
-	return "#" + rgb.map((v) => Math.round(255 * encode(Math.min(Math.max(v, 0), 1))).toString(16).padStart(2, "0")).join("");
-}
-/** The linear colour of `#rrggbb`, to four digits. */
-function linearOf(hex) {
-	return [
-		1,
-		3,
-		5
-	].map((at) => Number(decode(parseInt(hex.slice(at, at + 2), 16) / 255).toPrecision(4)));
-}
 // src/place.ts
 /** More than this part of shear is told from rounding. */
 var SHEAR = 1e-6;
@@ -2795,7 +3160,8 @@ var Output = class {
 	update(state = this.state) {
 		this.state = state;
 		if (!state) return;
-		this.exr.href = `./api/picture.exr${state.layers.length ? `?layers=${state.layers.join(",")}` : ""}`;
+		const layers = [...state.layers, ...state.settings.lightGroups ? ["light_groups"] : []];
+		this.exr.href = `./api/picture.exr${layers.length ? `?layers=${layers.join(",")}` : ""}`;
 		this.scene.download = state.saveName;
 		this.png.href = `./api/picture.png?${new URLSearchParams(this.look())}`;
 		if (this.command.textContent !== state.command) this.command.textContent = state.command;
@@ -2904,6 +3270,76 @@ function regionOf([ax, ay], [bx, by], film) {
 		y1
 	] : null;
 }
+// src/pick.ts
+var Pick = class {
+	camera;
+	move;
+	send;
+	tell;
+	/** The pixel under the pointer. */
+	pixel = null;
+	constructor(camera, move, send, tell) {
+		this.camera = camera;
+		this.move = move;
+		this.send = send;
+		this.tell = tell;
+	}
+	/** Turns the camera to the point, about which it turns from then on. */
+	async center() {
+		const point = await this.point();
+		if (point) this.move(() => this.camera.center(point));
+	}
+	/** Makes sharp what is as far along the axis as the point. */
+	async focus({ id, unit, lens }) {
+		if (lens === null) return this.tell({
+			severity: "note",
+			text: "this kind of camera has no focal distance"
+		});
+		const point = await this.point();
+		if (!point) return;
+		const far = dot(sub(point, this.camera.eye), this.camera.forward) / unit;
+		if (!(far > 0)) return this.tell({
+			severity: "note",
+			text: "the point is not in front of the camera"
+		});
+		this.send({
+			type: "edit",
+			node: id,
+			parameter: "focal_distance",
+			value: String(Number(far.toPrecision(7)))
+		});
+		if (lens <= 0) this.tell({
+			severity: "note",
+			text: `all is sharp through a pinhole: 'lens_radius' of ${id} above 0 shows where the focus is`
+		});
+	}
+	async point() {
+		const none = (text) => (this.tell({
+			severity: "note",
+			text
+		}), null);
+		if (!this.pixel) return none("there is no point under the pointer");
+		const [x, y] = this.pixel;
+		try {
+			const pixel = await (await fetch(`./api/pixel?x=${x}&y=${y}`)).json();
+			if (!("channels" in pixel)) return none(pixel.error);
+			const { "P.X": px, "P.Y": py, "P.Z": pz, Z: depth } = pixel.channels;
+			if (px === void 0) return none("points are not known of a preview: try again in a moment");
+			return [
+				px,
+				py,
+				pz,
+				depth
+			].every((v) => typeof v === "number") ? [
+				px,
+				py,
+				pz
+			] : none("there is no surface under the pointer");
+		} catch {
+			return none("no answer");
+		}
+	}
+};
 // src/panel.ts
 /** Panels "Render" and "Camera": what the server is asked to render. */
 /** A field for a whole number of the settings; empty for none where `optional`. */
@@ -3250,86 +3686,6 @@ var Toolbar = class {
 		(which === "pause" ? this.pauseButton : this.panelButton).click();
 	}
 };
-// src/layers.ts
-var Layers = class {
-	gl;
-	layers = /* @__PURE__ */ new Map();
-	constructor(gl) {
-		this.gl = gl;
-		gl.pixelStorei(gl.UNPACK_ALIGNMENT, 2);
-	}
-	/** The frame of a layer to be shown. */
-	shown(layer) {
-		return this.layers.get(layer)?.front ?? null;
-	}
-	/** Takes a tile of the frame that comes. */
-	tile(name, tile) {
-		const { gl } = this;
-		const layer = this.layers.get(name) ?? {
-			front: null,
-			back: null,
-			isFresh: false
-		};
-		this.layers.set(name, layer);
-		const [width, height, components] = [
-			tile.frameWidth,
-			tile.frameHeight,
-			tile.components
-		];
-		const back = layer.back;
-		if (!back || back.width !== width || back.height !== height || back.components !== components) {
-			if (back) gl.deleteTexture(back.texture);
-			layer.back = this.create(width, height, components);
-		}
-		const picture = layer.back;
-		layer.isFresh = true;
-		gl.bindTexture(gl.TEXTURE_2D, picture.texture);
-		const format = components === 1 ? gl.RED : gl.RGB;
-		gl.texSubImage2D(gl.TEXTURE_2D, 0, tile.x, tile.y, tile.width, tile.height, format, gl.HALF_FLOAT, tile.halves);
-		const row = tile.width * components;
-		for (let y = 0; y < tile.height; y++) picture.halves.set(tile.halves.subarray(y * row, (y + 1) * row), ((tile.y + y) * width + tile.x) * components);
-	}
-	/** A frame is whole: shows the layers that came with it, or this one of them, as a part of the film. */
-	swap(crop, only) {
-		for (const [name, layer] of this.layers) {
-			if (!layer.back || !layer.isFresh || only !== void 0 && name !== only) continue;
-			layer.back.crop = crop;
-			layer.isFresh = false;
-			[layer.front, layer.back] = [layer.back, layer.front];
-		}
-	}
-	/** Forgets layers but these. */
-	keep(names) {
-		for (const [name, layer] of this.layers) {
-			if (names.includes(name)) continue;
-			for (const picture of [layer.front, layer.back]) if (picture) this.gl.deleteTexture(picture.texture);
-			this.layers.delete(name);
-		}
-	}
-	create(width, height, components) {
-		const { gl } = this;
-		const texture = gl.createTexture();
-		gl.bindTexture(gl.TEXTURE_2D, texture);
-		gl.texStorage2D(gl.TEXTURE_2D, 1, components === 1 ? gl.R16F : gl.RGB16F, width, height);
-		gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
-		gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
-		gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
-		gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
-		return {
-			texture,
-			width,
-			height,
-			components,
-			halves: new Uint16Array(width * height * components),
-			crop: [
-				0,
-				0,
-				width,
-				height
-			]
-		};
-	}
-};
 // src/placement.ts
 /** Where the picture lies on the canvas: fitted, or zoomed and moved. Lengths are in device pixels. */
 var LEAST = 1 / 16;
@@ -3425,6 +3781,7 @@ out vec4 color;
 ${TONE_GLSL}
 ${FALSE_COLOR_GLSL}
 ${MAGMA_GLSL}
+${MIX_GLSL}
 bool isFinite(float v) { return (floatBitsToUint(v) & 0x7f800000u) != 0x7f800000u; }
 float sanitized(float v) { return v > 0.0 ? min(v, 1e9) : 0.0; }
 
@@ -3444,7 +3801,7 @@ void main() {
     color = vec4(0.0);
     return;
   }
-  vec3 v = colorAt(picture, at);
+  vec3 v = groupCount > 0 ? mixedAt(at) : colorAt(picture, at);
   vec3 o = comparison > 0 ? colorAt(other, atOther) : v;
   if (comparison == 3) {
     vec3 d = v - o;
@@ -3492,6 +3849,8 @@ var View = class {
 	layers;
 	/** `reference`, the picture's other one, and `map`, of how far they are apart. */
 	others;
+	/** The light of each group of lights, where the server sends it. */
+	groups;
 	comparison = "off";
 	/** Where the picture ends and the other one begins, as a part of the canvas' width. */
 	split = .5;
@@ -3532,6 +3891,7 @@ var View = class {
 		this.gl = gl;
 		this.layers = new Layers(gl);
 		this.others = new Layers(gl);
+		this.groups = new Groups(gl);
 		this.program = link(gl);
 		new ResizeObserver(() => this.redraw()).observe(canvas);
 		addEventListener("resize", () => this.redraw());
@@ -3546,6 +3906,17 @@ var View = class {
 	/** A frame's tiles are all there. */
 	frame(message) {
 		this.layers.swap(cropOf(message, this.film, this.region), message.layer);
+		if (message.layer === void 0) this.groups.swap(message.lightGroups ?? [], message.width, message.height);
+		this.version++;
+		this.redraw();
+	}
+	/** Whether a mix of groups of lights is shown. */
+	get isMixed() {
+		return this.layer === "picture" && this.groups.names.length > 0;
+	}
+	/** Mixes groups of lights by these factors of red, green and blue. */
+	mix(weights) {
+		this.groups.weights = weights;
 		this.version++;
 		this.redraw();
 	}
@@ -3556,7 +3927,7 @@ var View = class {
 		if (this.known?.picture !== picture || this.known.version !== this.version) this.known = {
 			picture,
 			version: this.version,
-			statistics: statistics(picture.halves, picture.components)
+			statistics: statistics(this.isMixed ? this.groups.mixed() : picture.halves, picture.components)
 		};
 		return this.known.statistics;
 	}
@@ -3588,7 +3959,9 @@ var View = class {
 		const [x0, y0, x1, y1] = picture.crop;
 		if (x < x0 || y < y0 || x >= x1 || y >= y1) return null;
 		const column = Math.floor((x - x0) * picture.width / (x1 - x0));
-		const at = (Math.floor((y - y0) * picture.height / (y1 - y0)) * picture.width + column) * picture.components;
+		const line = Math.floor((y - y0) * picture.height / (y1 - y0));
+		if (this.isMixed) return this.groups.at(line * picture.width + column);
+		const at = (line * picture.width + column) * picture.components;
 		return Array.from(picture.halves.subarray(at, at + picture.components), (bits) => VALUES[bits]);
 	}
 	/** The pixel of the film at a place of the window, in CSS pixels; also outside of the film. */
@@ -3646,8 +4019,13 @@ var View = class {
 		const [ox0, oy0, ox1, oy1] = (other ?? picture).crop;
 		gl.activeTexture(gl.TEXTURE1);
 		gl.bindTexture(gl.TEXTURE_2D, (other ?? picture).texture);
+		gl.activeTexture(gl.TEXTURE2);
+		gl.bindTexture(gl.TEXTURE_2D_ARRAY, this.groups.texture);
 		gl.activeTexture(gl.TEXTURE0);
 		gl.uniform1i(this.at("other"), 1);
+		gl.uniform1i(this.at("groups"), 2);
+		gl.uniform1i(this.at("groupCount"), this.isMixed ? this.groups.names.length : 0);
+		if (this.isMixed) gl.uniform3fv(this.at("weights"), this.groups.weights);
 		gl.uniform2f(this.at("otherCorner"), left + ox0 * scale, top + oy0 * scale);
 		gl.uniform2f(this.at("otherSize"), (ox1 - ox0) * scale, (oy1 - oy0) * scale);
 		gl.uniform1i(this.at("comparison"), way);
@@ -3736,12 +4114,15 @@ function start() {
 	});
 	histogram.element.addEventListener("toggle", showHistogram);
 	const render = new RenderPanel(send);
+	const mixer = new Mixer(view, send, showHistogram);
 	const move = (change) => {
 		if (state === null || !state.camera.movable) return;
 		change();
 		moving.moved();
 		moving.stop(150);
 	};
+	const pick = new Pick(camera, move, send, (message) => messages.add(message));
+	const focus = () => state && void pick.focus(state.camera);
 	const from = (side, opposite = false) => move(() => camera.from(side, opposite));
 	const startFly = () => state?.camera.movable && fly.start();
 	const cameraPanel = new CameraPanel(send, {
@@ -3754,7 +4135,7 @@ function start() {
 	const panel = h("aside", {
 		class: "panel",
 		"aria-label": "Panels"
-	}, look.element, compare.element, errors.element, histogram.element, inspector.element, render.element, cameraPanel.element, nodes.element, output.element, messages.element);
+	}, look.element, compare.element, errors.element, histogram.element, inspector.element, render.element, mixer.element, cameraPanel.element, nodes.element, output.element, messages.element);
 	const toolbar = new Toolbar({
 		fit: () => (view.placement.fit(), view.redraw()),
 		actual: () => (view.placement.actual(), view.redraw()),
@@ -3785,11 +4166,14 @@ function start() {
 	}, "Flying: W A S D Q E and the mouse; Escape ends");
 	fly.changed = (on) => flying.hidden = !on;
 	new Navigate(view, camera, moving, fly, {
-		hover: (pixel) => inspector.show(pixel, pixel && view.values(...pixel)),
+		hover: (pixel) => {
+			pick.pixel = pixel;
+			inspector.show(pixel, pixel && view.values(...pixel), view.isMixed);
+		},
 		click: (pixel) => {
 			const inside = view.values(...pixel) !== null;
 			inspector.set(inside ? pixel : null);
-			if (inside) inspector.show(pixel, view.values(...pixel));
+			if (inside) inspector.show(pixel, view.values(...pixel), view.isMixed);
 		},
 		region: (a, b, done) => {
 			overlay.region = regionOf(a, b, view.film);
@@ -3812,6 +4196,8 @@ function start() {
 		look,
 		compare,
 		inspector,
+		pick,
+		focus,
 		move,
 		from,
 		fly: startFly,
@@ -3822,9 +4208,10 @@ function start() {
 		message(message) {
 			if (message.type === "state") takeState(message);
 			else if (message.type === "frame") takeFrame(message);
-			else if (message.type === "message") messages.add(message);
+			else if (message.type === "message") takeMessage(message);
 		},
 		tile(tile) {
+			if (tile.layer >= 256) return view.groups.tile(tile.layer - 256, tile);
 			const layer = tile.layer === 0 ? "picture" : state?.layers[tile.layer - 1];
 			if (layer !== void 0) view.tile(layer, tile);
 		},
@@ -3846,6 +4233,7 @@ function start() {
 		compare.takeState(next);
 		errors.takeState(next);
 		render.update(next);
+		mixer.update(next);
 		cameraPanel.update(next);
 		moving.state(next.generation, next.camera, isNew);
 		nodes.update(next, isNew);
@@ -3860,8 +4248,15 @@ function start() {
 		isNew = false;
 		view.redraw();
 	}
+	function takeMessage(message) {
+		messages.add(message);
+		if (message.severity !== "error" || state === null) return;
+		render.update(state);
+		mixer.update(state);
+	}
 	function takeFrame(frame) {
 		view.frame(frame);
+		mixer.takeFrame(frame);
 		moving.frame(frame.generation);
 		nodes.frame();
 		status.update(null, frame);

@@ -1,6 +1,8 @@
 //! The server as browsers meet it, and as those meet it who want something else.
 
 mod client;
+mod focus;
+mod groups;
 mod intruders;
 mod load;
 mod reference;

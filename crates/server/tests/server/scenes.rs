@@ -146,7 +146,7 @@ fn pictures_are_put_around_the_scene() {
         assert_eq!(served(&server).to_rgb().unwrap(), image);
         let file = format!("{name}.steradian");
         assert_eq!(server.post("api/save", &json!({"name": file})).status, 200);
-        let saved = steradian::load(&folder.path().join(file), &Default::default());
+        let saved = steradian::load(folder.path().join(file), &Default::default());
         let options = steradian::CompileOptions { size: Some((24, 16)), ..Default::default() };
         let scene = std::sync::Arc::new(steradian::compile(&saved.desc, &options).scene.unwrap());
         let image = steradian::render(&scene, &steradian::Quality::of("path").spp(4)).unwrap();

@@ -319,7 +319,7 @@ fn places_of_shapes_are_edited() {
         assert_eq!(page.state["undo"], 1 + k);
     }
     assert_eq!(server.post("api/save", &json!({"name": "b.steradian"})).status, 200);
-    let saved = steradian::load(&folder.path().join("b.steradian"), &Default::default()).desc;
+    let saved = steradian::load(folder.path().join("b.steradian"), &Default::default()).desc;
     let up = Transform::translate(DVec3::Y);
     assert!(saved.shapes.iter().all(|s| s.world_from_object == up) && saved.instances[0].world_from_group == up);
 }
