@@ -80,5 +80,6 @@ test('a shape is placed by numbers, and by dragging', async ({ mock, ready }) =>
   const moved = Number((0.2 * Math.hypot(2, 2, 2)).toPrecision(6));
   await expect.poll(() => numbers(String(edits().at(-1)![1]))[7]).toBeCloseTo(moved, 5);
   expect(sent(mock, 'edit').filter((e) => e.moving).length).toBeGreaterThan(0);
-  expect(sent(mock, 'edit')).toHaveLength(2 + sent(mock, 'edit').filter((e) => e.moving).length);
+  // The last one, to stay, may come after the one that moves to the same place.
+  await expect.poll(() => sent(mock, 'edit').filter((e) => !e.moving).length).toBe(2);
 });
