@@ -13,7 +13,6 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use steradian::{
     SinglePath,
-    bsdf::Lobe,
     integrators::traced::{End, Event, TracedPath, TracedVertex, VertexKind},
     math::{Vec2, Vec3},
     quality::MAX_SPP,
@@ -168,7 +167,7 @@ fn words(event: Event) -> String {
         "specular"
     } else if lobe.is_diffuse() {
         "diffuse"
-    } else if lobe.contains(Lobe::GLOSSY) {
+    } else if lobe.is_glossy() {
         "glossy"
     } else {
         "scattered"
