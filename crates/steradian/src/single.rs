@@ -141,12 +141,14 @@ mod tests {
     /// through the vertex on the mirror goes straight.
     #[test]
     fn mirrors_reflect_by_the_law() {
-        let text = r#"LookAt 0 0 -3  0 0 0  0 1 0 Camera "perspective" "float fov" 40 Film "rgb" PixelFilter "box" WorldBegin
+        let text = r#"LookAt 0 0 -3  0 0 0  0 1 0 Camera "perspective" "float fov" 40 Film "rgb" PixelFilter "box"
+            WorldBegin
             AttributeBegin Material "conductor" "rgb reflectance" [0.5 0.25 1]
-            Shape "trianglemesh" "point3 P" [-5 -5 0  -5 5 0  5 5 0  5 -5 0] "integer indices" [0 1 2 0 2 3] AttributeEnd
+            Shape "trianglemesh" "point3 P" [-5 -5 0  -5 5 0  5 5 0  5 -5 0]
+            "integer indices" [0 1 2 0 2 3] AttributeEnd
             AttributeBegin Material "diffuse" "rgb reflectance" [0 0 0] AreaLightSource "diffuse" "rgb L" [2 4 8]
-            Shape "trianglemesh" "point3 P" [-40 -40 -10  40 -40 -10  40 40 -10  -40 40 -10] "integer indices" [0 1 2 0 2 3]
-            AttributeEnd"#;
+            Shape "trianglemesh" "point3 P" [-40 -40 -10  40 -40 -10  40 40 -10  -40 40 -10]
+            "integer indices" [0 1 2 0 2 3] AttributeEnd"#;
         let desc = crate::load_bytes("mirror.pbrt", text.as_bytes().to_vec(), Some("pbrt"), &Default::default()).desc;
         let options =
             CompileOptions { size: Some((SIZE, SIZE)), mode: Some(crate::ColorMode::Rgb), ..CompileOptions::default() };
