@@ -6,6 +6,7 @@ import type { Inspector } from './inspector';
 import { character, place, type Key } from './keys';
 import type { Look } from './look';
 import type { Side } from './panel';
+import type { Path } from './path';
 import type { Pick } from './pick';
 import type { PageMessage } from './protocol';
 import type { Toolbar } from './toolbar';
@@ -20,6 +21,7 @@ export interface Bound {
   inspector: Inspector;
   pick: Pick;
   focus(): void;
+  path: Path;
   /** Moves the camera, if it may be moved. */
   move(change: () => void): void;
   from(side: Side, opposite: boolean): void;
@@ -31,7 +33,22 @@ export interface Bound {
 /** CSS pixels of a drag that an arrow key stands for. */
 const STEP = 20;
 
-export function bindings({ view, camera, toolbar, look, compare, inspector, pick, focus, move, from, fly, send, help }: Bound): Key[] {
+export function bindings({
+  view,
+  camera,
+  toolbar,
+  look,
+  compare,
+  inspector,
+  pick,
+  path,
+  focus,
+  move,
+  from,
+  fly,
+  send,
+  help,
+}: Bound): Key[] {
   const zoom = (factor: number) => {
     view.placement.zoom(factor);
     view.redraw();
@@ -93,6 +110,7 @@ export function bindings({ view, camera, toolbar, look, compare, inspector, pick
       is: character('b'),
       act: () => compare.alternate(),
     },
+    { shown: 'T', doc: 'draw the path of a sample of the pinned pixel', group: 'Picture', is: character('t'), act: () => path.toggle() },
     { shown: 'N', doc: 'show or hide the panel', group: 'Picture', is: character('n'), act: () => toolbar.press('panel') },
     { shown: '?', doc: 'this list', group: 'Picture', is: character('?'), act: help },
     {

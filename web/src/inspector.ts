@@ -1,6 +1,7 @@
 /** Panel "Pixel": the values under the pointer, and all that the server knows of a pixel that was clicked. */
 
 import { h, section, setText, show } from './dom';
+import type { Path } from './path';
 import type { Pixel, Sample } from './protocol';
 
 /** Milliseconds between two questions about a pixel while it changes. */
@@ -15,8 +16,12 @@ export class Inspector {
   private asked = 0;
   private timer = 0;
 
-  constructor(private readonly changed: () => void) {
-    this.element = section('Pixel', true, this.hover, this.pin);
+  /** `path` shows the path of a sample of the pinned pixel. */
+  constructor(
+    private readonly path: Path,
+    private readonly changed: () => void,
+  ) {
+    this.element = section('Pixel', true, this.hover, path.element, this.pin);
   }
 
   /** Values under the pointer. */
@@ -29,6 +34,7 @@ export class Inspector {
     this.pinned = pixel;
     this.pin.replaceChildren();
     this.changed();
+    this.path.set(pixel);
     if (pixel) void this.ask();
   }
 

@@ -24,6 +24,7 @@ import { Output } from './output';
 import { Overlay, regionOf } from './overlay';
 import { Pick } from './pick';
 import { CameraPanel, RenderPanel, type Side } from './panel';
+import { Path } from './path';
 import type { FrameMessage, Message, PageMessage, State } from './protocol';
 import { Socket } from './socket';
 import { Status } from './status';
@@ -46,10 +47,12 @@ function start(): void {
   const overlay = new Overlay(view);
   const legend = new Legend();
   const histogram = new Histogram();
-  const inspector = new Inspector(() => {
+  const path = new Path(overlay.drawing, () => pinMiddle());
+  const inspector = new Inspector(path, () => {
     overlay.pin = inspector.pinned;
     overlay.place();
   });
+  const pinMiddle = () => inspector.set([view.film.width >> 1, view.film.height >> 1]);
   const output = new Output(view, (message) => messages.add(message));
   const compare = new Compare(view, (message) => messages.add(message));
   const errors = new Errors(view);
@@ -140,7 +143,22 @@ function start(): void {
   });
 
   const keys = new Keys(
-    bindings({ view, camera, toolbar, look, compare, inspector, pick, focus, move, from, fly: startFly, send, help: () => keys.toggle() }),
+    bindings({
+      view,
+      camera,
+      toolbar,
+      look,
+      compare,
+      inspector,
+      pick,
+      path,
+      focus,
+      move,
+      from,
+      fly: startFly,
+      send,
+      help: () => keys.toggle(),
+    }),
   );
 
   const socket = new Socket({
@@ -180,6 +198,7 @@ function start(): void {
     output.update(next);
     messages.scene(next.scene.messages);
     toolbar.update(next);
+    path.update(next);
     status.update(next, null);
     // After a lost connection the server knows nothing of the chosen layer.
     if (isNew && !first && view.layer !== 'picture' && !next.layers.includes(view.layer)) send({ type: 'layers', names: [view.layer] });

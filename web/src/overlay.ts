@@ -1,6 +1,7 @@
-/** What lies over the picture: the region's frame and the pinned pixel's mark. */
+/** What lies over the picture: the region's frame, the pinned pixel's mark, and a path. */
 
 import { h } from './dom';
+import { Drawing } from './drawing';
 import type { Box } from './protocol';
 import type { View } from './view';
 
@@ -9,17 +10,20 @@ export class Overlay {
   /** The region that's rendered, or that is being drawn. */
   region: Box | null = null;
   pin: [number, number] | null = null;
+  readonly drawing: Drawing;
   private readonly frame = h('div', { class: 'region' });
   private readonly mark = h('div', { class: 'mark' });
 
   constructor(private readonly view: View) {
-    this.element.append(this.frame, this.mark);
+    this.drawing = new Drawing(view);
+    this.element.append(this.frame, this.mark, this.drawing.element);
   }
 
-  /** Puts both where the picture is. */
+  /** Puts all where the picture is. */
   place(): void {
     this.put(this.frame, this.region);
     this.put(this.mark, this.pin && [this.pin[0], this.pin[1], this.pin[0] + 1, this.pin[1] + 1]);
+    this.drawing.place();
   }
 
   private put(element: HTMLElement, box: Box | null): void {

@@ -148,6 +148,40 @@ export interface Pixel {
   channels: Record<string, Sample>;
 }
 
+/** A place or a direction in the picture, in pixels from its left upper corner. */
+export type Place = [number, number];
+export interface PathVertex {
+  kind: 'camera' | 'surface' | 'medium' | 'escaped';
+  position: Vec3;
+  normal: Vec3 | null;
+  object: string | null;
+  material: string | null;
+  /** `null` behind the camera. */
+  place: Place | null;
+  /** The unit direction in the picture in which the path goes on. */
+  onwards: Place | null;
+  /** What the path carries when it arrives. */
+  weight: Vec3;
+  emitted: Vec3;
+  /** The light sample: black where something is before the light; without a position where that is infinitely far. */
+  direct: { position: Vec3 | null; place: Place | null; onwards: Place | null; light: Vec3 } | null;
+  /** How the path goes on; `null` where it ends. */
+  event: string | null;
+}
+/** The path of one sample of a pixel. */
+export interface TracedPath {
+  x: number;
+  y: number;
+  sample: number;
+  generation: number;
+  tracer: string;
+  /** Whether the picture is made of such paths. */
+  of_picture: boolean;
+  value: Vec3;
+  end: 'escaped' | 'absorbed' | 'depth' | 'roulette' | 'not finite';
+  vertices: PathVertex[];
+}
+
 /** A rectangle of a frame's layer. */
 export interface Tile {
   generation: number;

@@ -6,6 +6,7 @@ import type { AddressInfo } from 'node:net';
 import { WebSocketServer, type WebSocket } from 'ws';
 import type { FrameMessage, PageMessage, Pixel, SceneNode, State } from '../src/protocol';
 import { toHalf } from './half';
+import { pathOf } from './path';
 import { Reference } from './reference';
 import { firstNodes, firstState } from './scene';
 
@@ -43,6 +44,8 @@ export class Mock {
   groups: [string, Shade][] = [];
   /** Where the point of a pixel is, as channels. */
   places: (x: number, y: number) => Pixel['channels'] = () => ({});
+  /** How many paths were asked for. */
+  paths = 0;
   readonly reference = new Reference(this);
 
   private readonly sockets = new Set<WebSocket>();
@@ -227,6 +230,11 @@ export class Mock {
     if (path === 'api/state') return void json(this.state);
     if (path === 'api/nodes') return void json(this.nodes);
     if (path === 'api/pixel') return void this.pixel(url.searchParams, json);
+    if (path === 'api/path') {
+      this.paths++;
+      const told = pathOf(this.state, url.searchParams);
+      return void json(told, 'error' in told ? 400 : 200);
+    }
     if (/^api\/(picture|scene)\./.test(path))
       return void response.writeHead(200, { 'content-type': 'application/octet-stream' }).end('file');
     const name = path === '' ? 'index.html' : path;

@@ -17,6 +17,7 @@ mod precomputed;
 mod receiver;
 mod shared_path;
 mod sharing;
+pub mod traced;
 pub mod transient;
 mod trials;
 mod wave;

@@ -23,6 +23,7 @@ mod job;
 mod kept;
 mod look;
 mod page;
+mod path;
 mod protocol;
 mod reference;
 mod requests;

@@ -58,6 +58,16 @@ pub enum Task {
     Ask(Question),
 }
 
+/// What is rendered, where what is shown may still be a coarser picture of it.
+pub struct Subject {
+    /// Of which state of the view.
+    pub generation: u32,
+    /// The scene.
+    pub scene: Arc<Scene>,
+    /// How it is rendered.
+    pub quality: Quality,
+}
+
 /// What others see of the thread.
 #[derive(Clone)]
 pub struct Handle {
@@ -70,6 +80,7 @@ pub struct Handle {
     /// What is said to all pages, as JSON.
     pub messages: broadcast::Sender<String>,
     shown: Arc<Mutex<Option<Arc<Shown>>>>,
+    subjects: watch::Receiver<Arc<Subject>>,
 }
 
 impl Handle {
@@ -77,6 +88,11 @@ impl Handle {
     pub fn send(&self, task: Task) {
         let _ = self.tasks.send(task);
         self.interrupt.store(true, Ordering::Relaxed);
+    }
+
+    /// What is rendered.
+    pub fn subject(&self) -> Arc<Subject> {
+        self.subjects.borrow().clone()
     }
 
     /// The picture that is shown; `None` before there is one.
@@ -98,6 +114,8 @@ pub fn start(source: Source, settings: SettingsChange) -> Result<Handle, Diagnos
     let (tasks, from_pages) = channel();
     let (frame, frames) = watch::channel(Arc::new(Frame::default()));
     let (state, states) = watch::channel(Arc::from(""));
+    let first = Subject { generation: 0, scene: Arc::clone(&scene), quality: quality(&look) };
+    let (subject, subjects) = watch::channel(Arc::new(first));
     let (messages, _) = broadcast::channel(MOST_MESSAGES);
     let (interrupt, shown) = (Arc::new(AtomicBool::new(false)), Arc::new(Mutex::new(None)));
     let stamps = document.stamps();
@@ -120,6 +138,7 @@ pub fn start(source: Source, settings: SettingsChange) -> Result<Handle, Diagnos
         state,
         messages: messages.clone(),
         shown: Arc::clone(&shown),
+        subject,
     };
     let run = move || {
         // What fails inside ends what was being done, not the view.
@@ -133,7 +152,7 @@ pub fn start(source: Source, settings: SettingsChange) -> Result<Handle, Diagnos
         diagnostics.error(&Default::default(), None, format!("no thread can be started: {e}"));
         diagnostics
     })?;
-    Ok(Handle { tasks, interrupt, frames, states, messages, shown })
+    Ok(Handle { tasks, interrupt, frames, states, messages, shown, subjects })
 }
 
 /// How far a change reaches.
@@ -179,6 +198,7 @@ pub struct Viewer {
     state: watch::Sender<Arc<str>>,
     messages: broadcast::Sender<String>,
     shown: Arc<Mutex<Option<Arc<Shown>>>>,
+    subject: watch::Sender<Arc<Subject>>,
 }
 
 /// Compiles the scene as it is looked at.
@@ -320,6 +340,8 @@ impl Viewer {
             self.generation += 1;
             self.job = None;
             self.denoised = (0.0, 0.0);
+            let (generation, scene) = (self.generation, Arc::clone(&self.scene));
+            self.subject.send_replace(Arc::new(Subject { generation, scene, quality: quality(&self.look) }));
         }
         let state = state::of(self.generation, &self.document, &self.look, &self.scene);
         self.state.send_replace(state);

@@ -5,7 +5,7 @@ use crate::{
     Depth, MAX_PASSES,
     flight::{self, Flight},
     live_max, nee,
-    sink::Sink,
+    sink::{Sink, Step},
     state::PathState,
     tracking::Stretch,
     vertex::Vertex,
@@ -87,8 +87,9 @@ pub fn meet<'s, const MEDIA: bool>(
             }
             if let Some(t) = t {
                 sink.advance(t);
+                let (p, wo) = (path_state.ray.at(t), -path_state.ray.direction);
+                sink.tell(Step::Medium(path_state, p));
                 if path_state.events < depth.max {
-                    let (p, wo) = (path_state.ray.at(t), -path_state.ray.direction);
                     *arrival = Arrival::Vertex(Vertex::Medium { p, wo, time: path_state.ray.time, scattering, medium });
                 }
                 return;
@@ -100,6 +101,7 @@ pub fn meet<'s, const MEDIA: bool>(
         };
         let i = scene.interaction_of_light(&path_state.ray, &met);
         sink.advance(i.t);
+        sink.tell(Step::Surface(path_state, &i));
         if !(path_state.events == 0 && depth.hide_emitters) {
             let light = path_state.beta * nee::emission(scene, &i, &path_state.origin, lambda);
             let emitter = || scene.geometries()[i.geometry as usize].emitter;
@@ -130,12 +132,8 @@ pub fn meet<'s, const MEDIA: bool>(
         }
         let i = *i;
         *arrival = Arrival::End;
-        path_state.passes += 1;
-        if MEDIA {
-            path_state.medium = scene.medium_towards(&i, path_state.ray.direction, path_state.medium);
-        }
-        path_state.ray = i.spawn(path_state.ray.direction);
-        path_state.differential = path_state.differential.map(|d| d.advance(i.t));
+        sink.tell(Step::Passed);
+        path_state.pass::<MEDIA>(scene, &i);
         if path_state.passes > MAX_PASSES {
             return;
         }
@@ -147,6 +145,7 @@ pub fn meet<'s, const MEDIA: bool>(
 /// Adds the light of the environments that a path met to `sink`.
 #[inline]
 pub fn escape(path_state: &PathState, depth: &Depth, sink: &mut impl Sink, context: &mut PathContext<'_, '_>) {
+    sink.tell(Step::Escaped(path_state));
     if path_state.events == 0 && depth.hide_emitters {
         return;
     }

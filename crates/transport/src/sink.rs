@@ -1,10 +1,29 @@
 //! What becomes of the light that a path finds.
 
-use crate::vertex::Vertex;
+use crate::{state::PathState, vertex::Vertex};
+use steradian_bsdf::BsdfSample;
+use steradian_core::scene::Interaction;
 use steradian_math::{Spectrum, Vec3};
 
-/// Receives a path's contributions, and is told of its segments and refractions. A [`Spectrum`] is one: it adds the
-/// contributions up.
+/// What happens to a path. A sink that keeps these has the path itself.
+#[derive(Clone, Copy, Debug)]
+pub enum Step<'a> {
+    /// A surface is met. What it emits is added next.
+    Surface(&'a PathState, &'a Interaction),
+    /// The path scatters at this point of a medium.
+    Medium(&'a PathState, Vec3),
+    /// Nothing is met. What environments emit is added next.
+    Escaped(&'a PathState),
+    /// The surface scatters nothing, and the path goes on behind it.
+    Passed,
+    /// The path goes on by this sample, in the frame of its vertex.
+    Scattered(&'a BsdfSample),
+    /// Russian roulette ends the path.
+    Lost,
+}
+
+/// Receives a path's contributions, and is told what happens to it. A [`Spectrum`] is one: it adds the contributions
+/// up.
 pub trait Sink {
     /// Adds a contribution that is emitted at the path's current vertex.
     fn add(&mut self, light: Spectrum);
@@ -28,6 +47,10 @@ pub trait Sink {
 
     /// Replaces the whole result by a value that is not finite; the film counts such samples and leaves them out.
     fn spoil(&mut self, light: Spectrum);
+
+    /// The path took a step. Told where it happens, in the order of the path.
+    #[inline(always)]
+    fn tell(&mut self, _step: Step<'_>) {}
 
     /// The path was extended by a segment of this length.
     #[inline]

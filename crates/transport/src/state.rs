@@ -13,6 +13,7 @@ use steradian_core::{
     Scene,
     footprint::{Bounce, RayDifferential},
     sampler::PixelSampler,
+    scene::Interaction,
 };
 use steradian_engine::{PathContext, dimension};
 use steradian_math::{Ray, Spectrum, Vec3};
@@ -159,9 +160,13 @@ impl PathState {
     ) {
         self.beta *= s.weight;
         self.for_roulette *= s.eta * s.eta / ratio;
-        if MEDIA && s.lobe.is_transmission() && v.passes_straight() {
+        if MEDIA
+            && let Vertex::Surface { i, .. } = v
+            && s.lobe.is_transmission()
+            && v.passes_straight()
+        {
             // Light that goes straight on has not scattered: next-event estimation sees through such surfaces too.
-            self.pass::<MEDIA>(scene, v);
+            self.pass::<MEDIA>(scene, i);
             return;
         }
         self.leave::<MEDIA>(scene, v, s, v.spawn(v.world(s.wi)));
@@ -186,17 +191,15 @@ impl PathState {
         };
     }
 
-    /// Straight on.
+    /// Straight on from a surface.
     #[inline]
-    fn pass<const MEDIA: bool>(&mut self, scene: &Scene, v: &Vertex<'_>) {
+    pub(crate) fn pass<const MEDIA: bool>(&mut self, scene: &Scene, i: &Interaction) {
         self.passes += 1;
         if MEDIA {
-            self.medium = v.medium_towards(scene, self.ray.direction);
+            self.medium = scene.medium_towards(i, self.ray.direction, self.medium);
         }
-        self.ray = v.spawn(self.ray.direction);
-        if let Vertex::Surface { i, .. } = v {
-            self.differential = self.differential.map(|d| d.advance(i.t));
-        }
+        self.ray = i.spawn(self.ray.direction);
+        self.differential = self.differential.map(|d| d.advance(i.t));
     }
 
     /// The dimension of a decision of the next event. Numbers are drawn anew after each surface that was passed on the

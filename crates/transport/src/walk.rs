@@ -6,7 +6,7 @@ use crate::{
     Depth,
     follow::{Arrival, arrive, escape},
     guide::Guide,
-    sink::Sink,
+    sink::{Sink, Step},
     state::PathState,
     subsurface::EVENTS_BELOW,
     vertex::Vertex,
@@ -51,15 +51,20 @@ pub fn leaving<'s, const MEDIA: bool, S: Sink>(
         path_state.add_direct::<MEDIA>(vertex, &mut sink, context);
         // Scatter.
         let Some(s) = path_state.sample(vertex, context.sampler, guide) else { return sink };
+        sink.tell(Step::Scattered(&s.sample));
         if s.sample.lobe.is_subsurface() {
             // Below the surface counts for none of the events that are asked for.
             depth.max = depth.max.saturating_add(EVENTS_BELOW);
             let Some(v) = path_state.emerge(vertex, &s.sample, context) else { return sink };
             if !path_state.survives(&depth, context) {
+                sink.tell(Step::Lost);
                 return sink;
             }
             next = Arrival::Vertex(v);
             let Arrival::Vertex(v) = &next else { return sink };
+            if let Vertex::Surface { i, .. } = v {
+                sink.tell(Step::Surface(&path_state, i));
+            }
             vertex = v;
             continue;
         }
@@ -73,6 +78,7 @@ pub fn leaving<'s, const MEDIA: bool, S: Sink>(
             return sink;
         }
         if !path_state.survives(&depth, context) {
+            sink.tell(Step::Lost);
             return sink;
         }
         // Follow the ray to the next vertex; collect what shines there.

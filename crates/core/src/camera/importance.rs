@@ -48,7 +48,38 @@ impl Camera {
     pub fn receive(&self, film: &FilmSpec, p: Vec3, lens: Vec2) -> Option<Received> {
         let local = self.world_from_camera.inverse().point(p);
         let lens = if self.lens_radius > 0.0 { warp::concentric_disk(lens) * self.lens_radius } else { Vec2::ZERO };
-        let (eye, at) = match self.projection {
+        let (eye, at) = self.on_film(film, local, lens)?;
+        let (margin, frame) = (film.filter.radius(), size(film));
+        if !(at.cmpge(-margin).all() && at.cmple(frame + margin).all()) {
+            return None;
+        }
+        let towards = eye - local;
+        // The part of the way that lies before the near plane.
+        let seen = if self.near > 0.0 && towards.z < 0.0 { 1.0 + self.near / towards.z } else { 1.0 };
+        let to = self.world_from_camera.vector(towards);
+        let distance = to.length();
+        if seen <= 0.0 || !(distance > 0.0 && distance.is_finite()) {
+            return None;
+        }
+        let to_camera = to / distance;
+        let d = self.density(film, -to_camera);
+        let density = if d.is_parallel { d.density } else { d.density / (distance * distance) };
+        (density > 0.0 && density.is_finite()).then_some(Received { at, to_camera, distance: distance * seen, density })
+    }
+
+    /// Where a point of the world lies on the full frame or beyond it, in pixels, through the middle of the lens at a
+    /// moment of the exposure; `None` behind the camera, and where that is not known: of lenses of several elements
+    /// and of meters.
+    pub fn project(&self, film: &FilmSpec, p: Vec3, time: f32) -> Option<Vec2> {
+        let moved = self.motion.as_ref().and_then(|motion| motion.at(time));
+        let local = moved.unwrap_or(self.world_from_camera).inverse().point(p);
+        self.on_film(film, local, Vec2::ZERO).map(|(_, at)| at)
+    }
+
+    /// Through which point in camera space a point there is seen by a point of the lens, and where on the frame or
+    /// beyond it.
+    fn on_film(&self, film: &FilmSpec, local: Vec3, lens: Vec2) -> Option<(Vec3, Vec2)> {
+        Some(match self.projection {
             Projection::Perspective => {
                 let d = local - lens.extend(0.0);
                 if d.z <= 0.0 {
@@ -77,23 +108,7 @@ impl Camera {
                 (Vec3::ZERO, s * size(film))
             }
             Projection::Ray | Projection::Patch(..) => return None,
-        };
-        let (margin, frame) = (film.filter.radius(), size(film));
-        if !(at.cmpge(-margin).all() && at.cmple(frame + margin).all()) {
-            return None;
-        }
-        let towards = eye - local;
-        // The part of the way that lies before the near plane.
-        let seen = if self.near > 0.0 && towards.z < 0.0 { 1.0 + self.near / towards.z } else { 1.0 };
-        let to = self.world_from_camera.vector(towards);
-        let distance = to.length();
-        if seen <= 0.0 || !(distance > 0.0 && distance.is_finite()) {
-            return None;
-        }
-        let to_camera = to / distance;
-        let d = self.density(film, -to_camera);
-        let density = if d.is_parallel { d.density } else { d.density / (distance * distance) };
-        (density > 0.0 && density.is_finite()).then_some(Received { at, to_camera, distance: distance * seen, density })
+        })
     }
 
     /// How dense rays are about one that [`Camera::ray`] gave.

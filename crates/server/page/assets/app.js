@@ -1020,7 +1020,7 @@ var WIDTH$1 = 294;
 var HEIGHT$1 = 190;
 var LEFT = 40;
 var TOP = 6;
-function svg(tag, attributes, ...children) {
+function svg$1(tag, attributes, ...children) {
 	const element = document.createElementNS(NAMESPACE, tag);
 	for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, String(value));
 	element.append(...children);
@@ -1059,61 +1059,61 @@ function plot(title, description, xName, lines) {
 	const [y0, y1] = ends(all.map((p) => p[1]));
 	const x = (v) => LEFT + 248 * Math.log(v / x0) / Math.log(x1 / x0);
 	const y = (v) => 170 - 164 * Math.log(v / y0) / Math.log(y1 / y0);
-	const root = svg("svg", {
+	const root = svg$1("svg", {
 		class: "plot",
 		viewBox: `0 0 ${WIDTH$1} ${HEIGHT$1}`,
 		role: "img",
 		"aria-labelledby": "plot-title",
 		"aria-describedby": "plot-description"
-	}, svg("title", { id: "plot-title" }, title), svg("desc", { id: "plot-description" }, description), svg("clipPath", { id: "plot-inside" }, svg("rect", {
+	}, svg$1("title", { id: "plot-title" }, title), svg$1("desc", { id: "plot-description" }, description), svg$1("clipPath", { id: "plot-inside" }, svg$1("rect", {
 		x: LEFT,
 		y: TOP,
 		width: 248,
 		height: 164
 	})));
-	for (const v of ticks(x0, x1)) root.append(svg("line", {
+	for (const v of ticks(x0, x1)) root.append(svg$1("line", {
 		class: "grid",
 		x1: x(v),
 		x2: x(v),
 		y1: TOP,
 		y2: 170
-	}), svg("text", {
+	}), svg$1("text", {
 		x: x(v),
 		y: 183,
 		"text-anchor": "middle"
 	}, text$2(v)));
-	for (const v of ticks(y0, y1)) root.append(svg("line", {
+	for (const v of ticks(y0, y1)) root.append(svg$1("line", {
 		class: "grid",
 		x1: LEFT,
 		x2: 288,
 		y1: y(v),
 		y2: y(v)
-	}), svg("text", {
+	}), svg$1("text", {
 		x: 36,
 		y: y(v) + 3,
 		"text-anchor": "end"
 	}, text$2(v)));
-	root.append(svg("text", {
+	root.append(svg$1("text", {
 		class: "axis",
 		x: 286,
 		y: 166,
 		"text-anchor": "end"
 	}, xName));
-	const inside = svg("g", { "clip-path": "url(#plot-inside)" });
+	const inside = svg$1("g", { "clip-path": "url(#plot-inside)" });
 	const first = lines[0].points[0];
 	const slope = (v) => 1.5 * first[1] * Math.sqrt(first[0] / v);
-	inside.append(svg("path", {
+	inside.append(svg$1("path", {
 		class: "slope",
 		d: `M${x(x0)} ${y(slope(x0))}L${x(x1)} ${y(slope(x1))}`
 	}));
 	for (const line of lines) {
 		const places = line.points.map(([a, b]) => `${x(a).toFixed(1)} ${y(b).toFixed(1)}`);
-		inside.append(svg("path", {
+		inside.append(svg$1("path", {
 			class: `curve ${line.style}`,
 			d: `M${places.join("L")}`
-		}, svg("title", {}, line.label)));
+		}, svg$1("title", {}, line.label)));
 		const [a, b] = line.points.at(-1);
-		inside.append(svg("circle", {
+		inside.append(svg$1("circle", {
 			class: `end ${line.style}`,
 			cx: x(a).toFixed(1),
 			cy: y(b).toFixed(1),
@@ -1714,6 +1714,7 @@ var Histogram = class {
 /** Milliseconds between two questions about a pixel while it changes. */
 var PAUSE = 1e3;
 var Inspector = class {
+	path;
 	changed;
 	element;
 	/** The pixel that's pinned. */
@@ -1725,9 +1726,11 @@ var Inspector = class {
 	});
 	asked = 0;
 	timer = 0;
-	constructor(changed) {
+	/** `path` shows the path of a sample of the pinned pixel. */
+	constructor(path, changed) {
+		this.path = path;
 		this.changed = changed;
-		this.element = section("Pixel", true, this.hover, this.pin);
+		this.element = section("Pixel", true, this.hover, path.element, this.pin);
 	}
 	/** Values under the pointer. */
 	show(pixel, values, isMixed) {
@@ -1738,6 +1741,7 @@ var Inspector = class {
 		this.pinned = pixel;
 		this.pin.replaceChildren();
 		this.changed();
+		this.path.set(pixel);
 		if (pixel) this.ask();
 	}
 	/** The picture has changed. */
@@ -1862,7 +1866,7 @@ var Keys = class {
 // src/bindings.ts
 /** CSS pixels of a drag that an arrow key stands for. */
 var STEP = 20;
-function bindings({ view, camera, toolbar, look, compare, inspector, pick, focus, move, from, fly, send, help }) {
+function bindings({ view, camera, toolbar, look, compare, inspector, pick, path, focus, move, from, fly, send, help }) {
 	const zoom = (factor) => {
 		view.placement.zoom(factor);
 		view.redraw();
@@ -1941,6 +1945,13 @@ function bindings({ view, camera, toolbar, look, compare, inspector, pick, focus
 			group: "Picture",
 			is: character("b"),
 			act: () => compare.alternate()
+		},
+		{
+			shown: "T",
+			doc: "draw the path of a sample of the pinned pixel",
+			group: "Picture",
+			is: character("t"),
+			act: () => path.toggle()
 		},
 		{
 			shown: "N",
@@ -2781,7 +2792,7 @@ function placeField(label, text, change) {
 /** A field for a node's parameter, by its type and value. */
 var NUMBER = /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i;
 /** The three numbers of a text, `[r, g, b]` or `{rgb: [r, g, b]}`, or `null`. */
-function triple(text) {
+function triple$1(text) {
 	const parts = /^(?:\{rgb: )?\[([^[\]{}]*)\]\}?$/.exec(text.trim())?.[1]?.split(",").map((p) => p.trim());
 	return parts?.length === 3 && parts.every((p) => NUMBER.test(p)) ? parts.map(Number) : null;
 }
@@ -2791,7 +2802,7 @@ function kindOf(p) {
 	const text = current(p);
 	if (p.type.startsWith("true or false")) return "flag";
 	if (p.words.length > 0 && (p.value === null || p.words.includes(p.value))) return "word";
-	if (/spectrum/.test(p.type) && triple(text)) return "color";
+	if (/spectrum/.test(p.type) && triple$1(text)) return "color";
 	if (/^(whole )?number/.test(p.type) && NUMBER.test(text)) return "number";
 	if (p.type === "transform" && placeOf(text)) return "place";
 	return "text";
@@ -2802,7 +2813,7 @@ function parameterField(p, label, edit) {
 		flag,
 		word,
 		color,
-		number,
+		number: number$1,
 		place,
 		text
 	}[kind];
@@ -2841,7 +2852,7 @@ function word(p, label, edit) {
 		set
 	};
 }
-function number(p, label, edit) {
+function number$1(p, label, edit) {
 	const field = numberField({
 		label,
 		value: Number(current(p)),
@@ -2903,7 +2914,7 @@ function color(p, label, edit) {
 		}
 	}));
 	const set = (p) => {
-		const rgb = triple(current(p));
+		const rgb = triple$1(current(p));
 		setValue(picker, hexOf(rgb));
 		fields.forEach((f, i) => setValue(f, String(rgb[i])));
 	};
@@ -3217,8 +3228,115 @@ var Output = class {
 		}
 	}
 };
+/** Lengths in CSS pixels: of arrows, and of a vertex' radius. */
+var ARROW = 46;
+var RADIUS = 8;
+var SVG = "http://www.w3.org/2000/svg";
+function svg(tag, attributes) {
+	const element = document.createElementNS(SVG, tag);
+	for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, String(value));
+	return element;
+}
+/** Whether light arrives. */
+var isLit = (light) => light.some((v) => v !== 0);
+var Drawing = class {
+	view;
+	element = svg("svg", { class: "path" });
+	path = null;
+	isWrapped = false;
+	marked = -1;
+	constructor(view) {
+		this.view = view;
+	}
+	/** `isWrapped`: the picture's left and right edge are neighbours. */
+	show(path, isWrapped = false) {
+		[this.path, this.isWrapped, this.marked] = [
+			path,
+			isWrapped,
+			-1
+		];
+		this.place();
+	}
+	/** Stresses a vertex, or none. */
+	mark(index) {
+		this.marked = index;
+		this.place();
+	}
+	/** Puts all where the picture is. */
+	place() {
+		this.element.replaceChildren(...this.path ? this.draw(this.path.vertices) : []);
+	}
+	draw(vertices) {
+		const [lights, rays, dots] = [
+			[],
+			[],
+			[]
+		];
+		for (const [index, vertex] of vertices.entries()) {
+			if (!vertex.place) continue;
+			const from = this.at(vertex.place);
+			const { direct, event } = vertex;
+			const next = vertices[index + 1];
+			if (direct) {
+				const way = isLit(direct.light) ? "light" : "light blocked";
+				if (direct.place) lights.push(...this.line(way, from, this.at(direct.place)));
+				else if (direct.onwards) lights.push(...this.arrow(way, from, direct.onwards));
+			}
+			if (next?.place && !this.wraps(vertex.place, next.place)) rays.push(...this.line("ray", from, this.at(next.place)));
+			else if (next && vertex.onwards) rays.push(...this.arrow(next.kind === "escaped" ? "ray escaping" : "ray", from, vertex.onwards));
+			if (index <= 100) dots.push(this.dot(index, from, next === void 0 || event === null));
+		}
+		return [
+			...lights,
+			...rays,
+			...dots
+		];
+	}
+	wraps([x], [u]) {
+		return this.isWrapped && Math.abs(x - u) > this.view.film.width / 2;
+	}
+	/** CSS pixels of a place in the picture. */
+	at([x, y]) {
+		const { left, top, scale } = this.view.placement;
+		const css = (v, start) => Math.min(Math.max((start + v * scale) / devicePixelRatio, -1e5), 1e5);
+		return [css(x, left), css(y, top)];
+	}
+	/** A line with a dark edge, so that it is seen on anything. */
+	line(way, [x1, y1], [x2, y2]) {
+		return ["edge", way].map((name) => svg("line", {
+			class: name === "edge" ? `edge ${way}` : way,
+			x1,
+			y1,
+			x2,
+			y2
+		}));
+	}
+	arrow(way, [x, y], [dx, dy]) {
+		const [ex, ey] = [x + ARROW * dx, y + ARROW * dy];
+		const corner = (turn) => `${ex - 9 * dx + turn * dy},${ey - 9 * dy - turn * dx}`;
+		const points = `${ex + dx},${ey + dy} ${corner(5)} ${corner(-5)}`;
+		return [...this.line(way, [x, y], [ex - 6 * dx, ey - 6 * dy]), svg("polygon", {
+			class: `head ${way}`,
+			points
+		})];
+	}
+	dot(index, [cx, cy], isLast) {
+		const group = svg("g", { class: `vertex${isLast ? " last" : ""}${index === this.marked ? " marked" : ""}` });
+		const text = svg("text", {
+			x: cx,
+			y: cy
+		});
+		text.textContent = String(index);
+		group.append(svg("circle", {
+			cx,
+			cy,
+			r: index > 9 ? 10 : RADIUS
+		}), text);
+		return group;
+	}
+};
 // src/overlay.ts
-/** What lies over the picture: the region's frame and the pinned pixel's mark. */
+/** What lies over the picture: the region's frame, the pinned pixel's mark, and a path. */
 var Overlay = class {
 	view;
 	element = h("div", {
@@ -3228,13 +3346,15 @@ var Overlay = class {
 	/** The region that's rendered, or that is being drawn. */
 	region = null;
 	pin = null;
+	drawing;
 	frame = h("div", { class: "region" });
 	mark = h("div", { class: "mark" });
 	constructor(view) {
 		this.view = view;
-		this.element.append(this.frame, this.mark);
+		this.drawing = new Drawing(view);
+		this.element.append(this.frame, this.mark, this.drawing.element);
 	}
-	/** Puts both where the picture is. */
+	/** Puts all where the picture is. */
 	place() {
 		this.put(this.frame, this.region);
 		this.put(this.mark, this.pin && [
@@ -3243,6 +3363,7 @@ var Overlay = class {
 			this.pin[0] + 1,
 			this.pin[1] + 1
 		]);
+		this.drawing.place();
 	}
 	put(element, box) {
 		element.hidden = box === null;
@@ -3494,6 +3615,167 @@ var CameraPanel = class {
 		this.facts.textContent = `${camera.kind}, from ${place(camera.eye)} to ${place(camera.target)}${fixed}`;
 	}
 };
+// src/path.ts
+/** The path of one sample of the pinned pixel: what is asked for, and the table of its vertices. */
+var ENDS = {
+	escaped: "leaves the scene",
+	absorbed: "absorbed",
+	depth: "greatest depth",
+	roulette: "Russian roulette",
+	"not finite": "not finite"
+};
+var Path = class {
+	drawing;
+	pin;
+	element;
+	button;
+	number = h("input", {
+		class: "number",
+		type: "number",
+		min: 0,
+		max: 16777215,
+		value: 0,
+		"aria-label": "Sample"
+	});
+	group;
+	facts = h("p", {
+		class: "facts",
+		"aria-live": "polite"
+	});
+	table = h("div");
+	pixel = null;
+	sample = 0;
+	state = null;
+	on = false;
+	/** `pin` pins a pixel where none is. */
+	constructor(drawing, pin) {
+		this.drawing = drawing;
+		this.pin = pin;
+		this.button = h("button", {
+			"aria-pressed": "false",
+			title: "Draw the path of one sample of the pinned pixel (T)"
+		}, "Path");
+		this.button.addEventListener("click", () => this.toggle());
+		const step = (by, text, name) => h("button", {
+			class: "small",
+			title: name,
+			"aria-label": name,
+			onclick: () => this.go(this.sample + by)
+		}, text);
+		this.number.addEventListener("change", () => this.go(this.number.valueAsNumber));
+		this.group = h("div", {
+			class: "samples",
+			role: "group",
+			"aria-label": "Sample of the pixel",
+			hidden: true
+		}, h("span", { "aria-hidden": "true" }, "Sample"), step(-1, "‹", "Previous sample"), this.number, step(1, "›", "Next sample"));
+		const bar = h("div", { class: "path-bar" }, this.button, this.group);
+		bar.addEventListener("keydown", (event) => this.press(event));
+		this.element = h("div", { class: "traced" }, bar, this.facts, this.table);
+	}
+	toggle() {
+		this.on = !this.on;
+		this.button.setAttribute("aria-pressed", String(this.on));
+		this.group.hidden = !this.on;
+		if (!this.on) return this.clear("");
+		if (this.pixel) this.ask();
+		else this.pin();
+	}
+	/** The pinned pixel is another. */
+	set(pixel) {
+		this.pixel = pixel;
+		if (this.on && pixel) this.ask();
+		else if (this.on) this.clear("Click the picture to trace a pixel.");
+	}
+	/** What is rendered may be another. */
+	update(state) {
+		const before = this.state;
+		this.state = state;
+		if (!this.on || !before || before.generation === state.generation) return;
+		const seen = ({ camera: { eye, target, up, fov, name }, film }) => JSON.stringify([
+			eye,
+			target,
+			up,
+			fov,
+			name,
+			film
+		]);
+		if (seen(before) !== seen(state)) this.clear("The camera has moved: click the picture to trace a pixel.");
+		else if (this.table.childElementCount) this.ask();
+	}
+	clear(why) {
+		this.drawing.show(null);
+		this.table.replaceChildren();
+		setText(this.facts, why);
+	}
+	press(event) {
+		const by = {
+			ArrowLeft: -1,
+			ArrowRight: 1,
+			ArrowUp: 1,
+			ArrowDown: -1
+		}[event.key];
+		if (!this.on || by === void 0) return;
+		event.preventDefault();
+		this.go(this.sample + by);
+	}
+	go(sample) {
+		this.sample = Number.isFinite(sample) ? Math.min(Math.max(Math.round(sample), 0), 16777215) : this.sample;
+		this.number.value = String(this.sample);
+		if (this.pixel) this.ask();
+	}
+	async ask() {
+		const { pixel, sample } = this;
+		if (!pixel) return;
+		const isAsked = () => this.on && this.pixel === pixel && this.sample === sample;
+		try {
+			const response = await fetch(`./api/path?x=${pixel[0]}&y=${pixel[1]}&sample=${sample}`);
+			const body = await response.json();
+			if (!isAsked()) return;
+			if (!("vertices" in body)) this.clear(body.error ?? response.statusText);
+			else if (!this.state || body.generation >= this.state.generation) this.fill(body);
+		} catch {
+			if (isAsked()) this.clear("no answer");
+		}
+	}
+	fill(path) {
+		this.drawing.show(path, this.state?.camera.kind.startsWith("spherical"));
+		const last = path.vertices.length - 1;
+		const whose = path.of_picture ? "" : ` The picture’s method has no such paths: this is one of the path tracer (${path.tracer}).`;
+		setText(this.facts, `Pixel ${path.x}, ${path.y}: light ${triple(path.value)}; ${last} ${last === 1 ? "vertex" : "vertices"}, ends: ${ENDS[path.end]}.${whose}`);
+		const head = [
+			"#",
+			"Vertex",
+			"Weight",
+			"Light"
+		].map((name) => h("th", { scope: "col" }, name));
+		const rows = path.vertices.slice(0, 101).map((v, k) => this.row(v, k));
+		const more = last - 100;
+		this.table.replaceChildren(h("table", { class: "vertices" }, h("caption", { class: "hidden" }, "Vertices of the path"), h("thead", {}, h("tr", {}, ...head)), h("tbody", {}, ...rows)), ...more > 0 ? [h("p", { class: "facts" }, `and ${more} more`)] : []);
+	}
+	row(v, index) {
+		const light = v.emitted.map((e, c) => e + (v.direct?.light[c] ?? 0));
+		const sampled = v.direct && (isLit(v.direct.light) ? "light sample" : "light sample blocked");
+		const lines = [
+			v.object,
+			v.material,
+			v.event,
+			isLit(v.emitted) ? "emits" : null,
+			sampled
+		].filter((line) => line !== null);
+		const row = h("tr", { title: `at ${triple(v.position)}` }, h("th", { scope: "row" }, String(index)), h("td", {}, v.kind, ...lines.map((line) => h("span", {}, line))), values(v.weight), isLit(light) || v.direct ? values(light) : h("td", { class: "rgb" }, "–"));
+		row.addEventListener("pointerenter", () => this.drawing.mark(index));
+		row.addEventListener("pointerleave", () => this.drawing.mark(-1));
+		return row;
+	}
+};
+/** Red, green and blue below each other; one number where they are the same. */
+function values(rgb) {
+	return h("td", { class: "rgb" }, ...(rgb[0] === rgb[1] && rgb[1] === rgb[2] ? [rgb[0]] : rgb).map((v) => h("span", {}, number(v))));
+}
+/** JSON has no number that is not finite. */
+var number = (v) => v === null ? "NaN" : show(Number(v.toPrecision(3)));
+var triple = (rgb) => rgb.map(number).join("  ");
 // src/socket.ts
 /** The connection: typed messages, and reconnecting with growing pauses. */
 var FIRST_PAUSE = .5;
@@ -4095,10 +4377,12 @@ function start() {
 	const overlay = new Overlay(view);
 	const legend = new Legend();
 	const histogram = new Histogram();
-	const inspector = new Inspector(() => {
+	const path = new Path(overlay.drawing, () => pinMiddle());
+	const inspector = new Inspector(path, () => {
 		overlay.pin = inspector.pinned;
 		overlay.place();
 	});
+	const pinMiddle = () => inspector.set([view.film.width >> 1, view.film.height >> 1]);
 	const output = new Output(view, (message) => messages.add(message));
 	const compare = new Compare(view, (message) => messages.add(message));
 	const errors = new Errors(view);
@@ -4197,6 +4481,7 @@ function start() {
 		compare,
 		inspector,
 		pick,
+		path,
 		focus,
 		move,
 		from,
@@ -4240,6 +4525,7 @@ function start() {
 		output.update(next);
 		messages.scene(next.scene.messages);
 		toolbar.update(next);
+		path.update(next);
 		status.update(next, null);
 		if (isNew && !first && view.layer !== "picture" && !next.layers.includes(view.layer)) send({
 			type: "layers",

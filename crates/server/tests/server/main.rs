@@ -5,6 +5,7 @@ mod focus;
 mod groups;
 mod intruders;
 mod load;
+mod path;
 mod reference;
 mod scenes;
 mod session;
