@@ -21,22 +21,43 @@ pub struct Kept {
     /// The options that all of it depends on.
     options: String,
     pub(super) assets: Assets,
-    pub(super) coats: Option<Coats>,
+    pub(super) coats: ByMode<Coats>,
     pub(super) shapes: HashMap<NodeId, KeptShape>,
     pub(super) accel: Option<KeptAccel>,
-    pub(super) whole: Option<KeptScene>,
+    pub(super) whole: ByMode<KeptScene>,
+}
+
+/// One of each colour mode.
+#[derive(Debug)]
+pub(super) struct ByMode<T>([Option<T>; 2]);
+
+impl<T> Default for ByMode<T> {
+    fn default() -> Self {
+        Self([None, None])
+    }
+}
+
+impl<T> ByMode<T> {
+    /// That of a mode.
+    pub fn of(&mut self, mode: ColorMode) -> &mut Option<T> {
+        let Self([rgb, spectral]) = self;
+        match mode {
+            ColorMode::Rgb => rgb,
+            ColorMode::Spectral => spectral,
+        }
+    }
 }
 
 impl Kept {
     /// The scene of the last compilation as another camera sees it, where nothing else has changed.
-    pub(super) fn seen_anew(&self, now: &Compiler<'_>) -> Option<Compiled> {
-        self.whole.as_ref()?.seen_anew(now)
+    pub(super) fn seen_anew(&mut self, now: &Compiler<'_>) -> Option<Compiled> {
+        self.whole.of(now.mode).as_ref()?.seen_anew(now)
     }
 
     /// Forgets what was made for other options, and of files that have changed.
-    pub(super) fn refresh(&mut self, desc: &SceneDesc, mode: ColorMode, options: &Options) {
+    pub(super) fn refresh(&mut self, desc: &SceneDesc, options: &Options) {
         let Options { accelerator, texture_limit, image_limits, .. } = options;
-        let now = format!("{mode:?} {accelerator:?} {texture_limit:?} {image_limits:?}");
+        let now = format!("{accelerator:?} {texture_limit:?} {image_limits:?}");
         if self.options != now {
             *self = Self { options: now, ..Self::default() };
         }

@@ -168,22 +168,22 @@ fn compiled(desc: &SceneDesc, options: &Options, mut kept: Option<&mut Kept>) ->
     });
     let mut c = Compiler::new(desc, mode, options);
     if let Some(kept) = kept.as_deref_mut() {
-        kept.refresh(desc, mode, options);
+        kept.refresh(desc, options);
         if let Some(compiled) = kept.seen_anew(&c) {
             return compiled;
         }
         c.assets = std::mem::take(&mut kept.assets);
-        c.coats = kept.coats.take().unwrap_or_else(|| Coats::new(mode));
+        c.coats = kept.coats.of(mode).take().unwrap_or_else(|| Coats::new(mode));
         c.kept_shapes = Some([std::mem::take(&mut kept.shapes), HashMap::new()]);
         c.kept_accel = kept.accel.take();
     }
     let (scene, build_time) = c.run();
     let scene = scene.filter(|_| !c.diagnostics.has_errors());
     if let Some(kept) = kept {
-        (kept.assets, kept.coats) =
-            (std::mem::take(&mut c.assets), Some(std::mem::replace(&mut c.coats, Coats::new(mode))));
+        kept.assets = std::mem::take(&mut c.assets);
+        *kept.coats.of(mode) = Some(std::mem::replace(&mut c.coats, Coats::new(mode)));
         (kept.shapes, kept.accel) = (c.kept_shapes.take().map(|[_, now]| now).unwrap_or_default(), c.kept_accel.take());
-        kept.whole = scene.as_ref().filter(|_| !c.suits_eye).map(|scene| KeptScene::new(&c, scene));
+        *kept.whole.of(mode) = scene.as_ref().filter(|_| !c.suits_eye).map(|scene| KeptScene::new(&c, scene));
     }
     Compiled { scene, diagnostics: c.diagnostics, build_time, files: c.files }
 }

@@ -52,7 +52,7 @@ impl Viewer {
         let to_world = state::surroundings(&self.document, &self.look, &self.scene);
         let options = options(&self.look, self.document.desc.format, Purpose::Render);
         let edit = Edit { what: What::Surroundings { name, picture, to_world }, moving: false };
-        self.document.edit(edit, Purpose::Render, &options)?;
+        self.document.edit(edit, &options)?;
         self.look.moving = false;
         let remade = self.remake();
         if remade.is_err() {
@@ -107,7 +107,7 @@ impl Viewer {
                 let purpose = if moving { Purpose::Preview } else { Purpose::Render };
                 let options = options(look, document.desc.format, purpose);
                 let what = What::Parameter { node, parameter, value };
-                document.edit(Edit { what, moving }, purpose, &options)?;
+                document.edit(Edit { what, moving }, &options)?;
                 look.moving = moving;
                 Ok(Reach::Scene)
             }

@@ -2,7 +2,7 @@
 
 use crate::{
     edits::{Change, Edit, PLACE, placements},
-    look::{Purpose, View},
+    look::View,
     protocol::{NodeState, ParameterState},
 };
 use std::{
@@ -54,8 +54,7 @@ pub struct Document {
     pub diagnostics: Diagnostics,
     undo: Vec<Change>,
     redo: Vec<Change>,
-    /// Of the scene that is rendered, and of previews.
-    kept: [Kept; 2],
+    kept: Kept,
 }
 
 impl Document {
@@ -81,12 +80,7 @@ impl Document {
     ///
     /// # Errors
     /// All that is wrong with it.
-    pub fn compile(
-        &mut self,
-        purpose: Purpose,
-        options: &CompileOptions,
-        view: Option<&View>,
-    ) -> Result<Arc<Scene>, Diagnostics> {
+    pub fn compile(&mut self, options: &CompileOptions, view: Option<&View>) -> Result<Arc<Scene>, Diagnostics> {
         let camera = self.desc.camera(options.camera.as_deref());
         // The description stays as its file has it; a camera that was moved is put back after compiling.
         let own = view.zip(camera).map(|(view, id)| {
@@ -94,7 +88,7 @@ impl Document {
             view.place(&mut self.desc, id);
             (id, own)
         });
-        let compiled = recompile(&self.desc, options, &mut self.kept[purpose as usize]);
+        let compiled = recompile(&self.desc, options, &mut self.kept);
         if let Some((id, own)) = own {
             *self.desc.node_mut(id) = own;
         }
@@ -130,13 +124,13 @@ impl Document {
     ///
     /// # Errors
     /// What is wrong with it; nothing is changed then.
-    pub fn edit(&mut self, edit: Edit, purpose: Purpose, options: &CompileOptions) -> Result<(), String> {
+    pub fn edit(&mut self, edit: Edit, options: &CompileOptions) -> Result<(), String> {
         let replaced = self.undo.last().is_some_and(|c| c.goes_on(&edit));
         if replaced {
             self.undo();
         }
         let done = self.carry_out(edit).and_then(|()| {
-            let fault = self.compile(purpose, options, None).err().map(|d| told(&d));
+            let fault = self.compile(options, None).err().map(|d| told(&d));
             if fault.is_some() {
                 self.undo();
                 self.redo.pop();

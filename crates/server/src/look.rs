@@ -14,7 +14,7 @@ pub const MOST_PIXELS: u64 = 1 << 24;
 /// Longest edge of a picture: tiles count with 16 bits.
 const LONGEST_EDGE: u32 = 1 << 15;
 
-/// Which of two scenes is compiled: they keep what they are made of apart, as they may compute colours differently.
+/// What a scene is compiled for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
     /// To be rendered.

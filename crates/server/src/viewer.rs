@@ -207,7 +207,7 @@ pub struct Viewer {
 /// All that is wrong with it.
 pub fn compile(document: &mut Document, look: &Look, purpose: Purpose) -> Result<Arc<Scene>, Diagnostics> {
     let options = options(look, document.desc.format, purpose);
-    let scene = document.compile(purpose, &options, look.view.as_ref())?;
+    let scene = document.compile(&options, look.view.as_ref())?;
     fits(&scene)?;
     Ok(scene)
 }

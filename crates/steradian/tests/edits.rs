@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 use steradian::{
-    CompileOptions, Kept, Scene, compile,
+    ColorMode, CompileOptions, Kept, Scene, compile,
     formats::Options,
     load, recompile,
     scene::{Family, Instance, Node, NodeId, SceneDesc, Transform, Value},
@@ -89,8 +89,13 @@ fn every_edit_gives_the_scene_that_is_compiled_from_nothing() {
 /// for shapes that were divided for the camera.
 #[test]
 fn another_view_gives_the_scene_that_is_compiled_from_nothing() {
-    let steps: [(Option<(u32, u32)>, Option<[u32; 4]>); 3] =
-        [(Some((40, 30)), None), (None, Some([1, 2, 9, 8])), (None, None)];
+    let steps: [(Option<(u32, u32)>, Option<[u32; 4]>); 5] = [
+        (Some((40, 30)), None),
+        (None, Some([1, 2, 9, 8])),
+        (Some((8, 9)), None),
+        (None, None),
+        (Some((50, 20)), None),
+    ];
     let mut divided = read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/verify/textured.pbrt"));
     let bumps = divided.add(Node::new(Family::Texture, "checker", None));
     let mesh = divided.shapes.iter().position(|s| s.mesh.is_some()).expect("a mesh");
@@ -107,7 +112,9 @@ fn another_view_gives_the_scene_that_is_compiled_from_nothing() {
             let moved = Transform::translate(DVec3::new(0.01, 0.02, -0.2)) * place;
             desc.node_mut(camera).set("to_world", Value::Transform(moved), None);
             desc.node_mut(camera).set("fov", 30.0 + k as f64, None);
-            let options = CompileOptions { size, crop, ..CompileOptions::default() };
+            // Previews in other colours come between.
+            let mode = [ColorMode::Rgb, ColorMode::Spectral][k % 2];
+            let options = CompileOptions { size, crop, mode: Some(mode), ..CompileOptions::default() };
             let (new, old) = (all(recompile(&desc, &options, &mut kept)), all(compile(&desc, &options)));
             let differs = new.lines().zip(old.lines()).find(|(a, b)| a != b);
             assert!(new == old && !new.ends_with("None"), "{:?}: {k}: {differs:?}", desc.path);
