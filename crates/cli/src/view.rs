@@ -4,7 +4,7 @@ use crate::{
     args::ViewArgs,
     diagnostics,
     failure::{DONE, Failure, Outcome},
-    open, terminal,
+    memory, open, terminal,
     terminal::Terminal,
     values::Size,
 };
@@ -23,7 +23,12 @@ pub fn run(args: &ViewArgs, terminal: Terminal) -> Outcome {
     }
     let size = args.size.map(|Size(w, h)| (w, h));
     let options = Options {
-        source: Source { name: name.clone(), reading: open::reading(&args.define, None), scene: None },
+        source: Source {
+            name: name.clone(),
+            reading: open::reading(&args.define, None),
+            scene: None,
+            memory: Some(memory::available),
+        },
         settings: SettingsChange {
             integrator: args.integrator.clone(),
             spp: args.spp.map(Some),

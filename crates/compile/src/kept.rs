@@ -9,6 +9,7 @@ use std::{collections::HashMap, path::PathBuf, sync::Arc, time::Duration};
 use steradian_accel::Accel;
 use steradian_core::{
     camera::Camera,
+    film::FilmSpec,
     scene::{Geometry, Scene, Shape},
 };
 use steradian_math::spectra::ColorMode;
@@ -99,9 +100,8 @@ impl KeptScene {
     /// The scene with film and camera as they are described now; `None` where more has changed.
     fn seen_anew(&self, now: &Compiler<'_>) -> Option<Compiled> {
         let Compiler { desc, mode, options, .. } = *now;
-        let view = Options { size: self.options.size, crop: self.options.crop, ..options.clone() };
-        let is_same = options.memory.is_none()
-            && view == self.options
+        let Options { size, crop, memory, .. } = self.options;
+        let is_same = Options { size, crop, memory, ..options.clone() } == self.options
             && self.is_same(desc, now.chosen_camera()?)
             && self.files.iter().all(|(path, source)| source.is_current(desc, path));
         if !is_same {
@@ -116,7 +116,9 @@ impl KeptScene {
         };
         let (seen, said) = view(desc, options);
         let (film, camera) = seen?;
-        if said != view(&self.desc, &self.options).1 {
+        let pixels = |film: &FilmSpec| u64::from(film.crop.width()) * u64::from(film.crop.height());
+        let takes_more = options.memory.is_some() && pixels(&film) > pixels(self.scene.film());
+        if takes_more || said != view(&self.desc, &self.options).1 {
             return None;
         }
         let scene = self.scene.clone().changed(|parts| {

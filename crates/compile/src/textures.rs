@@ -2,7 +2,7 @@
 
 use super::{
     Compiler,
-    assets::{Image, Loaded, Source},
+    assets::{Assets, Image, Loaded, Source},
 };
 use rayon::prelude::*;
 use std::{
@@ -42,6 +42,11 @@ impl Compiler<'_> {
         };
         let mut textures = names(|n| (n.family, n.kind.as_str()) == (Family::Texture, "image"));
         let mut others = names(|n| n.family == Family::Light || n.kind == "height_field");
+        // What an earlier compilation read is there already.
+        let is_limited = self.options.texture_limit.is_some();
+        let Assets { images, paged, .. } = &self.assets;
+        textures.retain(|p| if is_limited { !paged.contains_key(*p) } else { !images.contains_key(*p) });
+        others.retain(|p| !images.contains_key(*p));
         if !self.pictures_fit(&textures, &others, film) {
             return;
         }
@@ -74,13 +79,11 @@ impl Compiler<'_> {
                     };
                     Ok(Loaded { texels, faults })
                 };
-                textures.retain(|p| !self.assets.paged.contains_key(*p));
                 self.assets.sources_of(desc, &textures);
                 self.assets.paged.extend(load_within(limit / 2, textures, page));
                 self.assets.pages = Some(pages);
             }
         }
-        others.retain(|p| !self.assets.images.contains_key(*p));
         self.assets.sources_of(desc, &others);
         let read: Vec<_> = others.par_iter().map(|p| (p.to_path_buf(), load(p))).collect();
         self.assets.images.extend(read);

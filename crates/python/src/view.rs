@@ -29,7 +29,7 @@ impl View {
         (settings, bind, port): (SettingsChange, String, u16),
     ) -> PyResult<Self> {
         let name = scene.path.clone().unwrap_or_else(|| PathBuf::from("scene"));
-        let source = Source { name, reading, scene: Some(scene) };
+        let source = Source { name, reading, scene: Some(scene), ..Source::default() };
         let options = ViewOptions { source, settings, bind, port, ..ViewOptions::of("") };
         let server = py.detach(|| steradian_server::View::start(&options)).map_err(|e| match e {
             Error::Scene(messages) => crate::message::error(&messages),

@@ -41,6 +41,8 @@ pub struct Source {
     pub reading: Options,
     /// The scene itself, where it is in memory.
     pub scene: Option<Arc<SceneDesc>>,
+    /// Tells how many bytes of memory there are; scenes that need more are refused.
+    pub memory: Option<fn() -> Option<u64>>,
 }
 
 /// A scene that is looked at and edited.
@@ -88,7 +90,8 @@ impl Document {
             view.place(&mut self.desc, id);
             (id, own)
         });
-        let compiled = recompile(&self.desc, options, &mut self.kept);
+        let options = CompileOptions { memory: self.source.memory.and_then(|there_is| there_is()), ..options.clone() };
+        let compiled = recompile(&self.desc, &options, &mut self.kept);
         if let Some((id, own)) = own {
             *self.desc.node_mut(id) = own;
         }

@@ -54,7 +54,7 @@ pub async fn open(State(app): State<App>, form: Multipart) -> Result<Response, R
     let source = Source {
         name: within.join(scene),
         reading: Options { within: Some(within), ..Options::default() },
-        scene: None,
+        ..Source::default()
     };
     let (tell, told) = oneshot::channel();
     app.viewer.send(Task::Open(Box::new(source), tell));

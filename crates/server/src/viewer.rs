@@ -23,7 +23,7 @@ use steradian::{Quality, Scene, scene::Diagnostics};
 use tokio::sync::{broadcast, oneshot, watch};
 
 /// Pixels of the first preview, before it is known how long they take.
-const FIRST_PREVIEW: f64 = 30_000.0;
+const FIRST_PREVIEW: f64 = 10_000.0;
 /// How long a preview may take while the camera moves, and before paths begin.
 const PREVIEW_SECONDS: f64 = 0.045;
 /// First pictures are at most this much smaller than the whole, on each side.
@@ -322,6 +322,7 @@ impl Viewer {
 
     fn open(&mut self, source: Source) -> Result<(), Vec<String>> {
         let lines = |d: Diagnostics| vec![told(&d)];
+        let source = Source { memory: self.document.source.memory, ..source };
         let mut document = Document::open(source).map_err(lines)?;
         let settings = SettingsChange { color: self.look.settings.color.clone(), ..SettingsChange::default() };
         let mut look = Look { layers: self.look.layers.clone(), settings, ..Look::default() };

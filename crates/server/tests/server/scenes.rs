@@ -155,3 +155,45 @@ fn pictures_are_put_around_the_scene() {
     let server = Server::of("builtin:cornell-box");
     assert_eq!(server.upload(&[("studio.pfm", b"PF\n1 1\n")]).status, 422);
 }
+
+/// A scene that needs more memory than there is is refused, be it dropped or the first.
+#[test]
+fn scenes_that_do_not_fit_are_refused() {
+    let memory = |there_is: fn() -> Option<u64>| {
+        let mut options = steradian_server::Options::of(std::path::Path::new("builtin:cornell-box"));
+        options.source.memory = Some(there_is);
+        options.settings.width = Some(640);
+        options.settings.height = Some(480);
+        steradian_server::View::start(&options)
+    };
+    let why = memory(|| Some(1 << 20)).err().expect("a refusal").to_string();
+    assert!(why.contains("memory"), "{why}");
+    assert!(memory(|| None).is_ok());
+    assert!(memory(|| Some(1 << 30)).is_ok());
+}
+
+/// A second compilation needs no memory for pictures that are read already.
+#[test]
+fn what_is_in_memory_needs_none() {
+    let folder = tempfile::tempdir().unwrap();
+    // A picture of 3 MiB, of which 4 with all its sizes.
+    let mut picture = b"PF\n512 512\n-1.0\n".to_vec();
+    picture.resize(picture.len() + 512 * 512 * 12, 0);
+    std::fs::write(folder.path().join("p.pfm"), picture).unwrap();
+    let path = folder.path().join("a.pbrt");
+    let text = "Camera \"perspective\" WorldBegin LightSource \"infinite\" Texture \"t\" \"spectrum\" \"imagemap\" \
+                \"string filename\" \"p.pfm\" Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"";
+    std::fs::write(&path, text).unwrap();
+    // What there is before the picture is read, and after.
+    static LEFT: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(5 << 20);
+    let left = || Some(LEFT.swap(1 << 20, std::sync::atomic::Ordering::SeqCst));
+    let settings = steradian_server::SettingsChange { width: Some(24), height: Some(16), ..Default::default() };
+    let mut options = steradian_server::Options { settings, ..steradian_server::Options::of(&path) };
+    options.source.memory = Some(left);
+    let server = Server { view: steradian_server::View::start(&options).unwrap(), log: Default::default() };
+    let mut page = server.page();
+    page.finished(json!({"type": "settings", "color": "rgb"}));
+    let nodes = server.get("api/nodes").json();
+    let sphere = nodes.as_array().unwrap().iter().find(|n| n["kind"] == "sphere").unwrap();
+    page.finished(json!({"type": "edit", "node": sphere["id"], "parameter": "radius", "value": "0.5"}));
+}
