@@ -9,7 +9,7 @@ use steradian_engine::{
     partition::{Partition, Place},
 };
 use steradian_math::{Spectrum, Vec3, spectra::Wavelengths};
-use steradian_transport::{NoGuide, PathState, Sink, Step, Vertex, subsurface::EVENTS_BELOW};
+use steradian_transport::{Carried, NoGuide, PathState, Sink, Step, Vertex, subsurface::EVENTS_BELOW};
 
 /// What a vertex is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,7 +114,7 @@ pub fn trace(
     let (mut shifted, mut counters) = (begun.lambda, Counters::default());
     let context = &mut PathContext { scene, sampler: &begun.own, lambda: &mut shifted, counters: &mut counters };
     let state = PathState::camera(scene, begun.ray);
-    let recorder = Recorder::new(scene, &depth, &state);
+    let recorder = Recorder::new(scene, &depth, state.carried());
     let found = match has_media {
         true => PathTracer::<true> { depth }.along(state, None::<&NoGuide>, context, recorder),
         false => PathTracer::<false> { depth }.along(state, None::<&NoGuide>, context, recorder),
@@ -156,7 +156,7 @@ struct Recorder<'s> {
 }
 
 impl<'s> Recorder<'s> {
-    fn new(scene: &'s Scene, depth: &Depth, state: &PathState) -> Self {
+    fn new(scene: &'s Scene, depth: &Depth, state: Carried) -> Self {
         let mut recorder = Self {
             scene,
             vertices: Vec::new(),
@@ -171,7 +171,7 @@ impl<'s> Recorder<'s> {
         recorder
     }
 
-    fn push(&mut self, kind: VertexKind, state: &PathState, position: Vec3, surface: Option<(Vec3, u32, u32)>) {
+    fn push(&mut self, kind: VertexKind, state: Carried, position: Vec3, surface: Option<(Vec3, u32, u32)>) {
         // What passes a thin pane straight has not scattered there.
         if let Some(before) = self.vertices.last_mut()
             && let (Some(Event::Lobe(_)), true) = (before.event, before.events == state.events)

@@ -1,11 +1,10 @@
 //! What requests change.
 
 use crate::{
-    document::told,
     edits::{Edit, What},
     frame, groups,
     look::{Purpose, View, options, quality, set},
-    protocol::Request,
+    protocol::{Request, told},
     state,
     viewer::{Reach, Viewer, compile},
 };

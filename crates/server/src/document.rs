@@ -3,7 +3,7 @@
 use crate::{
     edits::{Change, Edit, PLACE, placements},
     look::View,
-    protocol::{NodeState, ParameterState},
+    protocol::{NodeState, ParameterState, told},
 };
 use std::{
     collections::{BTreeMap, HashMap},
@@ -259,10 +259,4 @@ fn place(ids: &[String], place: Transform) -> ParameterState {
         doc: "places it".into(),
         words: Vec::new(),
     }
-}
-
-/// All that is wrong, a line each.
-pub fn told(diagnostics: &Diagnostics) -> String {
-    let errors = diagnostics.iter().filter(|d| d.severity == steradian::scene::Severity::Error);
-    errors.map(ToString::to_string).collect::<Vec<_>>().join("\n")
 }

@@ -1,6 +1,6 @@
 //! Edits of a scene, and taking them back.
 
-use crate::document::told;
+use crate::protocol::told;
 use std::{
     path::{Path, PathBuf},
     sync::Arc,

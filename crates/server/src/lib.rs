@@ -78,7 +78,7 @@ impl Options {
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// All that is wrong with the scene.
-    #[error("{}", document::told(.0))]
+    #[error("{}", protocol::told(.0))]
     Scene(steradian::scene::Diagnostics),
     /// The address cannot be had.
     #[error("cannot listen at {at}: {cause}")]

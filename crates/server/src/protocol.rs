@@ -298,6 +298,12 @@ pub struct ParameterState {
     pub words: Vec<&'static str>,
 }
 
+/// All that is wrong, a line each.
+pub fn told(diagnostics: &steradian::scene::Diagnostics) -> String {
+    let errors = diagnostics.iter().filter(|d| d.severity == steradian::scene::Severity::Error);
+    errors.map(ToString::to_string).collect::<Vec<_>>().join("\n")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,5 +1,5 @@
-//! Scenes and pictures that are dropped onto the page. Scenes lie in a folder of their own, and read nothing outside it;
-//! a picture without a scene is put around the one that is shown.
+//! Scenes and pictures that are dropped onto the page. Scenes lie in a folder of their own, and read nothing outside
+//! it; a picture without a scene is put around the one that is shown.
 
 use crate::{
     app::{App, Refused},

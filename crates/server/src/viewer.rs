@@ -2,11 +2,11 @@
 //! it as it grows.
 
 use crate::{
-    document::{Document, Source, Stamps, told},
+    document::{Document, Source, Stamps},
     frame::{Backdrop, Frame, Shown},
     job::Job,
     look::{Look, Purpose, check_size, options, quality},
-    protocol::{Message, Request, SettingsChange},
+    protocol::{Message, Request, SettingsChange, told},
     state,
 };
 use std::{

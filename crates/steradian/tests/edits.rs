@@ -89,7 +89,7 @@ fn every_edit_gives_the_scene_that_is_compiled_from_nothing() {
 /// for shapes that were divided for the camera.
 #[test]
 fn another_view_gives_the_scene_that_is_compiled_from_nothing() {
-    let steps: [(Option<(u32, u32)>, Option<[u32; 4]>); 5] = [
+    let steps = [
         (Some((40, 30)), None),
         (None, Some([1, 2, 9, 8])),
         (Some((8, 9)), None),

@@ -1,19 +1,30 @@
 //! What becomes of the light that a path finds.
 
-use crate::{state::PathState, vertex::Vertex};
+use crate::vertex::Vertex;
 use steradian_bsdf::BsdfSample;
 use steradian_core::scene::Interaction;
-use steradian_math::{Spectrum, Vec3};
+use steradian_math::{Ray, Spectrum, Vec3};
+
+/// What a path carries on its last ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Carried {
+    /// The ray.
+    pub ray: Ray,
+    /// The weight of what it finds.
+    pub beta: Spectrum,
+    /// How often it has scattered.
+    pub events: u32,
+}
 
 /// What happens to a path. A sink that keeps these has the path itself.
 #[derive(Clone, Copy, Debug)]
 pub enum Step<'a> {
     /// A surface is met. What it emits is added next.
-    Surface(&'a PathState, &'a Interaction),
+    Surface(Carried, &'a Interaction),
     /// The path scatters at this point of a medium.
-    Medium(&'a PathState, Vec3),
+    Medium(Carried, Vec3),
     /// Nothing is met. What environments emit is added next.
-    Escaped(&'a PathState),
+    Escaped(Carried),
     /// The surface scatters nothing, and the path goes on behind it.
     Passed,
     /// The path goes on by this sample, in the frame of its vertex.

@@ -5,7 +5,7 @@ use crate::{
     guide::{Guide, GuidedDirection},
     live_max, nee,
     roulette::{number, roulette},
-    sink::Sink,
+    sink::{Carried, Sink},
     vertex::Vertex,
 };
 use steradian_bsdf::{Bsdf, BsdfSample};
@@ -102,6 +102,12 @@ impl PathState {
         }
         let mut sample = |k| v.direct::<MEDIA>(self.event_of_light(k), context);
         self.beta * (1..self.lights).fold(first, |sum, k| sum + sample(k)) / self.lights as f32
+    }
+
+    /// What is told of it to a sink.
+    #[inline(always)]
+    pub fn carried(&self) -> Carried {
+        Carried { ray: self.ray, beta: self.beta, events: self.events }
     }
 
     /// Adds light straight from lights, as [`PathState::direct`] has it, to `sink`.

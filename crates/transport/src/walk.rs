@@ -63,7 +63,7 @@ pub fn leaving<'s, const MEDIA: bool, S: Sink>(
             next = Arrival::Vertex(v);
             let Arrival::Vertex(v) = &next else { return sink };
             if let Vertex::Surface { i, .. } = v {
-                sink.tell(Step::Surface(&path_state, i));
+                sink.tell(Step::Surface(path_state.carried(), i));
             }
             vertex = v;
             continue;

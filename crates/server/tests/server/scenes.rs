@@ -83,8 +83,8 @@ fn dropped_scenes_read_nothing_elsewhere() {
     }
 }
 
-/// A picture that is dropped by itself is put around the scene, upright and not mirrored for its camera; it is taken back
-/// as other edits are, and saved with the scene.
+/// A picture that is dropped by itself is put around the scene, upright and not mirrored for its camera; it is taken
+/// back as other edits are, and saved with the scene.
 #[test]
 fn pictures_are_put_around_the_scene() {
     let folder = tempfile::tempdir().unwrap();
@@ -101,7 +101,8 @@ fn pictures_are_put_around_the_scene() {
         let mean = |c: usize| (0..16).map(|row| image[24 * row + column][c]).sum::<f32>() / 16.0;
         (mean(1) - 1.5).atan2(mean(0) - 1.5)
     };
-    // By how much it turns from the left of a picture to the right, 90 degrees apart but for a pixel, and what is above.
+    // By how much it turns from the left of a picture to the right, 90 degrees apart but for a pixel, and what is
+    // above.
     let seen = |image: &[[f32; 3]]| {
         let [left, right] = [0, 23].map(|column| angle(column, image));
         ((right - left).rem_euclid(std::f32::consts::TAU), image[24 + 12][2] / image[14 * 24 + 12][2])

@@ -257,8 +257,14 @@ fn changed_files_are_read_again() {
     assert_eq!(after, expected.to_rgb().unwrap());
 }
 
-/// Where shapes and groups are placed is edited as all else is: the picture is the library's, slider edits are one, and it
-/// is taken back. A shape that is placed several times has a name for each place, as instances have.
+/// The edit that places something.
+fn placing(node: &serde_json::Value, value: &str, moving: bool) -> serde_json::Value {
+    let parameter = "to_world";
+    json!({"type": "edit", "node": node, "parameter": parameter, "value": value, "moving": moving})
+}
+
+/// Where shapes and groups are placed is edited as all else is: the picture is the library's, slider edits are one, and
+/// it is taken back. A shape that is placed several times has a name for each place, as instances have.
 #[test]
 fn places_of_shapes_are_edited() {
     let server = Server::of(BOX);
@@ -267,7 +273,8 @@ fn places_of_shapes_are_edited() {
     let block = nodes.as_array().unwrap().iter().rfind(|n| n["family"] == "shape").unwrap().clone();
     let place = block["parameters"].as_array().unwrap().iter().find(|p| p["name"] == "to_world").unwrap().clone();
     assert_eq!(place["type"], "transform");
-    let edit = |value: &str, moving: bool| json!({"type": "edit", "node": block["id"], "parameter": "to_world", "value": value, "moving": moving});
+    let node = &block["id"];
+    let edit = |value: &str, moving: bool| placing(node, value, moving);
     let up = format!("[{}, {{translate: [0, 0.25, 0]}}]", place["value"].as_str().unwrap());
     let moved = |desc: &mut steradian::scene::SceneDesc| {
         let shape = desc.shapes.last_mut().unwrap();
@@ -299,7 +306,8 @@ fn places_of_shapes_are_edited() {
     let text = "steradian: 1\ncameras: [{camera: perspective, to_world: {translate: [0, 0, -4]}}]\n\
                 lights: [{light: environment}]\n\
                 nodes: {ball: {shape: sphere, radius: 0.5}}\n\
-                shapes: [{node: ball, to_world: {translate: [-1, 0, 0]}}, {node: ball, to_world: {translate: [1, 0, 0]}}]\n\
+                shapes: [{node: ball, to_world: {translate: [-1, 0, 0]}},\n\
+                {node: ball, to_world: {translate: [1, 0, 0]}}]\n\
                 groups: {pair: [{shape: disk}]}\n\
                 instances: [{group: pair}]\n";
     std::fs::write(&path, text).unwrap();
@@ -309,7 +317,7 @@ fn places_of_shapes_are_edited() {
     let nodes = nodes.as_array().unwrap();
     let places: Vec<_> = nodes.iter().filter(|n| n["family"] == "placement").collect();
     assert_eq!(places.iter().map(|n| n["kind"].as_str().unwrap()).collect::<Vec<_>>(), ["ball", "ball", "pair"]);
-    let edit = |node: &serde_json::Value| json!({"type": "edit", "node": node, "parameter": "to_world", "value": "{translate: [0, 1, 0]}"});
+    let edit = |node: &serde_json::Value| placing(node, "{translate: [0, 1, 0]}", false);
     let said = page.refusal(edit(&json!("ball")));
     assert!(said.contains("placed several times, as #placement0, #placement1"), "{said}");
     let said = page.refusal(edit(&json!("#placement9")));

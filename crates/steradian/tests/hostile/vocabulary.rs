@@ -18,8 +18,8 @@ const METHODS: [&str; 4] = ["path", "volpath", "direct", "whitted"];
 const OF_METHODS: [&str; 4] = ["max_depth", "rr_depth", "hide_emitters", "distance"];
 
 /// Kinds of a family that have a parameter of the same name take turns with its values, at most so many of them: each
-/// value of each name is tried with an eighth of the kinds at least.
-const TURNS: usize = 8;
+/// value of each name is tried with a twelfth of the kinds at least.
+const TURNS: usize = 12;
 
 /// A kind of node and its parameters.
 struct Row {
