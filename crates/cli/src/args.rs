@@ -468,6 +468,8 @@ pub struct ConvertArgs {
 pub enum Denoiser {
     /// Non-local means, built in.
     Nlm,
+    /// A wavelet filter, built in: a small part of the time of nlm, for previews.
+    Atrous,
     /// Open Image Denoise 2 by Intel, a library that --oidn, STERADIAN_OIDN or a usual place has.
     Oidn,
 }

@@ -35,6 +35,7 @@
 //! # }
 //! ```
 
+pub mod atrous;
 mod error;
 mod falloff;
 mod gbuffer;
