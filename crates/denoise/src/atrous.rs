@@ -49,17 +49,18 @@ pub fn denoise(picture: &Picture<'_>, settings: &Settings) -> Result<Denoised> {
     picture.check()?;
     let [width, height] = picture.radiance.size();
     let place = |x: u32, y: u32| y as usize * width as usize + x as usize;
+    let factors = Image::by_rows(width, height, |x, y| picture.factor(place(x, y)));
     let surfaces = Image::by_rows(width, height, |x, y| surface(picture, [x, y]));
     let colors = Image::by_rows(width, height, |x, y| {
         let radiance = picture.radiance.at(x, y);
-        let held = radiance.clamp(Vec3::splat(-MOST), Vec3::splat(MOST)) / picture.factor(place(x, y));
+        let held = radiance.clamp(Vec3::splat(-MOST), Vec3::splat(MOST)) / factors.at(x, y);
         if radiance.is_finite() { held } else { Vec3::NAN }
     });
     let weights = REC709.luminance_weights_f32();
     let variance = match picture.variance {
         Some(variance) => Image::by_rows(width, height, |x, y| {
             // Channels err together.
-            let deviation = weights.dot(deviation(variance.at(x, y)) / picture.factor(place(x, y)));
+            let deviation = weights.dot(deviation(variance.at(x, y)) / factors.at(x, y));
             (deviation * deviation).min(MOST_VARIANCE)
         }),
         None => {
@@ -75,7 +76,7 @@ pub fn denoise(picture: &Picture<'_>, settings: &Settings) -> Result<Denoised> {
         let is_sure = picture.variance.is_some_and(|variance| is_sure(radiance, variance.at(x, y)));
         match radiance.is_finite() && (is_sure || !picture.has_surface(place(x, y))) {
             true => radiance,
-            false => filtered.at(x, y) * picture.factor(place(x, y)),
+            false => filtered.at(x, y) * factors.at(x, y),
         }
     });
     let not_finite = picture.radiance.values().iter().filter(|radiance| !radiance.is_finite()).count();
@@ -84,7 +85,8 @@ pub fn denoise(picture: &Picture<'_>, settings: &Settings) -> Result<Denoised> {
 
 /// The standard deviations of variances; that of what is not known is 0.
 fn deviation(variance: Vec3) -> Vec3 {
-    Vec3::from_array(variance.to_array().map(|v| if v > 0.0 { v.min(MOST_VARIANCE).sqrt() } else { 0.0 }))
+    let of = |v: f32| if v > 0.0 { v.min(MOST_VARIANCE).sqrt() } else { 0.0 };
+    Vec3::new(of(variance.x), of(variance.y), of(variance.z))
 }
 
 /// Whether all samples found the same light, and not none.
@@ -93,22 +95,24 @@ fn is_sure(radiance: Vec3, variance: Vec3) -> bool {
     variance.is_finite() && most > 0.0 && noise <= ROUNDING * most
 }
 
-/// What a pixel shows, with what its depth changes by from column to column and row to row: by the smaller of the
-/// differences to the neighbours on both sides.
+/// What a pixel shows, with what its depth changes by from column to column and row to row.
 fn surface(picture: &Picture<'_>, [x, y]: [u32; 2]) -> Surface {
-    let [width, height] = picture.size();
-    let (x, y) = (x as usize, y as usize);
-    let depth = |x: usize, y: usize| picture.depth.map_or(1.0, |depth| depth.at(x as u32, y as u32));
-    let slope = |before: Option<f32>, after: Option<f32>| {
-        let both = [before.map(|z| depth(x, y) - z), after.map(|z| z - depth(x, y))].into_iter().flatten();
-        both.filter(|d| d.is_finite()).min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0)
-    };
-    let across = slope((x > 0).then(|| depth(x - 1, y)), (x + 1 < width).then(|| depth(x + 1, y)));
-    let down = slope((y > 0).then(|| depth(x, y - 1)), (y + 1 < height).then(|| depth(x, y + 1)));
-    Surface {
-        depth: depth(x, y),
-        gradient: Vec2::new(across, down),
-        normal: picture.normal.map_or(Vec3::ZERO, |normal| normal.at(x as u32, y as u32).normalize_or_zero()),
-        id: u32::from(picture.has_surface(y * width + x)),
+    let normal = picture.normal.map_or(Vec3::ZERO, |normal| normal.at(x, y).normalize_or_zero());
+    let id = u32::from(picture.has_surface(y as usize * picture.size()[0] + x as usize));
+    let Some(depths) = picture.depth else { return Surface { depth: 1.0, gradient: Vec2::ZERO, normal, id } };
+    let depth = depths.at(x, y);
+    let at = |x: u32, y: u32| depths.get(x, y).copied().unwrap_or(f32::NAN);
+    let across = smaller(depth - at(x.wrapping_sub(1), y), at(x + 1, y) - depth);
+    let down = smaller(depth - at(x, y.wrapping_sub(1)), at(x, y + 1) - depth);
+    Surface { depth, gradient: Vec2::new(across, down), normal, id }
+}
+
+/// The smaller of the differences to the neighbours on both sides, of those that are finite.
+fn smaller(a: f32, b: f32) -> f32 {
+    match [a.is_finite(), b.is_finite()] {
+        [true, true] if a.abs() <= b.abs() => a,
+        [_, true] => b,
+        [true, false] => a,
+        [false, false] => 0.0,
     }
 }

@@ -7,8 +7,7 @@ use crate::{
 };
 use std::sync::Arc;
 use steradian::{
-    Film, Layer, Scene,
-    develop,
+    Film, Layer, Scene, develop,
     film::{Crop, FirstHitSums, MatteSums, Pixel},
     image::Image,
 };

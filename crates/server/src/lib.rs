@@ -122,7 +122,8 @@ impl View {
         let name = bare.parse::<std::net::IpAddr>().is_err().then(|| options.bind.clone());
         let access = Access::new(address, name).map_err(refused)?;
         let url = format!("http://{}/{}/", shown(address), access.token());
-        let viewer = viewer::start(options.source.clone(), options.settings.clone(), options.oidn.clone()).map_err(Error::Scene)?;
+        let viewer = viewer::start(options.source.clone(), options.settings.clone(), options.oidn.clone())
+            .map_err(Error::Scene)?;
         let stop = Arc::new(Notify::new());
         let app = app::App::new(access, viewer, Arc::clone(&options.log));
         let (router, stopped) = (routes::router(app), Arc::clone(&stop));

@@ -86,7 +86,8 @@ fn a_library_that_is_not_there_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let text = folder.path().join("libOpenImageDenoise.so.2");
     std::fs::write(&text, "no library").unwrap();
-    for (library, about) in [(Err("`pip install` brings it".to_owned()), "pip install"), (Ok(text), "no library that")] {
+    for (library, about) in [(Err("`pip install` brings it".to_owned()), "pip install"), (Ok(text), "no library that")]
+    {
         let server = Server::with(BOX, library);
         let mut page = server.page();
         page.finished(settings("atrous", 2));
