@@ -1,8 +1,9 @@
 //! Finished pictures at once: the edge-avoiding à-trous wavelet filter, for previews.
 //!
-//! Dammertz, Sewtz, Hanika and Lensch, "Edge-Avoiding À-Trous Wavelet Transform for fast Global Illumination Filtering",
-//! HPG 2010, with the weights of Schied and others, "Spatiotemporal Variance-Guided Filtering", HPG 2017, equations 1 to
-//! 5: the kernels of [`svgf`](crate::svgf), without a history. Colours are divided by the albedo meanwhile.
+//! Dammertz, Sewtz, Hanika and Lensch, "Edge-Avoiding À-Trous Wavelet Transform for fast Global Illumination
+//! Filtering", HPG 2010, with the weights of Schied and others, "Spatiotemporal Variance-Guided Filtering", HPG 2017,
+//! equations 1 to 5: the kernels of [`svgf`](crate::svgf), without a history. Colours are divided by the albedo
+//! meanwhile.
 //!
 //! Departures: there is no number of the object, so depth, normal and luminance alone tell surfaces apart; pixels whose
 //! samples all found the same light, such as those of lamps, keep their bits, as pixels without a surface do.
@@ -17,8 +18,8 @@ use crate::{
     svgf::{Settings, Surface, filter_alone},
 };
 
-/// How finished pictures are filtered. Normals and depths may differ more than in frames of a rasteriser, since they are
-/// means over pixels.
+/// How finished pictures are filtered. Normals and depths may differ more than in frames of a rasteriser, since they
+/// are means over pixels.
 pub const SETTINGS: Settings = Settings {
     alpha: 1.0,
     moments_alpha: 1.0,

@@ -1,7 +1,9 @@
 //! What removes noise from the pictures that are shown.
 
-use crate::{frame::Shown, protocol::Named};
-use serde::{Deserialize, Serialize};
+use crate::{
+    frame::Shown,
+    protocol::{Denoiser, Named},
+};
 use std::path::{Path, PathBuf};
 use steradian::{
     Layer,
@@ -12,18 +14,6 @@ use steradian::{
 
 /// The file of Open Image Denoise's library, or why there is none.
 pub type Library = Result<PathBuf, String>;
-
-/// What removes noise.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
-#[serde(rename_all = "lowercase")]
-pub enum Denoiser {
-    /// Non-local means.
-    Nlm,
-    /// The à-trous wavelet filter.
-    Atrous,
-    /// Open Image Denoise.
-    Oidn,
-}
 
 /// What pages choose from.
 pub const CHOICES: [Named; 3] = [

@@ -1,9 +1,8 @@
 //! How the scene is looked at: camera, part of the picture, layers, settings.
 
 use crate::{
-    denoiser::Denoiser,
     frame,
-    protocol::{COLORS, SettingsChange},
+    protocol::{COLORS, Denoiser, SettingsChange},
 };
 use steradian::{
     ColorMode, CompileOptions, Layer, Quality, Viewpoint,

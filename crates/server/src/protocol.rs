@@ -1,7 +1,6 @@
 //! What page and server say to each other over the socket: JSON texts both ways, and pictures as binary tiles
 //! ([`crate::tile`]).
 
-use crate::denoiser::Denoiser;
 use serde::{Deserialize, Serialize};
 
 /// How colours are computed with.
@@ -88,6 +87,18 @@ pub struct SettingsChange {
     pub light_groups: Option<bool>,
     pub width: Option<u32>,
     pub height: Option<u32>,
+}
+
+/// What removes noise.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum Denoiser {
+    /// Non-local means.
+    Nlm,
+    /// The à-trous wavelet filter.
+    Atrous,
+    /// Open Image Denoise.
+    Oidn,
 }
 
 /// Tells what is absent from what is `null`.

@@ -1,11 +1,13 @@
 //! What pages know of the view.
 
 use crate::{
-    denoiser::{self, Denoiser, Library},
+    denoiser::{self, Library},
     document::Document,
     frame::LAYERS,
     look::{Look, quality},
-    protocol::{About, COLORS, CameraState, Choices, Named, Said, Settings, Size, State, Tone, ToneParameter},
+    protocol::{
+        About, COLORS, CameraState, Choices, Denoiser, Named, Said, Settings, Size, State, Tone, ToneParameter,
+    },
 };
 use std::{
     path::Path,

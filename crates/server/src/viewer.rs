@@ -2,12 +2,12 @@
 //! it as it grows.
 
 use crate::{
-    denoiser::{Denoiser, Library},
+    denoiser::Library,
     document::{Document, Source, Stamps, told},
     frame::{Backdrop, Frame, Shown},
     job::Job,
     look::{Look, Purpose, check_size, options, quality},
-    protocol::{Message, Request, SettingsChange},
+    protocol::{Denoiser, Message, Request, SettingsChange},
     state,
 };
 use std::{

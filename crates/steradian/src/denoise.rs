@@ -118,8 +118,8 @@ pub fn picture(image: &Image, half: Option<&Image>, strength: f32) -> Result<Out
     outcome(image, &guided, (radiance, not_finite, error), &GUIDES, "non-local means")
 }
 
-/// Denoises a picture at once, for previews, by an à-trous wavelet filter ([`steradian_denoise::atrous`]), with those of
-/// [`GUIDES`] that it has; one that was denoised before, from its layer `raw`.
+/// Denoises a picture at once, for previews, by an à-trous wavelet filter ([`steradian_denoise::atrous`]), with those
+/// of [`GUIDES`] that it has; one that was denoised before, from its layer `raw`.
 ///
 /// # Errors
 /// For pictures without colours.

@@ -12,8 +12,8 @@ use super::{
 };
 use crate::image::Image;
 
-/// Filters a picture by what variance the luminance of its pixels has. Colours that are not finite are filled from their
-/// neighbours; where these have none, 0. The images have one size, with a pixel at least.
+/// Filters a picture by what variance the luminance of its pixels has. Colours that are not finite are filled from
+/// their neighbours; where these have none, 0. The images have one size, with a pixel at least.
 pub(crate) fn filter_alone(
     surfaces: &Image<Surface>,
     colors: &Image<Vec3>,
