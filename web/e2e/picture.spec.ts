@@ -68,6 +68,24 @@ test('exposure changes what is shown alone; an integrator and a seed the picture
   expect(words).toContain('--seed 7');
 });
 
+test('each denoiser has the last word with the bits of its command; one that is not there is refused', async ({ program, view }) => {
+  const denoise = view.getByLabel('Denoise');
+  for (const name of ['atrous', 'nlm']) {
+    await anew(view, () => denoise.selectOption(name));
+    await expect(view.locator('.status')).toContainText('denoised');
+    await expect(view.locator('code.command')).toContainText(`--denoise=${name}`);
+    await expectSame(view, program, name);
+    await download(view, program, 'EXR', 'saved.exr');
+    const [rendered, saved] = [await program.values(`${name}.exr`), await program.values('saved.exr')];
+    expect(Buffer.from(saved.rgb.buffer).equals(Buffer.from(rendered.rgb.buffer)), name).toBe(true);
+  }
+  await denoise.selectOption('oidn');
+  await expect(view.locator('.messages')).toContainText('pip install');
+  await expect(denoise).toHaveValue('nlm');
+  await anew(view, () => denoise.selectOption('no'));
+  await expect(view.locator('.status')).not.toContainText('denoised');
+});
+
 test('a region is rendered alone, to the same bits', async ({ program, view }) => {
   await anew(view, async () => {
     await view.getByRole('button', { name: 'Region' }).click();

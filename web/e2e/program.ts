@@ -27,7 +27,9 @@ export class Program {
 
   static async start(...words: string[]): Promise<Program> {
     const folder = await mkdtemp(join(tmpdir(), 'steradian-e2e-'));
-    const child = spawn(PROGRAM, ['view', ...words], { cwd: folder, stdio: ['ignore', 'pipe', 'pipe'] });
+    // Open Image Denoise is in no usual place then.
+    const env = { ...process.env, STERADIAN_OIDN: folder };
+    const child = spawn(PROGRAM, ['view', ...words], { cwd: folder, env, stdio: ['ignore', 'pipe', 'pipe'] });
     let [out, said] = ['', ''];
     child.stderr.on('data', (text) => (said += text));
     const url = await new Promise<string>((done, fail) => {

@@ -24,20 +24,21 @@ function whole(label: string, low: number, optional: boolean, change: (v: number
   return field;
 }
 
+type Choice = 'integrator' | 'sampler' | 'color' | 'denoise';
+
 export class RenderPanel {
   readonly element: HTMLElement;
-  private readonly choices: Record<'integrator' | 'sampler' | 'color', HTMLSelectElement>;
+  private readonly choices: Record<Choice, HTMLSelectElement>;
   private readonly spp;
   private readonly seed;
   private readonly depth;
   private readonly width;
   private readonly height;
-  private readonly denoise;
   private readonly denoiseRow;
 
   constructor(private readonly send: Send) {
     const set = (change: Partial<Settings & { width: number; height: number }>) => this.send({ type: 'settings', ...change });
-    const choice = (key: 'integrator' | 'sampler' | 'color', label: string) => {
+    const choice = (key: Choice, label: string) => {
       const select = h('select', { 'aria-label': label, onchange: () => set({ [key]: select.value || null }) });
       return select;
     };
@@ -45,14 +46,14 @@ export class RenderPanel {
       integrator: choice('integrator', 'Integrator'),
       sampler: choice('sampler', 'Sampler'),
       color: choice('color', 'Colour'),
+      denoise: choice('denoise', 'Denoise'),
     };
     this.spp = whole('Samples per pixel', 1, false, (v) => set({ spp: v! }));
     this.seed = whole('Seed', 0, true, (v) => set({ seed: v }));
     this.depth = whole('Most bounces', 0, true, (v) => set({ maxDepth: v }));
     this.width = whole('Width in pixels', 1, false, () => set(this.size()));
     this.height = whole('Height in pixels', 1, false, () => set(this.size()));
-    this.denoise = h('input', { type: 'checkbox', onchange: () => set({ denoise: this.denoise.checked }) });
-    this.denoiseRow = row('Denoise', this.denoise);
+    this.denoiseRow = row('Denoise', this.choices.denoise);
     const size = h('span', { class: 'plain' }, this.width, '×', this.height);
     this.element = section(
       'Render',
@@ -80,7 +81,8 @@ export class RenderPanel {
       this.choices.color,
       choices.colors.map((value) => ({ value })),
     );
-    for (const key of ['integrator', 'sampler', 'color'] as const) {
+    setOptions(this.choices.denoise, [{ value: '', text: 'no' }, ...named(choices.denoisers ?? [])]);
+    for (const key of ['integrator', 'sampler', 'color', 'denoise'] as const) {
       const select = this.choices[key];
       setValue(select, settings[key] ?? '');
       select.title = select.selectedOptions[0]?.title ?? '';
@@ -91,7 +93,6 @@ export class RenderPanel {
     setValue(this.width, String(film.width));
     setValue(this.height, String(film.height));
     this.denoiseRow.hidden = settings.denoise === undefined;
-    this.denoise.checked = settings.denoise ?? false;
   }
 
   private size(): { width: number; height: number } {

@@ -54,8 +54,8 @@ export interface Settings {
   /** `null` for the scene's, as with `maxDepth`. */
   seed: number | null;
   maxDepth: number | null;
-  /** Absent where the server does not denoise. */
-  denoise?: boolean;
+  /** What removes the noise in the end, `null` for none; absent where the server does not denoise. */
+  denoise?: string | null;
   /** Whether the light of each group of lights is sent along; absent where the server cannot. */
   lightGroups?: boolean;
 }
@@ -67,7 +67,7 @@ export interface State {
   region: Box | null;
   camera: CameraState;
   settings: Settings;
-  choices: { integrators: Named[]; samplers: Named[]; colors: string[]; tones: ToneChoice[]; layers: Named[] };
+  choices: { integrators: Named[]; samplers: Named[]; denoisers?: Named[]; colors: string[]; tones: ToneChoice[]; layers: Named[] };
   layers: string[];
   tone: string;
   paused: boolean;

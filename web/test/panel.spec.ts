@@ -41,7 +41,8 @@ test('settings are sent and shown', async ({ mock, ready }) => {
   await ready.getByLabel('Most bounces').press('Enter');
   await ready.getByLabel('Most bounces').fill('');
   await ready.getByLabel('Most bounces').press('Enter');
-  await ready.getByLabel('Denoise').check();
+  await ready.getByLabel('Denoise').selectOption('atrous');
+  await ready.getByLabel('Denoise').selectOption('no');
   await ready.getByLabel('Width in pixels').fill('128');
   await ready.getByLabel('Width in pixels').press('Enter');
   const settings = [
@@ -49,7 +50,8 @@ test('settings are sent and shown', async ({ mock, ready }) => {
     { spp: 32 },
     { maxDepth: 7 },
     { maxDepth: null },
-    { denoise: true },
+    { denoise: 'atrous' },
+    { denoise: null },
     { width: 128, height: 64 },
   ];
   await expect.poll(() => sent(mock, 'settings')).toEqual(settings.map((s) => ({ type: 'settings', ...s })));

@@ -48,12 +48,13 @@ export function firstState(): State {
       color: 'auto',
       seed: 0,
       maxDepth: null,
-      denoise: false,
+      denoise: null,
       lightGroups: false,
     },
     choices: {
       integrators: named('path', 'direct', 'raster', 'bdpt', 'ao'),
       samplers: named('zsobol', 'independent', 'halton'),
+      denoisers: named('nlm', 'atrous', 'oidn'),
       colors: ['auto', 'rgb', 'spectral'],
       tones: [
         tone('none'),

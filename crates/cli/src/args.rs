@@ -468,6 +468,8 @@ pub struct ConvertArgs {
 pub enum Denoiser {
     /// Non-local means, built in.
     Nlm,
+    /// A wavelet filter, built in: a small part of the time of nlm, for previews.
+    Atrous,
     /// Open Image Denoise 2 by Intel, a library that --oidn, STERADIAN_OIDN or a usual place has.
     Oidn,
 }
@@ -528,6 +530,9 @@ pub struct ViewArgs {
     /// Set a $parameter of a Mitsuba scene, or a choice of a glTF scene or model, as `render` does. Repeatable
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = values::definition)]
     pub define: Vec<(String, String)>,
+    /// The library of Open Image Denoise 2, or a folder that has it, for pages that choose the denoiser oidn
+    #[arg(long, value_name = "PATH")]
+    pub oidn: Option<PathBuf>,
     /// Open the page in the browser
     #[arg(long)]
     pub open: bool,

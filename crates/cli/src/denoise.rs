@@ -21,6 +21,8 @@ use steradian::{
 pub enum Filter {
     /// The built-in filter, of a strength.
     NonLocalMeans(f32),
+    /// The built-in filter for previews.
+    Atrous,
     /// Open Image Denoise.
     Oidn(Oidn),
 }
@@ -29,9 +31,10 @@ impl Filter {
     /// The one that is asked for, by its name or by the library's path.
     pub fn new(name: Option<Denoiser>, library: Option<&Path>, strength: f32, threads: u16) -> Result<Self, Failure> {
         match (name, library) {
-            (Some(Denoiser::Nlm), Some(_)) => {
-                Err(Failure::bad_input("--oidn names a library, which the denoiser nlm has no use for"))
+            (Some(Denoiser::Nlm | Denoiser::Atrous), Some(_)) => {
+                Err(Failure::bad_input("--oidn names a library, which the denoisers nlm and atrous have no use for"))
             }
+            (Some(Denoiser::Atrous), None) => Ok(Self::Atrous),
             (None | Some(Denoiser::Nlm), None) => Ok(Self::NonLocalMeans(strength)),
             (_, library) => Ok(Self::Oidn(oidn::load(library, usize::from(threads))?)),
         }
@@ -46,6 +49,7 @@ impl Filter {
     pub fn picture(&self, noisy: &Image, half: Option<&Image>) -> Result<denoise::Outcome, steradian::Error> {
         match self {
             Self::NonLocalMeans(strength) => denoise::picture(noisy, half, *strength),
+            Self::Atrous => denoise::quick(noisy),
             Self::Oidn(oidn) => denoise::by_oidn(noisy, oidn),
         }
     }
@@ -53,7 +57,7 @@ impl Filter {
     /// Says by what, and how long it took.
     pub fn tell(&self, seconds: f64, terminal: Terminal) {
         let by = match self {
-            Self::NonLocalMeans(_) => String::new(),
+            Self::NonLocalMeans(_) | Self::Atrous => String::new(),
             Self::Oidn(oidn) => {
                 let [major, minor] = oidn.version();
                 format!(" by Open Image Denoise {major}.{minor}")
@@ -63,7 +67,7 @@ impl Filter {
     }
 }
 
-/// The layers that guide the built-in filter, or Open Image Denoise.
+/// The layers that guide the built-in filters, or Open Image Denoise.
 pub fn guides(is_oidn: bool) -> &'static [Layer] {
     if is_oidn { &OIDN_GUIDES } else { &GUIDES }
 }
@@ -79,7 +83,7 @@ pub fn run(args: &DenoiseArgs, terminal: Terminal) -> Outcome {
     let options = WriteOptions { premultiplied, ..options };
     let read = |path: &Path| image::read(path, &Limits::default()).map_err(|e| Failure::bad_input(e.to_string()));
     let filter = Filter::new(args.with, args.oidn.as_deref(), args.strength.unwrap_or(1.0), args.threads)?;
-    if matches!(filter, Filter::Oidn(_)) && (args.half.is_some() || args.strength.is_some()) {
+    if !matches!(filter, Filter::NonLocalMeans(_)) && (args.half.is_some() || args.strength.is_some()) {
         return Err(Failure::bad_input("--half and --strength are of the denoiser nlm"));
     }
     let (noisy, half) = (read(&args.input)?, args.half.as_deref().map(read).transpose()?);

@@ -29,9 +29,14 @@ const USUAL: [&str; 9] = [
 const HOW: &str =
     "`pip install --no-deps --target oidn pyoidn` brings it into the folder oidn, which --oidn oidn then names";
 
-/// Loads the library that `named`, the environment or a usual place has.
+/// The file of the library that `named`, the environment or a usual place has.
+pub fn path(named: Option<&Path>) -> Result<PathBuf, Failure> {
+    find(named, env::var_os(VARIABLE).filter(|v| !v.is_empty()).map(PathBuf::from))
+}
+
+/// Loads it.
 pub fn load(named: Option<&Path>, threads: usize) -> Result<Oidn, Failure> {
-    let path = find(named, env::var_os(VARIABLE).filter(|v| !v.is_empty()).map(PathBuf::from))?;
+    let path = path(named)?;
     Oidn::load(&path, threads).map_err(|e| Failure::bad_input(format!("'{}': {e}", path.display())))
 }
 

@@ -4,7 +4,7 @@ use crate::{
     args::ViewArgs,
     diagnostics,
     failure::{DONE, Failure, Outcome},
-    memory, open, terminal,
+    memory, oidn, open, terminal,
     terminal::Terminal,
     values::Size,
 };
@@ -20,6 +20,10 @@ pub fn run(args: &ViewArgs, terminal: Terminal) -> Outcome {
     let name = args.scene.clone().unwrap_or_else(|| PathBuf::from(DEFAULT));
     if open::is_stdin(&name) {
         return Err(Failure::bad_input("a scene that is looked at is a file, not standard input"));
+    }
+    let library = oidn::path(args.oidn.as_deref());
+    if args.oidn.is_some() {
+        library.as_ref().map_err(|failure| Failure::bad_input(failure.message.clone()))?;
     }
     let size = args.size.map(|Size(w, h)| (w, h));
     let options = Options {
@@ -38,6 +42,7 @@ pub fn run(args: &ViewArgs, terminal: Terminal) -> Outcome {
         },
         bind: args.bind.clone(),
         port: args.port,
+        oidn: library.map_err(|failure| failure.message),
         log: Arc::new(move |line| terminal.say(line)),
     };
     let view = View::start(&options).map_err(|e| match e {

@@ -1,7 +1,8 @@
 //! Denoising of rendered pictures, guided by what is known of the surfaces in them.
 //!
-//! [`nlm`] filters finished pictures, as [`oidn`] does by a library of others. [`svgf`] filters terms of a picture in
-//! real time, frame after frame, guided by a [`GBuffer`]. Pictures and guides are [`Image`]s.
+//! [`nlm`] filters finished pictures, as [`oidn`] does by a library of others; [`atrous`] does so at once, for
+//! previews. [`svgf`] filters terms of a picture in real time, frame after frame, guided by a [`GBuffer`]. Pictures
+//! and guides are [`Image`]s.
 //!
 //! A frame of two terms, one of which is illumination that the albedo is a factor of:
 //!
@@ -35,6 +36,7 @@
 //! # }
 //! ```
 
+pub mod atrous;
 mod error;
 mod falloff;
 mod gbuffer;

@@ -31,13 +31,15 @@ impl Viewer {
         }
         let scene = compile(&mut self.document, &self.look, Purpose::Render).map_err(|d| told(&d))?;
         let render = quality(&self.look).render(&scene).map_err(|e| e.to_string())?;
-        if self.look.settings.denoise == Some(true)
-            && let Some(why) = render.not_denoisable(&scene)
-        {
-            return Err(format!("noise cannot be removed here: {why}"));
+        let denoiser = self.look.settings.denoise.flatten();
+        if let Some(denoiser) = denoiser {
+            if let Some(why) = render.not_denoisable(&scene) {
+                return Err(format!("noise cannot be removed here: {why}"));
+            }
+            denoiser.check(&self.library)?;
         }
         if self.look.settings.light_groups == Some(true) {
-            if self.look.settings.denoise == Some(true) {
+            if denoiser.is_some() {
                 return Err("a picture without its noise has no light groups: only one of both can be on".into());
             }
             groups::check(&scene)?;

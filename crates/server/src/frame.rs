@@ -7,9 +7,7 @@ use crate::{
 };
 use std::sync::Arc;
 use steradian::{
-    Film, Layer, Scene,
-    denoise::GUIDES,
-    develop,
+    Film, Layer, Scene, develop,
     film::{Crop, FirstHitSums, MatteSums, Pixel},
     image::Image,
 };
@@ -56,15 +54,6 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// The picture without its noise.
-    ///
-    /// # Errors
-    /// Why there is none.
-    pub fn denoised(self) -> Result<Self, String> {
-        let outcome = steradian::denoise::picture(&develop(&self.scene, &self.film, &GUIDES), None, 1.0);
-        Ok(Self { denoised: Some(outcome.map_err(|e| e.to_string())?.picture), ..self })
-    }
-
     /// The picture, with layers; without noise where that was removed.
     pub fn picture(&self, layers: &[Layer]) -> Image {
         let plain = self.plain(layers);

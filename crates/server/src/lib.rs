@@ -14,6 +14,7 @@
 mod access;
 mod app;
 mod changes;
+mod denoiser;
 mod difference;
 mod document;
 mod edits;
@@ -47,6 +48,9 @@ use std::{
 };
 use tokio::sync::Notify;
 
+/// What pages are told of Open Image Denoise where nobody said where it is.
+const NO_OIDN: &str = "Open Image Denoise is not known here; `steradian view --oidn PATH` names it";
+
 /// What is looked at, and where.
 pub struct Options {
     /// The scene.
@@ -57,6 +61,9 @@ pub struct Options {
     pub bind: String,
     /// Port; 0 for a free one.
     pub port: u16,
+    /// The file of Open Image Denoise's library, absolute, whose code runs as a part of the program where pages choose
+    /// it; or why there is none, and what brings it.
+    pub oidn: Result<PathBuf, String>,
     /// Told of requests that are refused, and why.
     pub log: Arc<dyn Fn(&str) + Send + Sync>,
 }
@@ -69,6 +76,7 @@ impl Options {
             settings: SettingsChange::default(),
             bind: "127.0.0.1".into(),
             port: 0,
+            oidn: Err(NO_OIDN.into()),
             log: Arc::new(|_| {}),
         }
     }
@@ -114,7 +122,8 @@ impl View {
         let name = bare.parse::<std::net::IpAddr>().is_err().then(|| options.bind.clone());
         let access = Access::new(address, name).map_err(refused)?;
         let url = format!("http://{}/{}/", shown(address), access.token());
-        let viewer = viewer::start(options.source.clone(), options.settings.clone()).map_err(Error::Scene)?;
+        let viewer = viewer::start(options.source.clone(), options.settings.clone(), options.oidn.clone())
+            .map_err(Error::Scene)?;
         let stop = Arc::new(Notify::new());
         let app = app::App::new(access, viewer, Arc::clone(&options.log));
         let (router, stopped) = (routes::router(app), Arc::clone(&stop));

@@ -2,7 +2,7 @@
 
 use crate::{
     frame,
-    protocol::{COLORS, SettingsChange},
+    protocol::{COLORS, Denoiser, SettingsChange},
 };
 use steradian::{
     ColorMode, CompileOptions, Layer, Quality, Viewpoint,
@@ -87,15 +87,18 @@ pub fn options(look: &Look, format: Format, purpose: Purpose) -> CompileOptions 
 pub fn quality(look: &Look) -> Quality {
     let s = &look.settings;
     let groups = s.light_groups.filter(|on| *on).map(|_| Layer::LightGroups);
+    let denoiser = s.denoise.flatten();
+    // What the inspector tells.
+    let mut layers: Vec<Layer> = frame::LAYERS.into_iter().chain(groups).collect();
+    layers.extend(denoiser.into_iter().flat_map(Denoiser::guides).filter(|guide| !frame::LAYERS.contains(guide)));
     Quality {
         integrator: s.integrator.clone(),
         spp: s.spp.flatten(),
         seed: s.seed.flatten(),
         max_depth: s.max_depth.flatten(),
         sampler: s.sampler.clone().flatten(),
-        // What the inspector tells.
-        layers: frame::LAYERS.into_iter().chain(groups).collect(),
-        independent: s.denoise == Some(true),
+        layers,
+        independent: denoiser.is_some(),
         ..Quality::default()
     }
 }

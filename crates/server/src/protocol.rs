@@ -82,10 +82,23 @@ pub struct SettingsChange {
     pub seed: Option<Option<u64>>,
     #[serde(deserialize_with = "given")]
     pub max_depth: Option<Option<u32>>,
-    pub denoise: Option<bool>,
+    #[serde(deserialize_with = "given")]
+    pub denoise: Option<Option<Denoiser>>,
     pub light_groups: Option<bool>,
     pub width: Option<u32>,
     pub height: Option<u32>,
+}
+
+/// What removes noise.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum Denoiser {
+    /// Non-local means.
+    Nlm,
+    /// The à-trous wavelet filter.
+    Atrous,
+    /// Open Image Denoise.
+    Oidn,
 }
 
 /// Tells what is absent from what is `null`.
@@ -109,8 +122,8 @@ pub struct Settings {
     pub seed: Option<u64>,
     /// Most scattering events; `None` for the scene's.
     pub max_depth: Option<u32>,
-    /// Whether noise is removed, at times while it renders and in the end.
-    pub denoise: bool,
+    /// What removes the noise in the end; on the way the quick filter does. `None` where it stays.
+    pub denoise: Option<Denoiser>,
     /// Whether the light of each group of lights is rendered apart, and sent along.
     pub light_groups: bool,
 }
@@ -200,6 +213,7 @@ pub struct Size {
 pub struct Choices {
     pub integrators: Vec<Named>,
     pub samplers: Vec<Named>,
+    pub denoisers: [Named; 3],
     pub colors: [&'static str; 3],
     pub tones: Vec<Tone>,
     pub layers: Vec<Named>,
@@ -314,11 +328,16 @@ mod tests {
         let camera = read(r#"{"type":"camera","eye":[0,0,1],"target":[0,0,0],"up":[0,1,0],"moving":true}"#).unwrap();
         assert!(matches!(camera, Request::Camera { fov: None, moving: true, eye: [0.0, 0.0, 1.0], .. }));
         assert_eq!(read(r#"{"type":"camera-reset"}"#).unwrap(), Request::CameraReset);
-        let Request::Settings(change) = read(r#"{"type":"settings","spp":null,"seed":7,"maxDepth":3}"#).unwrap() else {
-            panic!("settings")
+        let settings = |text: &str| match read(text) {
+            Ok(Request::Settings(change)) => change,
+            other => panic!("{other:?}"),
         };
+        let change = settings(r#"{"type":"settings","spp":null,"seed":7,"maxDepth":3}"#);
         assert_eq!((change.spp, change.seed, change.max_depth), (Some(None), Some(Some(7)), Some(Some(3))));
-        assert_eq!(change.integrator, None);
+        assert_eq!((change.integrator, change.denoise), (None, None));
+        assert_eq!(settings(r#"{"type":"settings","denoise":null}"#).denoise, Some(None));
+        assert_eq!(settings(r#"{"type":"settings","denoise":"oidn"}"#).denoise, Some(Some(Denoiser::Oidn)));
+        assert!(read(r#"{"type":"settings","denoise":"bilateral"}"#).unwrap_err().to_string().contains("`atrous`"));
         for bad in ["", "{}", "[]", r#"{"type":"quit"}"#, r#"{"type":"pause"}"#, r#"{"type":"settings","sp":1}"#] {
             assert!(read(bad).is_err(), "{bad}");
         }

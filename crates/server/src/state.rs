@@ -1,10 +1,13 @@
 //! What pages know of the view.
 
 use crate::{
+    denoiser::{self, Library},
     document::Document,
     frame::LAYERS,
     look::{Look, quality},
-    protocol::{About, COLORS, CameraState, Choices, Named, Said, Settings, Size, State, Tone, ToneParameter},
+    protocol::{
+        About, COLORS, CameraState, Choices, Denoiser, Named, Said, Settings, Size, State, Tone, ToneParameter,
+    },
 };
 use std::{
     path::Path,
@@ -25,7 +28,7 @@ const MOST_MESSAGES: usize = 50;
 const LEVEL: f64 = 1e-3;
 
 /// The state as JSON.
-pub fn of(generation: u32, document: &Document, look: &Look, scene: &Scene) -> Arc<str> {
+pub fn of(generation: u32, document: &Document, look: &Look, scene: &Scene, library: &Library) -> Arc<str> {
     let film = scene.film();
     let [undo, redo] = document.edits();
     let asked = &look.settings;
@@ -36,7 +39,7 @@ pub fn of(generation: u32, document: &Document, look: &Look, scene: &Scene) -> A
         color: asked.color.clone().unwrap_or_else(|| COLORS[0].into()),
         seed: asked.seed.flatten(),
         max_depth: asked.max_depth.flatten(),
-        denoise: asked.denoise.unwrap_or(false),
+        denoise: asked.denoise.flatten(),
         light_groups: asked.light_groups.unwrap_or(false),
     };
     let state = State {
@@ -52,7 +55,7 @@ pub fn of(generation: u32, document: &Document, look: &Look, scene: &Scene) -> A
         paused: look.paused,
         undo,
         redo,
-        command: command(document, look),
+        command: command(document, look, library.as_deref().ok()),
         save_name: saved_name(document),
     };
     serde_json::to_string(&state).unwrap_or_default().into()
@@ -172,6 +175,7 @@ fn choices() -> Choices {
     Choices {
         integrators: all_integrators().map(|i| Named { name: i.name, doc: i.description }).collect(),
         samplers: family("samplers").into_iter().map(named).collect(),
+        denoisers: denoiser::CHOICES,
         colors: COLORS,
         tones: CURVES.iter().map(tone).collect(),
         layers: LAYERS.iter().map(|l| Named { name: l.name(), doc: l.doc() }).collect(),
@@ -179,7 +183,7 @@ fn choices() -> Choices {
 }
 
 /// The command that renders the same picture. Of an edited scene it is that of the file that saving makes.
-fn command(document: &Document, look: &Look) -> String {
+fn command(document: &Document, look: &Look, library: Option<&Path>) -> String {
     let asked = &look.settings;
     let is_file =
         !document.is_edited() && look.view.is_none_or(|v| v.fov.is_none()) && document.source.reading.within.is_none();
@@ -203,7 +207,11 @@ fn command(document: &Document, look: &Look) -> String {
     option("size", asked.width.zip(asked.height).map(|(w, h)| format!("{w}x{h}")));
     option("crop", look.region.map(|r| r.map(|n| n.to_string()).join(",")));
     option("camera", look.camera.clone());
-    option("denoise", asked.denoise.filter(|on| *on).map(|_| String::new()));
+    let denoiser = asked.denoise.flatten();
+    if let Some(denoiser) = denoiser {
+        option(&format!("denoise={}", denoiser.name()), Some(String::new()));
+    }
+    option("oidn", library.filter(|_| denoiser == Some(Denoiser::Oidn)).map(|path| path.to_string_lossy().into()));
     option("aov", asked.light_groups.filter(|on| *on).map(|_| Layer::LightGroups.name().into()));
     if is_file && let Some(view) = look.view {
         let Viewpoint { eye, target, up } = view.point;

@@ -2,11 +2,12 @@
 //! it as it grows.
 
 use crate::{
+    denoiser::Library,
     document::{Document, Source, Stamps},
     frame::{Backdrop, Frame, Shown},
     job::Job,
     look::{Look, Purpose, check_size, options, quality},
-    protocol::{Message, Request, SettingsChange, told},
+    protocol::{Denoiser, Message, Request, SettingsChange, told},
     state,
 };
 use std::{
@@ -36,8 +37,8 @@ const FIRST_SPEED: f64 = 100_000.0;
 const MOST_MESSAGES: usize = 64;
 /// How often it is looked whether files have changed.
 const WATCH_EVERY: Duration = Duration::from_millis(400);
-/// On the way noise is removed at times that are so many times as far apart as it takes.
-const DENOISING: f64 = 8.0;
+/// On the way pictures are rendered for so many times as long as it takes to remove their noise.
+const DENOISING: f64 = 4.0;
 /// Options of path tracers that begin at once.
 const PLAIN: &str = "reuse=1,effort=even,caustics=false";
 /// Pictures that grow are shown after these times at first, and at last.
@@ -105,7 +106,7 @@ impl Handle {
 ///
 /// # Errors
 /// All that is wrong with the scene.
-pub fn start(source: Source, settings: SettingsChange) -> Result<Handle, Diagnostics> {
+pub fn start(source: Source, settings: SettingsChange, library: Library) -> Result<Handle, Diagnostics> {
     let document = Document::open(source)?;
     let mut look = Look { settings, ..Look::default() };
     let mut document = document;
@@ -130,7 +131,8 @@ pub fn start(source: Source, settings: SettingsChange) -> Result<Handle, Diagnos
         pixels_per_second: FIRST_PREVIEW / PREVIEW_SECONDS,
         paths_per_second: FIRST_SPEED,
         backdrop: None,
-        denoised: (0.0, 0.0),
+        library,
+        denoising: 0.0,
         job: None,
         tasks: from_pages,
         interrupt: Arc::clone(&interrupt),
@@ -188,8 +190,10 @@ pub struct Viewer {
     seen: Stamps,
     /// When they were looked at.
     watched: Instant,
-    /// When noise was removed last, in seconds of rendering, and how long that took.
-    denoised: (f64, f64),
+    /// What Open Image Denoise is loaded from.
+    pub library: Library,
+    /// How long it took to remove noise on the way, in seconds.
+    denoising: f64,
     /// The render under way.
     pub job: Option<Job>,
     tasks: Receiver<Task>,
@@ -340,11 +344,10 @@ impl Viewer {
         if reach >= Reach::Picture {
             self.generation += 1;
             self.job = None;
-            self.denoised = (0.0, 0.0);
             let (generation, scene) = (self.generation, Arc::clone(&self.scene));
             self.subject.send_replace(Arc::new(Subject { generation, scene, quality: quality(&self.look) }));
         }
-        let state = state::of(self.generation, &self.document, &self.look, &self.scene);
+        let state = state::of(self.generation, &self.document, &self.look, &self.scene, &self.library);
         self.state.send_replace(state);
         if reach < Reach::Picture {
             self.publish();
@@ -392,7 +395,8 @@ impl Viewer {
         let Ok(mut job) = Job::new(&scene, &plain) else { return };
         job.advance(2 * FIRST_PATHS, &self.interrupt);
         let target = quality(&self.look).spp.unwrap_or(self.scene.settings().spp);
-        let shown = Shown { is_done: false, target, ..job.shown(self.generation, self.full_crop(), "render") };
+        let mut shown = Shown { is_done: false, target, ..job.shown(self.generation, self.full_crop(), "render") };
+        self.denoise(&mut shown);
         if shown.samples > 0.0 {
             self.paths_per_second = shown.film.pixels.len() as f64 * shown.samples / shown.seconds.max(1e-3);
             let behind = self.backdrop.take();
@@ -423,7 +427,10 @@ impl Viewer {
     /// Goes on rendering for as long as a picture may stay.
     fn advance(&mut self) {
         let Some(job) = &mut self.job else { return };
-        let shown_after = job.seconds().clamp(SHOW_EVERY[0], SHOW_EVERY[1]);
+        let mut shown_after = job.seconds().clamp(SHOW_EVERY[0], SHOW_EVERY[1]);
+        if self.look.settings.denoise.flatten().is_some() {
+            shown_after = shown_after.max(DENOISING * self.denoising);
+        }
         job.advance(Duration::from_secs_f64(shown_after), &self.interrupt);
         if self.interrupt.load(Ordering::Relaxed) && !job.is_done() {
             return;
@@ -440,26 +447,35 @@ impl Viewer {
         };
         let mut shown = job.shown(self.generation, crop, "render");
         let failure = job.failure();
-        if self.look.settings.denoise == Some(true) {
-            // In the end, and on the way where it takes a small part of the time.
-            let (since, cost) = self.denoised;
-            if !(shown.is_done || shown.samples >= 1.0 && shown.seconds - since > (DENOISING * cost).max(1.0)) {
-                if since == 0.0 {
-                    self.show(Arc::new(shown));
-                }
-                return;
-            }
-            let start = Instant::now();
-            let seconds = shown.seconds;
-            match shown.denoised() {
-                Ok(denoised) => shown = denoised,
-                Err(why) => return self.say("error", why),
-            }
-            self.denoised = (seconds, start.elapsed().as_secs_f64());
-        }
+        self.denoise(&mut shown);
         self.show(Arc::new(shown));
         if let Some(why) = failure {
             self.say("error", why);
+        }
+    }
+
+    /// Removes the noise, if that is asked for: in the end by what was chosen, on the way by what is quick, once every
+    /// pixel may have a sample.
+    fn denoise(&mut self, shown: &mut Shown) {
+        let Some(chosen) = self.look.settings.denoise.flatten() else { return };
+        if !shown.is_done && shown.samples < 1.0 {
+            return;
+        }
+        // Other layers may be asked for of a picture that is done.
+        let before = self.shown.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let before = before.filter(|b| shown.is_done && b.is_done && b.generation == shown.generation);
+        shown.denoised = before.and_then(|before| before.denoised.clone());
+        if shown.denoised.is_some() {
+            return;
+        }
+        let denoiser = if shown.is_done { chosen } else { Denoiser::Atrous };
+        let start = Instant::now();
+        match denoiser.picture(shown, &self.library) {
+            Ok(picture) => shown.denoised = Some(picture),
+            Err(why) => self.say("error", why),
+        }
+        if !shown.is_done {
+            self.denoising = start.elapsed().as_secs_f64();
         }
     }
 

@@ -3,7 +3,7 @@
 use crate::{Error, Layer};
 pub use steradian_denoise::oidn::Oidn;
 use steradian_denoise::{
-    Image as Values,
+    Image as Values, atrous,
     nlm::{Denoised, Picture, Settings, denoise, denoise_halves},
 };
 use steradian_image::{Channel, Image, Value};
@@ -116,6 +116,17 @@ pub fn picture(image: &Image, half: Option<&Image>, strength: f32) -> Result<Out
         }
     };
     outcome(image, &guided, (radiance, not_finite, error), &GUIDES, "non-local means")
+}
+
+/// Denoises a picture at once, for previews, by an à-trous wavelet filter ([`steradian_denoise::atrous`]), with those
+/// of [`GUIDES`] that it has; one that was denoised before, from its layer `raw`.
+///
+/// # Errors
+/// For pictures without colours.
+pub fn quick(image: &Image) -> Result<Outcome, Error> {
+    let guided = Guided::of(image, &GUIDES)?;
+    let Denoised { radiance, not_finite } = atrous::denoise(&guided.picture(), &atrous::SETTINGS)?;
+    outcome(image, &guided, (radiance, not_finite, None), &GUIDES, "an à-trous wavelet filter")
 }
 
 /// Denoises a picture by Open Image Denoise, guided by those of [`OIDN_GUIDES`] that it has; one that was denoised

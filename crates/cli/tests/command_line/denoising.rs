@@ -40,6 +40,31 @@ fn renders_are_denoised() {
     assert_ne!(picture("strong.exr").channel("R"), after.channel("R"));
 }
 
+/// The quick filter, by both ways to it, with any number of threads.
+#[test]
+fn renders_are_denoised_quickly() {
+    let place = Place::new();
+    place.succeed(&[&BOX[..], &["4", "--denoise=atrous", "-o", "whole.exr"]].concat());
+    place.succeed(&[&BOX[..], &["4", "--denoise=nlm", "-o", "slow.exr"]].concat());
+    place.succeed(&[&BOX[..], &["1k", "--seed", "9", "-o", "reference.exr"]].concat());
+    let line = ["denoise", "slow.exr", "-o", "after.exr", "--with", "atrous", "--threads"];
+    let [whole, slow, reference] = ["whole.exr", "slow.exr", "reference.exr"].map(|name| place.picture(name));
+    for threads in ["1", "3"] {
+        let said = place.succeed(&[&line[..], &[threads]].concat()).stderr;
+        assert!(said.contains("albedo, normal, depth, variance") && !said.contains("missing"), "{said}");
+        assert_eq!(place.picture("after.exr").channels(), whole.channels());
+    }
+    assert_ne!(whole.channel("G"), slow.channel("G"));
+    let mut noisy = Image::new(whole.width(), whole.height());
+    for channel in ["R", "G", "B"] {
+        noisy.push(channel, whole.channel(&format!("raw.{channel}")).unwrap().to_vec()).unwrap();
+    }
+    let [before, left] = [&noisy, &whole].map(|picture| relative_error(picture, &reference));
+    assert!(left < before / 3.0, "{before} to {left}");
+    place.refuse(2, &["denoise", "slow.exr", "--half", "slow.exr", "-o", "n.exr", "--with", "atrous"], &["nlm"]);
+    place.refuse(2, &["denoise", "slow.exr", "-o", "n.exr", "--with", "atrous", "--oidn", "."], &["atrous"]);
+}
+
 /// Colour alone is enough for some of it, and the program says what would do better.
 #[test]
 fn missing_layers_are_named() {
@@ -100,7 +125,8 @@ fn what_is_not_open_image_denoise_is_refused() {
     }
     place.refuse(2, &[&line[..], &["--oidn", "empty", "--with", "nlm"]].concat(), &["--oidn", "nlm"]);
     place.refuse(2, &["render", "--oidn", "empty", "-o", "n.exr"], &["--denoise"]);
-    place.refuse(2, &[&line[..], &["--with", "bilateral"]].concat(), &["nlm, oidn"]);
+    place.refuse(2, &["view", "--oidn", "empty"], &["pip install"]);
+    place.refuse(2, &[&line[..], &["--with", "bilateral"]].concat(), &["nlm, atrous, oidn"]);
 }
 
 #[test]

@@ -28,7 +28,7 @@ pub(super) fn around(
 /// Variance between neighbours on one side of an edge: that of the calmest of the nine windows of 3×3 pixels that hold
 /// the pixel (the windows of Nagao and Matsuyama, "Edge Preserving Smoothing", CGIP 9, 1979, as squares). Beside a
 /// sharp edge, one window lies on the pixel's side.
-pub(super) fn calm_variance(size: [usize; 2], values: &[f32]) -> Vec<f32> {
+pub(crate) fn calm_variance(size: [usize; 2], values: &[f32]) -> Vec<f32> {
     let of_windows = map(size, |x, y| {
         let middle = values[y * size[0] + x];
         let (mut sum, mut squares) = (0.0, 0.0);

@@ -26,6 +26,7 @@ use crate::{
 };
 use features::Features;
 use filter::{Estimate, Pass};
+pub(crate) use local::calm_variance;
 pub use picture::Picture;
 pub use settings::Settings;
 

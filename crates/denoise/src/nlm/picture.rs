@@ -42,7 +42,7 @@ pub struct Picture<'a> {
 
 impl Picture<'_> {
     /// That images have one size, with a pixel at least.
-    pub(super) fn check(&self) -> Result<()> {
+    pub(crate) fn check(&self) -> Result<()> {
         let size = self.radiance.size();
         if size.contains(&0) {
             return Err(Error::Empty);
@@ -53,18 +53,18 @@ impl Picture<'_> {
     }
 
     /// Width and height in pixels.
-    pub(super) fn size(&self) -> [usize; 2] {
+    pub(crate) fn size(&self) -> [usize; 2] {
         self.radiance.size().map(|n| n as usize)
     }
 
     /// Whether a pixel shows a surface; where that is not known, it does.
-    pub(super) fn has_surface(&self, place: usize) -> bool {
+    pub(crate) fn has_surface(&self, place: usize) -> bool {
         let by_normal = self.normal.is_none_or(|i| i.values()[place] != Vec3::ZERO);
         by_normal && self.depth.is_none_or(|i| i.values()[place] < f32::INFINITY)
     }
 
     /// What the radiance of a pixel is divided by.
-    fn factor(&self, place: usize) -> Vec3 {
+    pub(crate) fn factor(&self, place: usize) -> Vec3 {
         let held = |a: f32| if a > LEAST_ALBEDO { a.min(1.0) } else { LEAST_ALBEDO };
         self.albedo.map_or(Vec3::ONE, |i| Vec3::from_array(i.values()[place].to_array().map(held)))
     }

@@ -20,6 +20,7 @@
 //! value of its neighbours; where these have none, 0. Components beyond ±10¹⁵ count as that.
 
 mod accumulate;
+mod alone;
 mod atrous;
 mod denoiser;
 mod estimates;
@@ -31,6 +32,8 @@ mod surface;
 mod term;
 mod variance;
 
+pub(crate) use alone::filter_alone;
 pub use denoiser::Denoiser;
 pub use settings::Settings;
+pub(crate) use surface::Surface;
 pub use term::{Filtered, Term};

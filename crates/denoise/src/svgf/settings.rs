@@ -41,7 +41,7 @@ impl Default for Settings {
 
 impl Settings {
     /// That all are in their ranges.
-    pub(super) fn check(&self) -> Result<()> {
+    pub(crate) fn check(&self) -> Result<()> {
         let is_weight = |w: f32| w > 0.0 && w <= 1.0;
         let rules = [
             ("alpha", is_weight(self.alpha), "above 0 and at most 1"),

@@ -6,7 +6,7 @@ use crate::{gbuffer::GBuffer, image::Image};
 
 /// The part of a G-buffer that says whether two pixels show one surface.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Surface {
+pub(crate) struct Surface {
     pub depth: f32,
     pub gradient: Vec2,
     pub normal: Vec3,

@@ -3489,7 +3489,6 @@ var RenderPanel = class {
 	depth;
 	width;
 	height;
-	denoise;
 	denoiseRow;
 	constructor(send) {
 		this.send = send;
@@ -3507,18 +3506,15 @@ var RenderPanel = class {
 		this.choices = {
 			integrator: choice("integrator", "Integrator"),
 			sampler: choice("sampler", "Sampler"),
-			color: choice("color", "Colour")
+			color: choice("color", "Colour"),
+			denoise: choice("denoise", "Denoise")
 		};
 		this.spp = whole("Samples per pixel", 1, false, (v) => set({ spp: v }));
 		this.seed = whole("Seed", 0, true, (v) => set({ seed: v }));
 		this.depth = whole("Most bounces", 0, true, (v) => set({ maxDepth: v }));
 		this.width = whole("Width in pixels", 1, false, () => set(this.size()));
 		this.height = whole("Height in pixels", 1, false, () => set(this.size()));
-		this.denoise = h("input", {
-			type: "checkbox",
-			onchange: () => set({ denoise: this.denoise.checked })
-		});
-		this.denoiseRow = row("Denoise", this.denoise);
+		this.denoiseRow = row("Denoise", this.choices.denoise);
 		const size = h("span", { class: "plain" }, this.width, "×", this.height);
 		this.element = section("Render", true, row("Integrator", this.choices.integrator), row("Samples", this.spp, "Samples for each pixel"), row("Sampler", this.choices.sampler), row("Colour", this.choices.color), h("div", { class: "row" }, h("span", {}, "Size"), size), row("Seed", this.seed), row("Max depth", this.depth, "Bounces at most"), this.denoiseRow);
 	}
@@ -3538,10 +3534,15 @@ var RenderPanel = class {
 			text: "automatic"
 		}, ...named(choices.samplers)]);
 		setOptions(this.choices.color, choices.colors.map((value) => ({ value })));
+		setOptions(this.choices.denoise, [{
+			value: "",
+			text: "no"
+		}, ...named(choices.denoisers ?? [])]);
 		for (const key of [
 			"integrator",
 			"sampler",
-			"color"
+			"color",
+			"denoise"
 		]) {
 			const select = this.choices[key];
 			setValue(select, settings[key] ?? "");
@@ -3553,7 +3554,6 @@ var RenderPanel = class {
 		setValue(this.width, String(film.width));
 		setValue(this.height, String(film.height));
 		this.denoiseRow.hidden = settings.denoise === void 0;
-		this.denoise.checked = settings.denoise ?? false;
 	}
 	size() {
 		return {

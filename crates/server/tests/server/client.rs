@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 use std::{
     io::{Read, Write},
     net::TcpStream,
-    path::Path,
+    path::{Path, PathBuf},
     sync::{Arc, Mutex},
     time::{Duration, Instant},
 };
@@ -40,12 +40,18 @@ impl Answer {
 impl Server {
     /// A view of a scene, with small pictures of few samples.
     pub fn of(scene: impl AsRef<Path>) -> Self {
+        let Options { oidn, .. } = Options::of("");
+        Self::with(scene, oidn)
+    }
+
+    /// With the library of Open Image Denoise, or without.
+    pub fn with(scene: impl AsRef<Path>, oidn: Result<PathBuf, String>) -> Self {
         let log: Arc<Mutex<Vec<String>>> = Arc::default();
         let told = Arc::clone(&log);
         let settings =
             SettingsChange { spp: Some(Some(4)), width: Some(24), height: Some(16), ..SettingsChange::default() };
         let log_line = move |line: &str| told.lock().unwrap().push(line.to_owned());
-        let options = Options { settings, log: Arc::new(log_line), ..Options::of(scene.as_ref()) };
+        let options = Options { settings, oidn, log: Arc::new(log_line), ..Options::of(scene.as_ref()) };
         Self { view: View::start(&options).unwrap(), log }
     }
 

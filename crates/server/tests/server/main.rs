@@ -1,6 +1,7 @@
 //! The server as browsers meet it, and as those meet it who want something else.
 
 mod client;
+mod denoising;
 mod focus;
 mod groups;
 mod intruders;

@@ -166,26 +166,6 @@ fn pauses_hold_still() {
     page.until("the end", |v| v["type"] == "frame" && v["done"] == true && v["kind"] == "render");
 }
 
-/// Noise is removed in the end, as `--denoise` does, and not where that makes no sense.
-#[test]
-fn noise_is_removed() {
-    let server = Server::of(BOX);
-    let mut page = server.page();
-    let end = page.finished(json!({"type": "settings", "denoise": true}));
-    assert_eq!(end["denoised"], true);
-    assert!(page.state["command"].as_str().unwrap().contains(" --denoise"), "{}", page.state["command"]);
-    let guides = steradian::denoise::GUIDES.to_vec();
-    let quality = Quality { independent: true, layers: guides, ..Quality::of("path").spp(4) };
-    let noisy = rendered(&quality, None, |_| {});
-    let clean = steradian::denoise::picture(&noisy, None, 1.0).unwrap().picture;
-    let got = served(&server);
-    assert_eq!(got.to_rgb().unwrap(), clean.to_rgb().unwrap());
-    assert_eq!(got.layer_rgb("raw").unwrap().at(5), noisy.rgb().unwrap().at(5));
-    let said = page.refusal(json!({"type": "settings", "integrator": "sppm"}));
-    assert!(said.contains("noise cannot be removed"), "{said}");
-    assert_eq!(page.finished(json!({"type": "settings", "denoise": false}))["denoised"], false);
-}
-
 /// While a hand is on a slider its edits are one, which is taken back at once.
 #[test]
 fn edits_of_a_slider_are_one() {
