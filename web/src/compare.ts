@@ -18,6 +18,8 @@ export class Compare {
   /** Which of the two is shown, over the picture. */
   readonly tag = h('div', { class: 'tag', hidden: true });
   about: About | null = null;
+  /** Whether this page is changing B. */
+  private acts = false;
   /** Called when there is another B, or none. */
   changed: () => void = () => {};
 
@@ -125,14 +127,22 @@ export class Compare {
     this.refresh();
   }
 
+  /** B is another one; by another page, unless this one is about to take it. */
+  changedElsewhere(): void {
+    if (!this.acts) void this.fetch();
+  }
+
   /** Carries out what changes B, and takes the new one. */
   private async act(change: () => Promise<void>): Promise<void> {
+    this.acts = true;
     try {
       await change();
       await this.fetch();
       if (this.about && this.view.comparison === 'off') this.choose('split');
     } catch (error) {
       this.tell({ severity: 'error', text: error instanceof Error ? error.message : String(error) });
+    } finally {
+      this.acts = false;
     }
   }
 

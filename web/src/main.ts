@@ -166,6 +166,7 @@ function start(): void {
       if (message.type === 'state') takeState(message);
       else if (message.type === 'frame') takeFrame(message);
       else if (message.type === 'message') takeMessage(message);
+      else if (message.type === 'reference') compare.changedElsewhere();
     },
     tile(tile) {
       if (tile.layer >= FIRST_PLANE) return view.groups.tile(tile.layer - FIRST_PLANE, tile);

@@ -102,7 +102,11 @@ export interface FrameMessage {
   lightGroups?: string[];
 }
 
-export type ServerMessage = ({ type: 'state' } & State) | ({ type: 'frame' } & FrameMessage) | ({ type: 'message' } & Message);
+export type ServerMessage =
+  | ({ type: 'state' } & State)
+  | ({ type: 'frame' } & FrameMessage)
+  | ({ type: 'message' } & Message)
+  | { type: 'reference' };
 
 export type PageMessage =
   | { type: 'camera'; eye: Vec3; target: Vec3; up: Vec3; fov?: number; moving: boolean }

@@ -117,3 +117,14 @@ test('a file becomes B, and what is none is told', async ({ mock, ready }) => {
   mock.change({ film: { width: 48, height: 64 } });
   await expect(ready.getByText('B: good.exr, 96 × 64; the picture has 48 × 64')).toBeVisible();
 });
+
+test('what another page keeps as B is there, and is gone when that page clears it', async ({ mock, ready }) => {
+  await open(ready, 'Compare');
+  const { width, height } = mock.state.film;
+  mock.reference.about = { name: 'theirs', width, height, crop: null };
+  mock.broadcast({ type: 'reference' });
+  await expect(ready.getByText('B: theirs, 96 × 64')).toBeVisible();
+  mock.reference.about = null;
+  mock.broadcast({ type: 'reference' });
+  await expect(ready.getByText('Nothing is kept as B.')).toBeVisible();
+});

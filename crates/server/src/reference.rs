@@ -19,6 +19,8 @@ use steradian::image::{Error, Limits, read};
 pub const MOST_BYTES: usize = 512 << 20;
 /// The layer of the reference's tiles and of maps.
 pub const LAYER: u16 = u16::MAX;
+/// What tells pages that there is another reference, or none.
+const CHANGED: &str = r#"{"type":"reference"}"#;
 /// Letters of a name.
 const LONGEST_NAME: usize = 120;
 
@@ -44,8 +46,15 @@ pub async fn keep(
     };
     let reference = reference.inspect_err(|why| (app.log)(&format!("refused a reference: {}", why.1)))?;
     let about = Json(reference.about.clone());
-    app.reference.set(Some(reference));
+    set(&app, Some(reference));
     Ok(about.into_response())
+}
+
+/// Takes another one, or none, and tells all pages.
+fn set(app: &App, reference: Option<Reference>) {
+    app.reference.set(reference);
+    // Nobody may be there.
+    let _ = app.viewer.messages.send(CHANGED.into());
 }
 
 async fn current(app: &App) -> Result<Reference, Refused> {
@@ -97,7 +106,7 @@ pub fn unfit(why: String) -> Refused {
 
 /// Forgets the reference.
 pub async fn forget(State(app): State<App>) -> StatusCode {
-    app.reference.set(None);
+    set(&app, None);
     StatusCode::NO_CONTENT
 }
 

@@ -603,6 +603,8 @@ var Compare = class {
 		hidden: true
 	});
 	about = null;
+	/** Whether this page is changing B. */
+	acts = false;
 	/** Called when there is another B, or none. */
 	changed = () => {};
 	facts = h("p", { class: "facts" }, "Nothing is kept as B.");
@@ -704,8 +706,13 @@ var Compare = class {
 		this.update();
 		this.refresh();
 	}
+	/** B is another one; by another page, unless this one is about to take it. */
+	changedElsewhere() {
+		if (!this.acts) this.fetch();
+	}
 	/** Carries out what changes B, and takes the new one. */
 	async act(change) {
+		this.acts = true;
 		try {
 			await change();
 			await this.fetch();
@@ -715,6 +722,8 @@ var Compare = class {
 				severity: "error",
 				text: error instanceof Error ? error.message : String(error)
 			});
+		} finally {
+			this.acts = false;
 		}
 	}
 	async fetch() {
@@ -4494,6 +4503,7 @@ function start() {
 			if (message.type === "state") takeState(message);
 			else if (message.type === "frame") takeFrame(message);
 			else if (message.type === "message") takeMessage(message);
+			else if (message.type === "reference") compare.changedElsewhere();
 		},
 		tile(tile) {
 			if (tile.layer >= 256) return view.groups.tile(tile.layer - 256, tile);

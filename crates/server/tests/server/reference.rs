@@ -166,3 +166,17 @@ fn what_does_not_fit_is_refused() {
     let said = server.get("api/difference?metric=flip").text();
     assert!(said.contains("from 8, 0") && said.contains("from 0, 0"), "{said}");
 }
+
+/// Pages learn that another one keeps a picture, and that it is forgotten.
+#[test]
+fn all_pages_learn_of_it() {
+    let (server, _first) = done();
+    let mut second = server.page();
+    second.until("the picture", |v| v["type"] == "frame");
+    let is_news = |v: &Value| *v == json!({"type": "reference"});
+    assert_eq!(server.post("api/reference?from=current", &json!(null)).status, 200);
+    second.until("that there is one", is_news);
+    let headers = format!("Host: {}\r\n", server.host());
+    assert_eq!(server.ask("DELETE", &(server.base() + "api/reference"), &headers, b"").status, 204);
+    second.until("that there is none", is_news);
+}
