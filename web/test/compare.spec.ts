@@ -120,11 +120,12 @@ test('a file becomes B, and what is none is told', async ({ mock, ready }) => {
 
 test('what another page keeps as B is there, and is gone when that page clears it', async ({ mock, ready }) => {
   await open(ready, 'Compare');
-  const { width, height } = mock.state.film;
-  mock.reference.about = { name: 'theirs', width, height, crop: null };
+  // As another page asks.
+  const ask = (method: string) => ready.evaluate((method) => fetch('./api/reference?from=current', { method }).then((r) => r.ok), method);
+  expect(await ask('POST')).toBe(true);
   mock.broadcast({ type: 'reference' });
-  await expect(ready.getByText('B: theirs, 96 × 64')).toBeVisible();
-  mock.reference.about = null;
+  await expect(ready.getByText('B: kept at 64 spp, 96 × 64')).toBeVisible();
+  expect(await ask('DELETE')).toBe(true);
   mock.broadcast({ type: 'reference' });
   await expect(ready.getByText('Nothing is kept as B.')).toBeVisible();
 });
