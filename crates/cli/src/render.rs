@@ -30,7 +30,7 @@ use steradian::{
     image::{FileKind, Image, WriteOptions},
     integrators::{Doubt, SCALES},
     radiosity,
-    raster::RASTER,
+    raster::suited_mode,
     resume::{self, Recipe, StateError},
 };
 
@@ -316,12 +316,11 @@ impl<'a> Job<'a> {
     }
 }
 
-/// How the scene is opened: for the pipeline in RGB unless something else is asked for, since one sample of wavelengths
-/// would be noise.
+/// How the scene is opened: in the colours that suit the integrator, unless others are asked for.
 fn scene_options(args: &RenderArgs) -> SceneOptions {
     let mut options = args.scene_options.clone();
-    let asked = args.integrator.as_deref().map(|asked| asked.split_once(':').map_or(asked, |(name, _)| name));
-    if asked == Some(RASTER.name) && matches!(options.color, Color::Auto) {
+    let suited = args.integrator.as_deref().and_then(suited_mode);
+    if let (Some(ColorMode::Rgb), Color::Auto) = (suited, options.color) {
         options.color = Color::Rgb;
     }
     options

@@ -6,6 +6,7 @@ use crate::{
 };
 use steradian::{
     ColorMode, CompileOptions, Layer, Quality, Viewpoint,
+    raster::suited_mode,
     scene::{Format, NodeId, SceneDesc, Value},
 };
 
@@ -64,12 +65,12 @@ impl View {
 /// How the scene is compiled.
 pub fn options(look: &Look, format: Format, purpose: Purpose) -> CompileOptions {
     let settings = &look.settings;
-    let is_raster = settings.integrator.as_deref().is_some_and(|i| i.split(':').next() == Some("raster"));
+    let suited = settings.integrator.as_deref().and_then(suited_mode);
     let mode = match settings.color.as_deref() {
         Some("rgb") => Some(ColorMode::Rgb),
         Some("spectral") => Some(ColorMode::Spectral),
-        // One sample of wavelengths would be noise.
-        _ if is_raster || purpose == Purpose::Preview => Some(ColorMode::Rgb),
+        // Previews are drawn by the pipeline.
+        _ if suited.is_some() || purpose == Purpose::Preview => suited.or(Some(ColorMode::Rgb)),
         _ if format == Format::Pbrt => Some(ColorMode::Spectral),
         _ => Some(ColorMode::Rgb),
     };
