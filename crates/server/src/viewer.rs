@@ -26,7 +26,7 @@ use tokio::sync::{broadcast, oneshot, watch};
 /// Pixels of the first preview, before it is known how long they take.
 const FIRST_PREVIEW: f64 = 10_000.0;
 /// How long a preview may take while the camera moves, and before paths begin.
-const PREVIEW_SECONDS: f64 = 0.045;
+const PREVIEW_SECONDS: f64 = 0.04;
 /// First pictures are at most this much smaller than the whole, on each side.
 const COARSEST: u32 = 16;
 /// How long first paths should take, before the render itself begins; they end after twice that.
