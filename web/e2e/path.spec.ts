@@ -8,7 +8,9 @@ test('the path of a pixel of the Cornell box begins there, adds up to its sample
     await act();
     return (await answered).json();
   };
-  await view.locator('canvas.picture').press('t');
+  // Of the middle, where no pixel is pinned.
+  const middle = await path(() => view.locator('canvas.picture').press('t'));
+  expect([middle.x, middle.y]).toEqual([48, 32]);
   const [x, y] = await place(view, 40, 50);
   const first = await path(() => view.mouse.click(x, y));
   expect([first.x, first.y, first.sample, first.tracer, first.of_picture]).toEqual([40, 50, 0, 'path', true]);
