@@ -57,7 +57,7 @@ test('a shape is placed elsewhere, as the command line renders it', async ({ pro
 
 const GEM = readFileSync(new URL('./gem.obj', import.meta.url), 'utf8');
 
-/** A picture of surroundings, green. */
+/** An environment map, green. */
 const GREEN = `PF\n1 1\n-1.0\n\0\0\0\0\0\0\x80?\0\0\0\0`;
 
 /** Files dropped in the window, with their texts. */

@@ -1,4 +1,4 @@
-/** Files dropped on the page are opened: models or scenes with what belongs to them, folders too; a picture goes around the scene. */
+/** Files dropped on the page are opened: models or scenes with what belongs to them, folders too; a picture becomes the environment map. */
 
 import { h } from './dom';
 import type { Message } from './protocol';
@@ -9,11 +9,7 @@ interface Dropped {
 }
 
 export class Drop {
-  readonly hint = h(
-    'div',
-    { class: 'drop', hidden: true },
-    'Drop a model or a scene with what belongs to it, or a picture of surroundings',
-  );
+  readonly hint = h('div', { class: 'drop', hidden: true }, 'Drop a model or a scene with what belongs to it, or an environment map');
 
   constructor(private readonly tell: (message: Message) => void) {
     let depth = 0;
@@ -42,11 +38,11 @@ export class Drop {
       for (const { file, path } of found) form.append('file', file, path);
       this.tell({ severity: 'note', text: `opening ${found.length === 1 ? found[0]!.path : `${found.length} files`}` });
       const response = await fetch('./api/open', { method: 'POST', body: form });
-      const answer = (await response.json().catch(() => ({}))) as { messages?: (Message | string)[]; error?: string; surrounded?: string };
+      const answer = (await response.json().catch(() => ({}))) as { messages?: (Message | string)[]; error?: string; environment?: string };
       for (const message of answer.messages ?? []) {
         this.tell(typeof message === 'string' ? { severity: response.ok ? 'warning' : 'error', text: message } : message);
       }
-      if (answer.surrounded) this.tell({ severity: 'note', text: `${answer.surrounded} is around the scene now` });
+      if (answer.environment) this.tell({ severity: 'note', text: `${answer.environment} is the environment map now` });
       if (!response.ok && !answer.messages?.length) this.tell({ severity: 'error', text: answer.error ?? response.statusText });
     } catch (error) {
       this.tell({ severity: 'error', text: `not opened: ${String(error)}` });

@@ -33,7 +33,7 @@ impl Compiler<'_> {
             return None;
         }
         let eye = self.eye;
-        self.suits_eye |= pixels.is_some();
+        self.depends_on_camera |= pixels.is_some();
         let textures = &self.textures;
         // How many times too long an edge is, in the world.
         let measure = |a: Vec3, b: Vec3| {

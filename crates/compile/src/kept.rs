@@ -25,7 +25,7 @@ pub struct Kept {
     pub(super) coats: ByMode<Coats>,
     pub(super) shapes: HashMap<NodeId, KeptShape>,
     pub(super) accel: Option<KeptAccel>,
-    pub(super) whole: ByMode<KeptScene>,
+    pub(super) scenes: ByMode<KeptScene>,
 }
 
 /// One of each colour mode.
@@ -51,8 +51,8 @@ impl<T> ByMode<T> {
 
 impl Kept {
     /// The scene of the last compilation as another camera sees it, where nothing else has changed.
-    pub(super) fn seen_anew(&mut self, now: &Compiler<'_>) -> Option<Compiled> {
-        self.whole.of(now.mode).as_ref()?.seen_anew(now)
+    pub(super) fn for_another_view(&mut self, now: &Compiler<'_>) -> Option<Compiled> {
+        self.scenes.of(now.mode).as_ref()?.for_another_view(now)
     }
 
     /// Forgets what was made for other options, and of files that have changed.
@@ -77,6 +77,8 @@ pub(super) struct KeptScene {
     files: Vec<(PathBuf, Source)>,
     scene: Scene,
     diagnostics: Diagnostics,
+    /// What is to be said of film and camera, which is part of it.
+    of_view: Vec<String>,
     /// Files that the description does not name.
     further: Vec<PathBuf>,
 }
@@ -93,13 +95,14 @@ impl KeptScene {
             options: compiler.options.clone(),
             scene: scene.clone(),
             diagnostics: compiler.diagnostics.clone(),
+            of_view: view(compiler).1,
             further,
         }
     }
 
     /// The scene with film and camera as they are described now; `None` where more has changed.
-    fn seen_anew(&self, now: &Compiler<'_>) -> Option<Compiled> {
-        let Compiler { desc, mode, options, .. } = *now;
+    fn for_another_view(&self, now: &Compiler<'_>) -> Option<Compiled> {
+        let Compiler { desc, options, .. } = *now;
         let Options { size, crop, memory, .. } = self.options;
         let is_same = Options { size, crop, memory, ..options.clone() } == self.options
             && self.is_same(desc, now.chosen_camera()?)
@@ -107,18 +110,11 @@ impl KeptScene {
         if !is_same {
             return None;
         }
-        // What was said of the view then must be what is to be said of it now.
-        let view = |desc: &SceneDesc, options: &Options| {
-            let mut compiler = Compiler::new(desc, mode, options);
-            let seen = compiler.view();
-            let said: Vec<String> = compiler.diagnostics.iter().map(ToString::to_string).collect();
-            (seen, said)
-        };
-        let (seen, said) = view(desc, options);
+        let (seen, said) = view(now);
         let (film, camera) = seen?;
         let pixels = |film: &FilmSpec| u64::from(film.crop.width()) * u64::from(film.crop.height());
         let takes_more = options.memory.is_some() && pixels(&film) > pixels(self.scene.film());
-        if takes_more || said != view(&self.desc, &self.options).1 {
+        if takes_more || said != self.of_view {
             return None;
         }
         let scene = self.scene.clone().changed(|parts| {
@@ -148,6 +144,13 @@ impl KeptScene {
             && (&then.shapes, &then.groups, &then.instances) == (&desc.shapes, &desc.groups, &desc.instances)
             && (&then.lights, &then.cameras) == (&desc.lights, &desc.cameras)
     }
+}
+
+/// Film and camera as they are described, and what there is to say about them.
+fn view(Compiler { desc, mode, options, .. }: &Compiler<'_>) -> (Option<(FilmSpec, Camera)>, Vec<String>) {
+    let mut compiler = Compiler::new(desc, *mode, options);
+    let seen = compiler.view();
+    (seen, compiler.diagnostics.iter().map(ToString::to_string).collect())
 }
 
 /// A shape's geometry.

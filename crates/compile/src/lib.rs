@@ -133,8 +133,8 @@ struct Compiler<'a> {
     coats: Coats,
     /// Where the camera is, and what a pixel measures at distance one.
     eye: Option<(steradian_math::Vec3, f32)>,
-    /// Whether shapes were made for where the camera is.
-    suits_eye: bool,
+    /// Whether the geometry of shapes depends on where the camera is.
+    depends_on_camera: bool,
     emitters: Vec<Emitter>,
     lights: Vec<Light>,
     light_groups: LightGroups,
@@ -169,7 +169,7 @@ fn compiled(desc: &SceneDesc, options: &Options, mut kept: Option<&mut Kept>) ->
     let mut c = Compiler::new(desc, mode, options);
     if let Some(kept) = kept.as_deref_mut() {
         kept.refresh(desc, options);
-        if let Some(compiled) = kept.seen_anew(&c) {
+        if let Some(compiled) = kept.for_another_view(&c) {
             return compiled;
         }
         c.assets = std::mem::take(&mut kept.assets);
@@ -180,10 +180,10 @@ fn compiled(desc: &SceneDesc, options: &Options, mut kept: Option<&mut Kept>) ->
     let (scene, build_time) = c.run();
     let scene = scene.filter(|_| !c.diagnostics.has_errors());
     if let Some(kept) = kept {
-        kept.assets = std::mem::take(&mut c.assets);
-        *kept.coats.of(mode) = Some(std::mem::replace(&mut c.coats, Coats::new(mode)));
-        (kept.shapes, kept.accel) = (c.kept_shapes.take().map(|[_, now]| now).unwrap_or_default(), c.kept_accel.take());
-        *kept.whole.of(mode) = scene.as_ref().filter(|_| !c.suits_eye).map(|scene| KeptScene::new(&c, scene));
+        *kept.scenes.of(mode) = scene.as_ref().filter(|_| !c.depends_on_camera).map(|scene| KeptScene::new(&c, scene));
+        *kept.coats.of(mode) = Some(c.coats);
+        (kept.assets, kept.accel) = (c.assets, c.kept_accel);
+        kept.shapes = c.kept_shapes.map(|[_, now]| now).unwrap_or_default();
     }
     Compiled { scene, diagnostics: c.diagnostics, build_time, files: c.files }
 }
@@ -207,7 +207,7 @@ impl<'a> Compiler<'a> {
             open: HashSet::new(),
             coats: Coats::new(mode),
             eye: None,
-            suits_eye: false,
+            depends_on_camera: false,
             emitters: Vec::new(),
             lights: Vec::new(),
             light_groups: LightGroups::default(),

@@ -15,7 +15,7 @@ use crate::{
     error::Result,
     image::Image,
     nlm::{Denoised, Picture, calm_variance},
-    svgf::{Settings, Surface, filter_alone},
+    svgf::{Settings, Surface, filter_spatially},
 };
 
 /// How finished pictures are filtered. Normals and depths may differ more than in frames of a rasteriser, since they
@@ -71,7 +71,7 @@ pub fn denoise(picture: &Picture<'_>, settings: &Settings) -> Result<Denoised> {
             Image::new(width, height, variance.collect())?
         }
     };
-    let filtered = filter_alone(&surfaces, &colors, &variance, (Lanes::best(), settings));
+    let filtered = filter_spatially(&surfaces, &colors, &variance, (Lanes::best(), settings));
     let radiance = Image::by_rows(width, height, |x, y| {
         let radiance = picture.radiance.at(x, y);
         let is_sure = picture.variance.is_some_and(|variance| is_sure(radiance, variance.at(x, y)));

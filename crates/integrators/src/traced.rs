@@ -9,7 +9,7 @@ use steradian_engine::{
     partition::{Partition, Place},
 };
 use steradian_math::{Spectrum, Vec3, spectra::Wavelengths};
-use steradian_transport::{Carried, NoGuide, PathState, Sink, Step, Vertex, subsurface::EVENTS_BELOW};
+use steradian_transport::{NoGuide, PathState, Segment, Sink, Step, Vertex, subsurface::EVENTS_BELOW};
 
 /// What a vertex is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,7 +114,7 @@ pub fn trace(
     let (mut shifted, mut counters) = (begun.lambda, Counters::default());
     let context = &mut PathContext { scene, sampler: &begun.own, lambda: &mut shifted, counters: &mut counters };
     let state = PathState::camera(scene, begun.ray);
-    let recorder = Recorder::new(scene, &depth, state.carried());
+    let recorder = Recorder::new(scene, &depth, state.segment());
     let found = match has_media {
         true => PathTracer::<true> { depth }.along(state, None::<&NoGuide>, context, recorder),
         false => PathTracer::<false> { depth }.along(state, None::<&NoGuide>, context, recorder),
@@ -156,7 +156,7 @@ struct Recorder<'s> {
 }
 
 impl<'s> Recorder<'s> {
-    fn new(scene: &'s Scene, depth: &Depth, state: Carried) -> Self {
+    fn new(scene: &'s Scene, depth: &Depth, segment: Segment) -> Self {
         let mut recorder = Self {
             scene,
             vertices: Vec::new(),
@@ -166,15 +166,15 @@ impl<'s> Recorder<'s> {
             end: None,
             most: depth.max,
         };
-        recorder.push(VertexKind::Camera, state, state.ray.origin, None);
+        recorder.push(VertexKind::Camera, segment, segment.ray.origin, None);
         recorder.is_under_way = true;
         recorder
     }
 
-    fn push(&mut self, kind: VertexKind, state: Carried, position: Vec3, surface: Option<(Vec3, u32, u32)>) {
+    fn push(&mut self, kind: VertexKind, segment: Segment, position: Vec3, surface: Option<(Vec3, u32, u32)>) {
         // What passes a thin pane straight has not scattered there.
         if let Some(before) = self.vertices.last_mut()
-            && let (Some(Event::Lobe(_)), true) = (before.event, before.events == state.events)
+            && let (Some(Event::Lobe(_)), true) = (before.event, before.events == segment.events)
         {
             before.event = Some(Event::Straight);
         }
@@ -182,10 +182,10 @@ impl<'s> Recorder<'s> {
         self.vertices.push(Found {
             kind,
             position,
-            direction: state.ray.direction,
+            direction: segment.ray.direction,
             surface,
-            throughput: state.beta,
-            events: state.events,
+            throughput: segment.beta,
+            events: segment.events,
             emitted: std::mem::replace(&mut self.on_the_way, Spectrum::ZERO),
             direct: None,
             event: None,
@@ -264,14 +264,14 @@ impl Sink for Recorder<'_> {
 
     fn tell(&mut self, step: Step<'_>) {
         match step {
-            Step::Surface(state, i) => {
+            Step::Surface(segment, i) => {
                 let geometry = &self.scene.geometries()[i.geometry as usize];
                 let surface = (i.surface.ns, geometry.id, geometry.material);
-                self.push(VertexKind::Surface, state, i.surface.p, Some(surface));
+                self.push(VertexKind::Surface, segment, i.surface.p, Some(surface));
             }
-            Step::Medium(state, p) => self.push(VertexKind::Medium, state, p, None),
-            Step::Escaped(state) => {
-                self.push(VertexKind::Escaped, state, state.ray.origin, None);
+            Step::Medium(segment, p) => self.push(VertexKind::Medium, segment, p, None),
+            Step::Escaped(segment) => {
+                self.push(VertexKind::Escaped, segment, segment.ray.origin, None);
                 self.end = Some(End::Escaped);
             }
             Step::Passed => self.go_on(Event::Passed),
@@ -282,7 +282,7 @@ impl Sink for Recorder<'_> {
                 }
                 self.go_on(if is_phase { Event::Phase } else { Event::Lobe(s.lobe) });
             }
-            Step::Lost => self.end = Some(End::Roulette),
+            Step::Roulette => self.end = Some(End::Roulette),
         }
     }
 }

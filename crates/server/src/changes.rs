@@ -1,6 +1,7 @@
 //! What requests change.
 
 use crate::{
+    document::Document,
     edits::{Edit, What},
     frame, groups,
     look::{Purpose, View, options, quality, set},
@@ -14,11 +15,18 @@ impl Viewer {
     /// Carries out what a page asks for.
     pub fn request(&mut self, request: Request) -> Result<Reach, String> {
         let before = self.look.clone();
+        let revert: fn(&mut Document) = match request {
+            Request::Edit { .. } => Document::take_back,
+            Request::Undo => |document| _ = document.redo(),
+            Request::Redo => |document| _ = document.undo(),
+            _ => |_| {},
+        };
         let reach = self.change(request)?;
         if reach >= Reach::Scene
             && let Err(why) = self.remake()
         {
             self.look = before;
+            revert(&mut self.document);
             return Err(why);
         }
         Ok(reach)
@@ -48,16 +56,16 @@ impl Viewer {
         Ok(())
     }
 
-    /// Puts a picture around the scene.
-    pub fn surround(&mut self, name: String, picture: Arc<[u8]>) -> Result<(), String> {
-        let to_world = state::surroundings(&self.document, &self.look, &self.scene);
+    /// Lights the scene by an environment map.
+    pub fn set_environment(&mut self, name: String, picture: Arc<[u8]>) -> Result<(), String> {
+        let to_world = state::environment_to_world(&self.document, &self.look, &self.scene);
         let options = options(&self.look, self.document.desc.format, Purpose::Render);
-        let edit = Edit { what: What::Surroundings { name, picture, to_world }, moving: false };
+        let edit = Edit { what: What::Environment { name, picture, to_world }, moving: false };
         self.document.edit(edit, &options)?;
         self.look.moving = false;
         let remade = self.remake();
         if remade.is_err() {
-            self.document.undo();
+            self.document.take_back();
         }
         remade
     }

@@ -25,7 +25,7 @@ const MOST_EDITS: usize = 256;
 const MOST_FILES: usize = 1024;
 /// When files were changed and how long they are; `None` of those that are not there.
 pub type Stamps = BTreeMap<PathBuf, Option<(Option<SystemTime>, u64)>>;
-/// Bytes of pictures that edits bring.
+/// Bytes of environment maps in all edits.
 const MOST_BYTES: usize = 1 << 30;
 /// Most placements that are told beside those of nodes.
 const MOST_PLACEMENTS: usize = 1000;
@@ -135,8 +135,7 @@ impl Document {
         let done = self.carry_out(edit).and_then(|()| {
             let fault = self.compile(options, None).err().map(|d| told(&d));
             if fault.is_some() {
-                self.undo();
-                self.redo.pop();
+                self.take_back();
             }
             fault.map_or(Ok(()), Err)
         });
@@ -155,7 +154,7 @@ impl Document {
     fn carry_out(&mut self, edit: Edit) -> Result<(), String> {
         let bytes: usize = self.undo.iter().map(|c| &c.edit).chain([&edit]).map(Edit::bytes).sum();
         if bytes > MOST_BYTES {
-            return Err(format!("pictures around the scene take more than {MOST_BYTES} bytes; undo those before"));
+            return Err(format!("environment maps take more than {MOST_BYTES} bytes; undo those before"));
         }
         let reading = Options { within: Some(self.folder()), ..self.source.reading.clone() };
         self.undo.push(Change::make(&mut self.desc, edit, &reading)?);
@@ -191,6 +190,13 @@ impl Document {
         change.undo(&mut self.desc);
         self.redo.push(change);
         true
+    }
+
+    /// Takes the last edit back as if it had never been.
+    pub fn take_back(&mut self) {
+        if self.undo() {
+            self.redo.pop();
+        }
     }
 
     /// Does it again; whether there was one.

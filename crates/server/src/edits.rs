@@ -36,8 +36,8 @@ pub enum What {
         /// In Steradian's own language.
         value: Option<String>,
     },
-    /// A picture of all that is around takes the place of all environments.
-    Surroundings {
+    /// An environment map takes the place of all environment lights.
+    Environment {
         /// The file's name.
         name: String,
         /// Its bytes.
@@ -52,7 +52,7 @@ impl Edit {
     pub fn bytes(&self) -> usize {
         match &self.what {
             What::Parameter { .. } => 0,
-            What::Surroundings { picture, .. } => picture.len(),
+            What::Environment { picture, .. } => picture.len(),
         }
     }
 }
@@ -62,7 +62,7 @@ impl What {
     fn is_of_same(&self, other: &Self) -> bool {
         let of = |what: &Self| match what {
             Self::Parameter { node, parameter, .. } => Some((node.clone(), parameter.clone())),
-            Self::Surroundings { .. } => None,
+            Self::Environment { .. } => None,
         };
         of(self).is_some() && of(self) == of(other)
     }
@@ -165,7 +165,7 @@ impl Change {
             What::Parameter { node, parameter, value } => {
                 set(desc, (node, parameter), value.as_deref().unwrap_or("null"), reading)?
             }
-            What::Surroundings { name, picture, to_world } => surround(desc, name, picture, *to_world),
+            What::Environment { name, picture, to_world } => set_environment(desc, name, picture, *to_world),
         };
         Ok(Self { edit, held, count, added: Vec::new() })
     }
@@ -238,8 +238,8 @@ fn transform(of: &str, text: &str) -> Result<Transform, String> {
     }
 }
 
-/// Puts a picture around the scene.
-fn surround(desc: &mut SceneDesc, name: &str, picture: &Arc<[u8]>, to_world: Transform) -> Held {
+/// Lights the scene by an environment map.
+fn set_environment(desc: &mut SceneDesc, name: &str, picture: &Arc<[u8]>, to_world: Transform) -> Held {
     // The same name for the same picture, and no other's.
     let known = |path: &Path| desc.embedded.get(path).is_some_and(|bytes| bytes != picture);
     let mut path = PathBuf::from(name);
@@ -254,7 +254,7 @@ fn surround(desc: &mut SceneDesc, name: &str, picture: &Arc<[u8]>, to_world: Tra
     if to_world != Transform::IDENTITY {
         node = node.with(PLACE, Value::Transform(to_world));
     }
-    node.name = Some("surroundings".into());
+    node.name = Some("environment".into());
     let light = desc.add(node);
     let before = desc.lights.clone();
     desc.lights.retain(|l| !matches!(desc.nodes[l.0 as usize].kind.as_str(), "environment" | "sky"));

@@ -126,8 +126,8 @@ fn camera(document: &Document, look: &Look, scene: &Scene) -> CameraState {
     }
 }
 
-/// How a picture around the scene is turned, so that it stands upright and is not mirrored for the camera.
-pub fn surroundings(document: &Document, look: &Look, scene: &Scene) -> Transform {
+/// The transform of an environment map that stands upright for the camera, and is not mirrored.
+pub fn environment_to_world(document: &Document, look: &Look, scene: &Scene) -> Transform {
     let camera = camera(document, look, scene);
     let up = DVec3::from(camera.up).try_normalize().unwrap_or(DVec3::Y);
     let own = if document.desc.format == Format::Pbrt { DVec3::Z } else { DVec3::Y };

@@ -1,5 +1,5 @@
 //! Scenes and pictures that are dropped onto the page. Scenes lie in a folder of their own, and read nothing outside
-//! it; a picture without a scene is put around the one that is shown.
+//! it; a picture without a scene becomes the environment map of the one that is shown.
 
 use crate::{
     app::{App, Refused},
@@ -27,11 +27,11 @@ const MOST_FILES: usize = 4096;
 /// Folders within each other.
 const DEEPEST: usize = 16;
 
-/// Bytes of a picture that is put around a scene.
+/// Bytes of an environment map.
 const MOST_OF_PICTURE: u64 = 256 << 20;
 
 /// Opens the scene among the files that come, form fields `file` with their names; where there is none but a picture,
-/// puts that around the scene.
+/// makes that the environment map.
 pub async fn open(State(app): State<App>, form: Multipart) -> Result<Response, Refused> {
     let failed =
         |e: std::io::Error| Refused(StatusCode::INTERNAL_SERVER_ERROR, format!("the files cannot be kept: {e}"));
@@ -40,12 +40,12 @@ pub async fn open(State(app): State<App>, form: Multipart) -> Result<Response, R
     let scene = match (scene_of(&names), &names[..]) {
         (Some(scene), _) => scene,
         (None, [picture]) if FileKind::from_extension(picture).is_some() => {
-            return surround(&app, &folder.path().join(picture)).await;
+            return set_environment(&app, &folder.path().join(picture)).await;
         }
         (None, _) => {
             let known = EXTENSIONS.iter().map(|e| format!(".{}", e.0)).collect::<Vec<_>>().join(", ");
             let why = format!(
-                "there is no scene among the files, nor is it one picture to put around the scene; scenes are {known}"
+                "there is no scene among the files, nor is it one picture, for an environment map; scenes are {known}"
             );
             return Err(Refused(StatusCode::UNPROCESSABLE_ENTITY, why));
         }
@@ -72,20 +72,20 @@ pub async fn open(State(app): State<App>, form: Multipart) -> Result<Response, R
     }
 }
 
-/// Puts a picture around the scene.
-async fn surround(app: &App, picture: &Path) -> Result<Response, Refused> {
+/// Lights the scene by an environment map.
+async fn set_environment(app: &App, picture: &Path) -> Result<Response, Refused> {
     let unfit = |why: String| Refused(StatusCode::UNPROCESSABLE_ENTITY, why);
     let length = picture.metadata().map_or(0, |m| m.len());
     if length > MOST_OF_PICTURE {
-        return Err(unfit(format!("a picture around the scene has at most {MOST_OF_PICTURE} bytes, not {length}")));
+        return Err(unfit(format!("an environment map has at most {MOST_OF_PICTURE} bytes, not {length}")));
     }
     let name = picture.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let bytes = std::fs::read(picture).map_err(|e| unfit(format!("'{name}' cannot be read: {e}")))?;
     let (tell, told) = oneshot::channel();
-    app.viewer.send(Task::Surround(name.clone(), bytes.into(), tell));
+    app.viewer.send(Task::Environment(name.clone(), bytes.into(), tell));
     let done = told.await.map_err(|_| Refused(StatusCode::SERVICE_UNAVAILABLE, "the view has ended".into()))?;
     done.map_err(unfit)?;
-    Ok(Json(serde_json::json!({ "surrounded": name })).into_response())
+    Ok(Json(serde_json::json!({ "environment": name })).into_response())
 }
 
 /// Keeps all files; their names.

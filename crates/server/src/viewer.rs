@@ -53,8 +53,8 @@ pub enum Task {
     Page(Request, oneshot::Sender<Result<(), String>>),
     /// Another scene.
     Open(Box<Source>, oneshot::Sender<Result<(), Vec<String>>>),
-    /// A picture around the scene, by its name and bytes.
-    Surround(String, Arc<[u8]>, oneshot::Sender<Result<(), String>>),
+    /// An environment map, by its name and bytes.
+    Environment(String, Arc<[u8]>, oneshot::Sender<Result<(), String>>),
     /// Something about the scene as it is.
     Ask(Question),
 }
@@ -273,8 +273,8 @@ impl Viewer {
                 let _ = answer.send(opened);
                 reach
             }
-            Task::Surround(name, picture, answer) => {
-                let done = self.surround(name, picture);
+            Task::Environment(name, picture, answer) => {
+                let done = self.set_environment(name, picture);
                 let reach = if done.is_ok() { Reach::Scene } else { Reach::Nothing };
                 let _ = answer.send(done);
                 reach

@@ -88,7 +88,7 @@ pub fn meet<'s, const MEDIA: bool>(
             if let Some(t) = t {
                 sink.advance(t);
                 let (p, wo) = (path_state.ray.at(t), -path_state.ray.direction);
-                sink.tell(Step::Medium(path_state.carried(), p));
+                sink.tell(Step::Medium(path_state.segment(), p));
                 if path_state.events < depth.max {
                     *arrival = Arrival::Vertex(Vertex::Medium { p, wo, time: path_state.ray.time, scattering, medium });
                 }
@@ -101,7 +101,7 @@ pub fn meet<'s, const MEDIA: bool>(
         };
         let i = scene.interaction_of_light(&path_state.ray, &met);
         sink.advance(i.t);
-        sink.tell(Step::Surface(path_state.carried(), &i));
+        sink.tell(Step::Surface(path_state.segment(), &i));
         if !(path_state.events == 0 && depth.hide_emitters) {
             let light = path_state.beta * nee::emission(scene, &i, &path_state.origin, lambda);
             let emitter = || scene.geometries()[i.geometry as usize].emitter;
@@ -145,7 +145,7 @@ pub fn meet<'s, const MEDIA: bool>(
 /// Adds the light of the environments that a path met to `sink`.
 #[inline]
 pub fn escape(path_state: &PathState, depth: &Depth, sink: &mut impl Sink, context: &mut PathContext<'_, '_>) {
-    sink.tell(Step::Escaped(path_state.carried()));
+    sink.tell(Step::Escaped(path_state.segment()));
     if path_state.events == 0 && depth.hide_emitters {
         return;
     }

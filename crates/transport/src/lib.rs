@@ -19,7 +19,7 @@ mod walk;
 
 pub use follow::{Arrival, arrive, escape, meet};
 pub use guide::{Guide, GuidedDirection, NoGuide};
-pub use sink::{Carried, Sink, Step};
+pub use sink::{Segment, Sink, Step};
 pub use state::PathState;
 pub use vertex::Vertex;
 pub use walk::{along, leaving};

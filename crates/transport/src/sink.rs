@@ -5,12 +5,12 @@ use steradian_bsdf::BsdfSample;
 use steradian_core::scene::Interaction;
 use steradian_math::{Ray, Spectrum, Vec3};
 
-/// What a path carries on its last ray.
+/// The last segment of a path.
 #[derive(Clone, Copy, Debug)]
-pub struct Carried {
-    /// The ray.
+pub struct Segment {
+    /// Its ray.
     pub ray: Ray,
-    /// The weight of what it finds.
+    /// The path throughput along it.
     pub beta: Spectrum,
     /// How often it has scattered.
     pub events: u32,
@@ -20,17 +20,17 @@ pub struct Carried {
 #[derive(Clone, Copy, Debug)]
 pub enum Step<'a> {
     /// A surface is met. What it emits is added next.
-    Surface(Carried, &'a Interaction),
+    Surface(Segment, &'a Interaction),
     /// The path scatters at this point of a medium.
-    Medium(Carried, Vec3),
+    Medium(Segment, Vec3),
     /// Nothing is met. What environments emit is added next.
-    Escaped(Carried),
+    Escaped(Segment),
     /// The surface scatters nothing, and the path goes on behind it.
     Passed,
     /// The path goes on by this sample, in the frame of its vertex.
     Scattered(&'a BsdfSample),
     /// Russian roulette ends the path.
-    Lost,
+    Roulette,
 }
 
 /// Receives a path's contributions, and is told what happens to it. A [`Spectrum`] is one: it adds the contributions

@@ -5,7 +5,7 @@ use crate::{
     guide::{Guide, GuidedDirection},
     live_max, nee,
     roulette::{number, roulette},
-    sink::{Carried, Sink},
+    sink::{Segment, Sink},
     vertex::Vertex,
 };
 use steradian_bsdf::{Bsdf, BsdfSample};
@@ -104,10 +104,10 @@ impl PathState {
         self.beta * (1..self.lights).fold(first, |sum, k| sum + sample(k)) / self.lights as f32
     }
 
-    /// What is told of it to a sink.
+    /// The segment that it is on.
     #[inline(always)]
-    pub fn carried(&self) -> Carried {
-        Carried { ray: self.ray, beta: self.beta, events: self.events }
+    pub fn segment(&self) -> Segment {
+        Segment { ray: self.ray, beta: self.beta, events: self.events }
     }
 
     /// Adds light straight from lights, as [`PathState::direct`] has it, to `sink`.

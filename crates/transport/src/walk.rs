@@ -57,13 +57,13 @@ pub fn leaving<'s, const MEDIA: bool, S: Sink>(
             depth.max = depth.max.saturating_add(EVENTS_BELOW);
             let Some(v) = path_state.emerge(vertex, &s.sample, context) else { return sink };
             if !path_state.survives(&depth, context) {
-                sink.tell(Step::Lost);
+                sink.tell(Step::Roulette);
                 return sink;
             }
             next = Arrival::Vertex(v);
             let Arrival::Vertex(v) = &next else { return sink };
             if let Vertex::Surface { i, .. } = v {
-                sink.tell(Step::Surface(path_state.carried(), i));
+                sink.tell(Step::Surface(path_state.segment(), i));
             }
             vertex = v;
             continue;
@@ -78,7 +78,7 @@ pub fn leaving<'s, const MEDIA: bool, S: Sink>(
             return sink;
         }
         if !path_state.survives(&depth, context) {
-            sink.tell(Step::Lost);
+            sink.tell(Step::Roulette);
             return sink;
         }
         // Follow the ray to the next vertex; collect what shines there.

@@ -20,7 +20,6 @@
 //! value of its neighbours; where these have none, 0. Components beyond ±10¹⁵ count as that.
 
 mod accumulate;
-mod alone;
 mod atrous;
 mod denoiser;
 mod estimates;
@@ -28,12 +27,13 @@ mod geometry;
 mod history;
 mod reproject;
 mod settings;
+mod spatial;
 mod surface;
 mod term;
 mod variance;
 
-pub(crate) use alone::filter_alone;
 pub use denoiser::Denoiser;
 pub use settings::Settings;
+pub(crate) use spatial::filter_spatially;
 pub(crate) use surface::Surface;
 pub use term::{Filtered, Term};

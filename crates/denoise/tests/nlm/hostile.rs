@@ -6,25 +6,17 @@ use steradian_denoise::{
 };
 use steradian_math::Vec3;
 
-use crate::scene::{Random, bare, noisy};
-
-fn number(random: &mut Random) -> f32 {
-    match random.bits() % 12 {
-        0 => f32::from_bits(random.bits() as u32),
-        1 => [f32::NAN, f32::INFINITY, -f32::INFINITY, f32::MAX, f32::MIN, 1e-42, -0.0][(random.bits() % 7) as usize],
-        2 => random.unit() * 1e5 - 5e4,
-        _ => random.unit() * 3.0 - 1.0,
-    }
-}
+use crate::scene::{Random, any_number, bare, noisy};
 
 #[test]
 fn any_input_gives_the_same_bits_for_any_number_of_threads() {
     let sizes = [[1, 1], [1, 9], [40, 1], [2, 2], [17, 31], [50, 37]];
     for (seed, [width, height]) in (0u64..).zip(sizes.into_iter().cycle().take(24)) {
         let mut random = Random(seed);
-        let mut wild = || Image::from_fn(width, height, |_, _| Vec3::from_array([(); 3].map(|()| number(&mut random))));
+        let mut wild =
+            || Image::from_fn(width, height, |_, _| Vec3::from_array([(); 3].map(|()| any_number(&mut random))));
         let [radiance, variance, albedo, normal] = [(); 4].map(|()| wild());
-        let depth = Image::from_fn(width, height, |_, _| number(&mut random));
+        let depth = Image::from_fn(width, height, |_, _| any_number(&mut random));
         let picture = Picture {
             radiance: &radiance,
             variance: (seed % 2 == 0).then_some(&variance),

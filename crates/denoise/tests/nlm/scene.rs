@@ -51,3 +51,13 @@ pub fn square_error(a: &Image<Vec3>, b: &Image<Vec3>, margin: u32) -> f32 {
     }
     sum / count
 }
+
+/// Any number: now and then one that no picture should hold.
+pub fn any_number(random: &mut Random) -> f32 {
+    match random.bits() % 12 {
+        0 => f32::from_bits(random.bits() as u32),
+        1 => [f32::NAN, f32::INFINITY, -f32::INFINITY, f32::MAX, f32::MIN, 1e-42, -0.0][(random.bits() % 7) as usize],
+        2 => random.unit() * 1e5 - 5e4,
+        _ => random.unit() * 3.0 - 1.0,
+    }
+}

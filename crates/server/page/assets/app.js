@@ -789,13 +789,13 @@ var Compare = class {
 	}
 };
 // src/drop.ts
-/** Files dropped on the page are opened: models or scenes with what belongs to them, folders too; a picture goes around the scene. */
+/** Files dropped on the page are opened: models or scenes with what belongs to them, folders too; a picture becomes the environment map. */
 var Drop = class {
 	tell;
 	hint = h("div", {
 		class: "drop",
 		hidden: true
-	}, "Drop a model or a scene with what belongs to it, or a picture of surroundings");
+	}, "Drop a model or a scene with what belongs to it, or an environment map");
 	constructor(tell) {
 		this.tell = tell;
 		let depth = 0;
@@ -837,9 +837,9 @@ var Drop = class {
 				severity: response.ok ? "warning" : "error",
 				text: message
 			} : message);
-			if (answer.surrounded) this.tell({
+			if (answer.environment) this.tell({
 				severity: "note",
-				text: `${answer.surrounded} is around the scene now`
+				text: `${answer.environment} is the environment map now`
 			});
 			if (!response.ok && !answer.messages?.length) this.tell({
 				severity: "error",

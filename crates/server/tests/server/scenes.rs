@@ -83,10 +83,10 @@ fn dropped_scenes_read_nothing_elsewhere() {
     }
 }
 
-/// A picture that is dropped by itself is put around the scene, upright and not mirrored for its camera; it is taken
-/// back as other edits are, and saved with the scene.
+/// A picture that is dropped by itself becomes the environment map, upright and not mirrored for its camera; it is
+/// taken back as other edits are, and saved with the scene.
 #[test]
-fn pictures_are_put_around_the_scene() {
+fn environment_maps_are_dropped() {
     let folder = tempfile::tempdir().unwrap();
     // Red and green tell the angle around it from left to right, blue what is above.
     let mut picture = b"PF\n32 4\n-1.0\n".to_vec();
@@ -135,7 +135,7 @@ fn pictures_are_put_around_the_scene() {
         let mut page = server.page();
         page.until("the picture", |v| v["type"] == "frame" && v["done"] == true && v["kind"] == "render");
         let answer = server.upload(&[("studio.pfm", &picture)]);
-        assert_eq!(answer.json()["surrounded"], "studio.pfm", "{}", answer.text());
+        assert_eq!(answer.json()["environment"], "studio.pfm", "{}", answer.text());
         page.until("it", |v| v["type"] == "frame" && v["done"] == true && v["kind"] == "render");
         let image = served(&server).to_rgb().unwrap();
         check(name, &image);

@@ -237,6 +237,34 @@ fn changed_files_are_read_again() {
     assert_eq!(after, expected.to_rgb().unwrap());
 }
 
+/// An edit that cannot be rendered as it is asked for leaves the scene as it was, and so does taking one back.
+#[test]
+fn edits_that_cannot_be_rendered_leave_the_scene() {
+    let server = Server::of(BOX);
+    let mut page = server.page();
+    page.until("the state", |v| v["type"] == "state");
+    let nodes = || server.get("api/nodes").json();
+    let film = nodes().as_array().unwrap().iter().find(|n| n["family"] == "film").unwrap()["id"].clone();
+    let noisy = json!({"type": "edit", "node": film, "parameter": "full_well", "value": "1000"});
+    page.finished(json!({"type": "settings", "denoise": "atrous"}));
+    let before = nodes();
+    let said = page.refusal(noisy.clone());
+    assert!(said.contains("noise cannot be removed here"), "{said}");
+    assert_eq!(nodes(), before);
+    assert!(page.refusal(json!({"type": "undo"})).contains("nothing to undo"));
+    assert!(page.refusal(json!({"type": "redo"})).contains("nothing to redo"));
+
+    page.finished(json!({"type": "settings", "denoise": null}));
+    page.finished(noisy);
+    page.finished(json!({"type": "undo"}));
+    page.finished(json!({"type": "settings", "denoise": "atrous"}));
+    assert!(page.refusal(json!({"type": "redo"})).contains("noise cannot be removed here"));
+    assert_eq!(nodes(), before);
+    page.finished(json!({"type": "settings", "denoise": null}));
+    page.finished(json!({"type": "redo"}));
+    assert_eq!((&page.state["undo"], &page.state["redo"]), (&json!(1), &json!(0)));
+}
+
 /// The edit that places something.
 fn placing(node: &serde_json::Value, value: &str, moving: bool) -> serde_json::Value {
     let parameter = "to_world";

@@ -1,4 +1,4 @@
-//! One picture alone: the à-trous filter without histories.
+//! The spatial part of the filter alone: à-trous wavelets without histories.
 
 use steradian_accel::Lanes;
 use steradian_math::Vec3;
@@ -14,7 +14,7 @@ use crate::image::Image;
 
 /// Filters a picture by what variance the luminance of its pixels has. Colours that are not finite are filled from
 /// their neighbours; where these have none, 0. The images have one size, with a pixel at least.
-pub(crate) fn filter_alone(
+pub(crate) fn filter_spatially(
     surfaces: &Image<Surface>,
     colors: &Image<Vec3>,
     variance: &Image<f32>,
