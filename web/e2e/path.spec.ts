@@ -22,8 +22,11 @@ test('the path of a pixel of the Cornell box begins there, adds up to its sample
     expect(Math.abs(sum - first.value[c])).toBeLessThan(1e-5 * (1 + first.value[c]));
   }
   // The first dot lies within the pixel, a point of the screen wide.
-  const dot = (await view.locator('.path .vertex circle').first().boundingBox())!;
-  const [cx, cy] = [dot.x + dot.width / 2, dot.y + dot.height / 2];
+  // Measured within the page: the drawing may be drawn anew at any time.
+  const [cx, cy] = await view.evaluate(() => {
+    const dot = document.querySelector('.path .vertex circle')!.getBoundingClientRect();
+    return [dot.x + dot.width / 2, dot.y + dot.height / 2] as const;
+  });
   expect(Math.max(Math.abs(cx - x), Math.abs(cy - y))).toBeLessThanOrEqual(0.51);
 
   const next = await path(() => view.getByRole('button', { name: 'Next sample' }).click());
