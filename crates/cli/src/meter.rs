@@ -23,7 +23,8 @@ use steradian::{
 /// `steradian meter`.
 #[derive(Args, Clone, Debug)]
 #[command(
-    after_help = "Without --normal and --direction the scalar irradiance is measured, of light from all sides. ± is half the width of \
+    after_help = "Without --normal and --direction the scalar irradiance is measured, of light from all sides; with --flux what leaves the \
+                  ball: of a lamp within, all its light. ± is half the width of \
                   the 95 % confidence interval. Units: a radiance of RGB 1 is D65 of 72983 cd/m² (docs/photometry.md)."
 )]
 pub struct MeterArgs {
@@ -39,6 +40,10 @@ pub struct MeterArgs {
     /// Radiance and luminance that arrive from this direction, which points away from the meter
     #[arg(long, value_name = "X,Y,Z", value_parser = values::direction, allow_hyphen_values = true)]
     pub direction: Option<[f32; 3]>,
+    /// Flux, in W and lm, instead: onto a disc of this radius on the side of the normal; without one, out of a ball
+    #[arg(long, value_name = "RADIUS", value_parser = values::radius, conflicts_with = "direction")]
+    #[arg(allow_hyphen_values = true)]
+    pub flux: Option<f32>,
     /// Samples; 1k is 1000
     #[arg(long, value_name = "N", default_value = "64k", value_parser = values::spp, allow_hyphen_values = true)]
     pub spp: u32,
@@ -80,8 +85,10 @@ struct Answer<'a> {
     at: [f32; 3],
     normal: Option<[f32; 3]>,
     direction: Option<[f32; 3]>,
+    /// Of the disc or ball.
+    radius: Option<f32>,
     color: &'static str,
-    /// `radiance`, `irradiance` or `scalar irradiance`.
+    /// `radiance`, `irradiance`, `scalar irradiance` or `flux`.
     quantity: &'static str,
     /// Linear Rec.709.
     rgb: [Interval; 3],
@@ -114,11 +121,13 @@ pub fn run(args: &MeterArgs, terminal: Terminal) -> Outcome {
     let opened = open::open(&args.scene, &args.scene_options, None);
     let scene = opened.into_scene(&args.scene, args.scene_options.strict, terminal)?.scene;
     let unit = |v: [f32; 3]| Vec3::from(v).normalize();
-    let (at, receiver) = (Vec3::from(args.at), (args.normal, args.direction));
-    let receiver = match receiver {
-        (Some(n), _) => Receiver::Plane(at, unit(n)),
-        (None, Some(d)) => Receiver::Radiance(at, unit(d)),
-        (None, None) => Receiver::Sphere(at),
+    let at = Vec3::from(args.at);
+    let receiver = match (args.normal, args.direction, args.flux) {
+        (Some(n), _, Some(r)) => Receiver::Disc(at, unit(n), r),
+        (Some(n), _, None) => Receiver::Plane(at, unit(n)),
+        (None, Some(d), _) => Receiver::Radiance(at, unit(d)),
+        (None, None, Some(r)) => Receiver::Ball(at, r),
+        (None, None, None) => Receiver::Sphere(at),
     };
     let reading = meter::read(&scene, &receiver, &settings(args, &scene, terminal));
     if reading.nonfinite > 0 {
@@ -163,11 +172,13 @@ fn answer<'a>(args: &'a MeterArgs, scene: &Scene, r: &Reading) -> Answer<'a> {
         at: args.at,
         normal: args.normal,
         direction: args.direction,
+        radius: args.flux,
         color: if scene.mode() == ColorMode::Spectral { "spectral" } else { "rgb" },
-        quantity: match (args.normal, args.direction) {
-            (Some(_), _) => "irradiance",
-            (None, Some(_)) => "radiance",
-            (None, None) => "scalar irradiance",
+        quantity: match (args.normal, args.direction, args.flux) {
+            (.., Some(_)) => "flux",
+            (Some(_), ..) => "irradiance",
+            (None, Some(_), _) => "radiance",
+            (None, None, _) => "scalar irradiance",
         },
         rgb: r.rgb.map(Interval::from),
         rgb_unit: r.quantity.spectral_unit(),
@@ -193,6 +204,7 @@ impl Answer<'_> {
         let luminous = match self.quantity {
             "radiance" => "luminance",
             "irradiance" => "illuminance",
+            "flux" => "luminous flux",
             _ => "scalar illuminance",
         };
         let _ = writeln!(out, "{luminous:<26}{} {}", shown(&self.luminous), self.luminous_unit);

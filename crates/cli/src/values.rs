@@ -144,6 +144,12 @@ pub fn direction(text: &str) -> Result<[f32; 3], String> {
         .ok_or_else(|| "a direction X,Y,Z is needed, such as 0,1,0, not of length zero".into())
 }
 
+/// A length above zero.
+pub fn radius(text: &str) -> Result<f32, String> {
+    let of = |v: &f32| *v >= 1e-15 && *v <= 1e15;
+    text.trim().parse().ok().filter(of).ok_or_else(|| "a length above zero is needed, such as 0.5".into())
+}
+
 /// Four wavelengths.
 pub fn wavelengths(text: &str) -> Result<[f32; 4], String> {
     let visible = |v: &[f32; 4]| v.iter().all(|l| (360.0..=830.0).contains(l));

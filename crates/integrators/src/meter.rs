@@ -101,13 +101,15 @@ pub fn read(scene: &Scene, receiver: &Receiver, settings: &Settings) -> Reading 
 
 /// A plane's point, moved off a surface that it may lie on.
 fn off_surface(scene: &Scene, receiver: &Receiver) -> Receiver {
+    let off = |p: Vec3, n: Vec3| {
+        let bounds = scene.bounds();
+        let size = if bounds.is_empty() { 0.0 } else { bounds.diagonal().length() };
+        let step = 1e-6 * (size + p.abs().max_element());
+        p + n * if step.is_finite() { step } else { 0.0 }
+    };
     match *receiver {
-        Receiver::Plane(p, n) => {
-            let bounds = scene.bounds();
-            let size = if bounds.is_empty() { 0.0 } else { bounds.diagonal().length() };
-            let step = 1e-6 * (size + p.abs().max_element());
-            Receiver::Plane(p + n * if step.is_finite() { step } else { 0.0 }, n)
-        }
+        Receiver::Plane(p, n) => Receiver::Plane(off(p, n), n),
+        Receiver::Disc(p, n, r) => Receiver::Disc(off(p, n), n, r),
         other => other,
     }
 }
@@ -165,7 +167,11 @@ fn reading(mode: ColorMode, receiver: &Receiver, sums: &[Sums], samples: u32) ->
     };
     let y = estimate(4);
     Reading {
-        quantity: if matches!(receiver, Receiver::Radiance(..)) { Quantity::Radiance } else { Quantity::Irradiance },
+        quantity: match receiver {
+            Receiver::Radiance(..) => Quantity::Radiance,
+            Receiver::Plane(..) | Receiver::Sphere(_) => Quantity::Irradiance,
+            Receiver::Disc(..) | Receiver::Ball(..) => Quantity::Flux,
+        },
         rgb: [0, 1, 2].map(estimate),
         radiant: (mode == ColorMode::Spectral).then(|| estimate(3)),
         luminous: Estimate { value: photometric_from_y(y.value), plus_minus: photometric_from_y(y.plus_minus) },

@@ -7,7 +7,7 @@ use steradian_core::{
     scene::SHADOW_END,
 };
 use steradian_engine::PathContext;
-use steradian_math::{Frame, Ray, Spectrum, Vec3, warp};
+use steradian_math::{Frame, Ray, Spectrum, Vec2, Vec3, warp};
 use steradian_transport::{NoGuide, PathState, attenuation, power_heuristic};
 
 /// What a receiver takes. Its medium is that of the camera.
@@ -19,9 +19,37 @@ pub enum Receiver {
     Plane(Vec3, Vec3),
     /// Scalar irradiance (fluence rate) at a point: `∫ L dω` over all directions.
     Sphere(Vec3),
+    /// Flux that arrives on a disc about a point, on the side of a unit normal, by its radius.
+    Disc(Vec3, Vec3, f32),
+    /// Flux that leaves a ball about a point, by its radius: of a lamp within, all that it gives.
+    Ball(Vec3, f32),
 }
 
 impl Receiver {
+    /// The area that light is received on; `None` for a point.
+    pub(crate) fn area(&self) -> Option<f32> {
+        match self {
+            Self::Disc(_, _, r) => Some(PI * r * r),
+            Self::Ball(_, r) => Some(4.0 * PI * r * r),
+            _ => None,
+        }
+    }
+
+    /// A receiver at a point of the area, evenly drawn; one of a point is that.
+    fn at(&self, u: Vec2) -> Self {
+        match *self {
+            Self::Disc(p, n, r) => {
+                let place = warp::concentric_disk(u) * r;
+                Self::Plane(p + Frame::from_z(n).to_world(place.extend(0.0)), n)
+            }
+            Self::Ball(p, r) => {
+                let w = warp::uniform_sphere(u);
+                Self::Plane(p + w * r, -w)
+            }
+            point => point,
+        }
+    }
+
     /// How much of the radiance of a direction counts.
     fn weight(&self, w: Vec3) -> f32 {
         match self {
@@ -40,6 +68,16 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
     /// One sample of what a receiver takes: of directions by a light sample and a direction in proportion to the
     /// weight, combined by the power heuristic.
     pub(crate) fn received(&self, receiver: &Receiver, context: &mut PathContext<'_, '_>) -> Spectrum {
+        match receiver.area() {
+            Some(area) => {
+                let place = receiver.at(context.sampler.get_2d(dimension::FILM));
+                self.received_at(&place, context) * area
+            }
+            None => self.received_at(receiver, context),
+        }
+    }
+
+    fn received_at(&self, receiver: &Receiver, context: &mut PathContext<'_, '_>) -> Spectrum {
         let time = context.lambda.time;
         let (p, n) = match *receiver {
             Receiver::Radiance(p, w) => {
@@ -47,7 +85,7 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
                 return self.along(PathState::camera(context.scene, ray), None::<&NoGuide>, context, Spectrum::ZERO);
             }
             Receiver::Plane(p, n) => (p, n),
-            Receiver::Sphere(p) => (p, Vec3::ZERO),
+            Receiver::Sphere(p) | Receiver::Disc(p, ..) | Receiver::Ball(p, _) => (p, Vec3::ZERO),
         };
         let at = LightContext { p, n };
         let sampled = match context.scene.lights().can_sample() {

@@ -230,3 +230,24 @@ fn meters_agree_with_mitsuba() {
         }
     }
 }
+
+/// Flux onto a disc: of a point light above its middle `2π I (1 − cos α)`, of an even sky `π L` for each area; and out
+/// of a ball: `4π I` of a point light anywhere within, `π L A` of a disc that shines to one side, and of what crosses
+/// it from outside `π L` for each area.
+#[test]
+fn flux_has_its_closed_forms() {
+    let point =
+        "<emitter type='point'><point name='position' x='0' y='0' z='2'/><rgb name='intensity' value='3'/></emitter>";
+    let onto = |r: f32| Receiver::Disc(Vec3::ZERO, Vec3::Z, r);
+    for r in [0.5f32, 3.0] {
+        let cos = 2.0 / 2f64.hypot(f64::from(r));
+        assert_is(read(point, onto(r)).rgb[0], 2.0 * PI * 3.0 * (1.0 - cos), 1e-3);
+    }
+    let sky = "<emitter type='constant'><rgb name='radiance' value='2, 1, 0.5'/></emitter>";
+    assert_is(read(sky, onto(0.5)).rgb[0], 2.0 * PI * PI * 0.25, 1e-3);
+    let lamp = read(point, Receiver::Ball(Vec3::new(0.5, 0.2, 1.5), 1.0));
+    assert_is(lamp.rgb[0], 4.0 * PI * 3.0, 2e-3);
+    assert_is(lamp.luminous, 683.0 * 106.857 * 12.0 * PI, 2e-3);
+    assert_is(read(DISC, Receiver::Ball(Vec3::Z, 1.5)).rgb[0], PI * PI, 1e-2);
+    assert_is(read(sky, Receiver::Ball(Vec3::ZERO, 0.5)).rgb[1], PI * PI, 1e-3);
+}

@@ -8,13 +8,13 @@ use steradian_math::color::{
     models,
     space::REC709,
     transfer,
-    xyz::xyy_from_xyz,
+    xyz::{cie_rgb_from_xyz, xyy_from_xyz},
 };
 
 pub const EXPERIMENT: Experiment = Experiment {
     name: "color",
-    doc: "a colour in XYZ, xyY, CIELAB, HSV, HSL, YCoCg, Oklab and XYB, and its difference from another",
-    source: "CIE 15:2004; CIE 116-1995; CIE 142-2001; Smith 1978; Malvar, Sullivan 2003; Ottosson 2020; ISO/IEC 18181-1",
+    doc: "a colour in XYZ, xyY, CIE 1931 RGB, CIELAB, HSV, HSL, YCoCg, Oklab and XYB, and its difference from another",
+    source: "CIE 1931; CIE 15:2004; CIE 116-1995; CIE 142-2001; Smith 1978; Malvar, Sullivan 2003; Ottosson 2020; ISO/IEC 18181-1",
     parameters: &[
         Parameter::number("red", 200.0, (0.0, 255.0), "", "sRGB component of the colour"),
         Parameter::number("green", 120.0, (0.0, 255.0), "", "sRGB component"),
@@ -42,6 +42,7 @@ fn run(values: &Values) -> Result<Report, Error> {
     group(["X", "Y", "Z"], xyz);
     let [x, y, _] = xyy_from_xyz(xyz);
     group(["x", "y", "luminance"], DVec3::new(x, y, xyz.y));
+    group(["CIE R", "CIE G", "CIE B"], cie_rgb_from_xyz() * xyz);
     group(["L*", "a*", "b*"], lab_from_xyz(xyz, white));
     group(["HSV hue (°)", "HSV saturation", "HSV value"], models::hsv_from_rgb(srgb));
     group(["HSL hue (°)", "HSL saturation", "HSL lightness"], models::hsl_from_rgb(srgb));

@@ -15,12 +15,13 @@ pub fn xyy_from_xyz(xyz: DVec3) -> [f64; 3] {
 
 /// XYZ from CIE 1931 RGB (primaries 700 nm, 546.1 nm and 435.8 nm, white E): the integers of the 1931 resolutions over
 /// 0.17697. Each row sums to 1/0.17697, so that equal RGB is equal XYZ.
-pub fn xyz_from_cie_rgb() -> DMat3 {
+fn xyz_from_cie_rgb() -> DMat3 {
     let rows = [[0.49, 0.31, 0.20], [0.17697, 0.81240, 0.01063], [0.0, 0.01, 0.99]];
     DMat3::from_cols_array_2d(&rows).transpose() * (1.0 / 0.17697)
 }
 
-/// CIE 1931 RGB from XYZ: the inverse of [`xyz_from_cie_rgb`].
+/// CIE 1931 RGB (primaries 700 nm, 546.1 nm and 435.8 nm, white E) from XYZ: the inverse of the matrix of the 1931
+/// resolutions, times 0.17697 of which equal RGB of 1 is equal XYZ of 5.65.
 pub fn cie_rgb_from_xyz() -> DMat3 {
     xyz_from_cie_rgb().inverse()
 }
