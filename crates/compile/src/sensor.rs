@@ -1,12 +1,54 @@
-//! The sensor of a film: what adds noise to the picture.
+//! The sensor of a film: how it sees colours, and what adds noise to the picture.
 
 use super::Compiler;
+use std::sync::Arc;
 use steradian_image::Sensor;
-use steradian_scene::Node;
+use steradian_math::spectra::{ColorMode, Response};
+use steradian_scene::{Node, names};
 
 const NAMES: [&str; 5] = ["full_well", "read_noise", "dark_current", "bits", "noise_seed"];
 
+/// The sensor that is the CIE 1931 observer.
+const OBSERVER: &str = "cie1931";
+
 impl Compiler<'_> {
+    /// How the film sees colours, where that is not as the observer does without a white balance.
+    pub(super) fn response(&mut self, film: &Node) -> Option<Arc<Response>> {
+        let name = self.word(film, "sensor").unwrap_or_else(|| OBSERVER.into());
+        let balance = self.float(film, "white_balance", 0.0);
+        let at = |name: &str| film.param(name).and_then(|p| p.span).or(film.span);
+        let is_camera = name != OBSERVER;
+        if is_camera && !Response::cameras().any(|known| known == name) {
+            let help = names::did_you_mean(&name, Response::cameras().chain([OBSERVER]));
+            self.error_help(at("sensor"), format!("unknown sensor '{name}'"), help);
+            return None;
+        }
+        if !is_camera && balance == 0.0 {
+            return None;
+        }
+        // pbrt balances cameras for 6500 K where nothing else is said.
+        let kelvin = if balance == 0.0 { 6500.0 } else { f64::from(balance) };
+        let is_seen = is_camera && self.mode == ColorMode::Spectral;
+        if is_camera && !is_seen {
+            let what = format!("the sensor '{name}' needs spectra (--color spectral); the CIE 1931 observer stands in");
+            self.approximated(at("sensor"), what);
+        }
+        let response = match is_seen {
+            true => Response::camera(&name, kelvin),
+            false => Response::observer(kelvin).map(Some),
+        };
+        match response {
+            Ok(response) => response.map(Arc::new),
+            Err(_) => {
+                let what = format!(
+                    "a white balance for {kelvin} K is not known: it is above 0 and at most 25000 K, 0 for none"
+                );
+                self.error(at("white_balance"), what);
+                None
+            }
+        }
+    }
+
     /// The sensor, where the film names a full well.
     pub(super) fn sensor(&mut self, film: &Node) -> Option<Sensor> {
         // The other parameters are checked elsewhere.

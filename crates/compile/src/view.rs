@@ -197,17 +197,6 @@ impl Compiler<'_> {
             self.error_help(span, format!("a film of {w} x {h} pixels cannot be made; at most {most} pixels"), help);
             return None;
         }
-        if let Some(sensor) = self.word(node, "sensor")
-            && sensor != "cie1931"
-        {
-            self.approximated(
-                node.span,
-                format!("film sensor '{sensor}' is not implemented; the CIE 1931 observer stands in"),
-            );
-        }
-        if self.float(node, "white_balance", 0.0) != 0.0 {
-            self.approximated(node.span, "white balance is not implemented; colours are those of D65");
-        }
         let is_irradiance = self.chosen_camera().is_some_and(|c| self.node(c).kind == "irradiance_meter");
         let receives = if is_irradiance { std::f32::consts::PI } else { 1.0 };
         let imaging_ratio =
@@ -218,9 +207,9 @@ impl Compiler<'_> {
             None if node.get("max_component").is_none() => f32::INFINITY,
             _ => self.positive(node, "max_component", 1.0),
         };
-        let sensor = self.sensor(node);
+        let (response, sensor) = (self.response(node), self.sensor(node));
         let filter = self.filter()?;
-        Some(FilmSpec { width, height, crop, filter, imaging_ratio, max_component, sensor })
+        Some(FilmSpec { width, height, crop, filter, imaging_ratio, max_component, response, sensor })
     }
 
     fn filter(&mut self) -> Option<Filter> {

@@ -1,10 +1,11 @@
 //! What a film is like: its size, the part that is rendered, its filter, and how it takes radiance.
 
 use crate::Filter;
+use std::sync::Arc;
 use steradian_image::Sensor;
 use steradian_math::{
     Spectrum, Vec3,
-    spectra::{ColorMode, Wavelengths},
+    spectra::{ColorMode, Response, Wavelengths},
 };
 
 /// The rectangle of pixels that is rendered, within the full frame. Half open: `x0 ≤ x < x1`.
@@ -47,6 +48,8 @@ pub struct FilmSpec {
     pub imaging_ratio: f32,
     /// Samples with a larger component are scaled down to it; infinite where nothing is clamped.
     pub max_component: f32,
+    /// How light becomes colours; `None` for the CIE 1931 observer.
+    pub response: Option<Arc<Response>>,
     /// What adds noise when the film is developed; `None` for a picture without noise of its own.
     pub sensor: Option<Sensor>,
 }
@@ -69,9 +72,18 @@ impl FilmSpec {
         exposed
     }
 
+    /// The colour of light that is [exposed](Self::exposed), in linear Rec.709.
+    #[inline]
+    pub fn to_rgb(&self, light: Spectrum, lambda: &Wavelengths, mode: ColorMode) -> Vec3 {
+        match &self.response {
+            None => mode.to_rgb(light, lambda),
+            Some(response) => response.to_rgb(mode, light, lambda),
+        }
+    }
+
     /// A sample's radiance as it is added to a pixel: [exposed](Self::exposed), in linear Rec.709.
     #[inline]
     pub fn developed(&self, radiance: Spectrum, lambda: &Wavelengths, mode: ColorMode) -> Vec3 {
-        mode.to_rgb(self.exposed(radiance), lambda)
+        self.to_rgb(self.exposed(radiance), lambda, mode)
     }
 }

@@ -211,7 +211,7 @@ impl<'s> Recorder<'s> {
         // Films clamp samples as a whole.
         let (all, kept) = (self.total.max_element(), exposed.max_element());
         let scale = if all > 0.0 && all.is_finite() { kept / all } else { self.scene.film().imaging_ratio };
-        let rgb = |light: Spectrum| mode.to_rgb(light * scale, lambda) * weight;
+        let rgb = |light: Spectrum| self.scene.film().to_rgb(light * scale, lambda, mode) * weight;
         let factors = |beta: Spectrum| match mode {
             ColorMode::Rgb => mode.to_rgb(beta, lambda),
             ColorMode::Spectral if lambda.is_secondary_terminated() => Vec3::splat(beta[0]),
@@ -231,7 +231,7 @@ impl<'s> Recorder<'s> {
         TracedPath {
             vertices: vertices.collect(),
             end: self.end.unwrap_or(if is_deep { End::Depth } else { End::Absorbed }),
-            value: mode.to_rgb(exposed, lambda) * weight,
+            value: self.scene.film().to_rgb(exposed, lambda, mode) * weight,
             time,
         }
     }

@@ -168,7 +168,7 @@ impl Rasterizer {
         }
         let exposed = scene.film().exposed(radiance);
         let scale = if exposed.is_black() { 0.0 } else { exposed.max_element() / radiance.max_element() };
-        let rgb = |light| scene.mode().to_rgb(light, &lambda) * drawing.weight;
+        let rgb = |light| scene.film().to_rgb(light, &lambda, scene.mode()) * drawing.weight;
         Found { value: rgb(exposed), lights: counters.by_group.iter().map(|light| rgb(*light * scale)).collect() }
     }
 }

@@ -21,8 +21,19 @@ const FILM: &[Parameter] = &[
     .unit("pixels"),
     number("iso", POSITIVE, "100", "sensitivity: the picture's factor is exposure_time · iso / 100").refused(),
     number("exposure_time", POSITIVE, "1", "exposure time").unit("s").refused(),
-    text("sensor", "cie1931", "the sensor; every other one is approximated by this one"),
-    number("white_balance", ANY, "0", "temperature of white; every other one than 0 is approximated by D65").unit("K"),
+    text(
+        "sensor",
+        "cie1931",
+        "the CIE 1931 observer, or a camera by its name in pbrt-v4, such as nikon_d850 (docs/sensors.md)",
+    ),
+    number(
+        "white_balance",
+        (0.0, 25_000.0),
+        "0; 6500 for cameras",
+        "colour temperature of daylight that is seen as white; 0 for no balance",
+    )
+    .unit("K")
+    .refused(),
     number("max_component", POSITIVE, "none", "samples whose largest component is above are scaled down to it")
         .refused(),
     number("full_well", (f64::MIN_POSITIVE, 1e9), "none", "electrons of a full pixel; with it the picture has noise")

@@ -1,4 +1,4 @@
-//! Noise of sensors: by a film's parameters, and by `convert --sensor`.
+//! Sensors: colours and noise by a film's parameters, and noise by `convert --sensor`.
 
 use crate::Place;
 
@@ -72,4 +72,54 @@ fn bad_sensors_are_refused_with_their_place() {
         place.refuse(2, &["convert", "a.exr", "b.exr", "--sensor", sensor], &[about]);
     }
     place.refuse(2, &["convert", "full.steradian", "b.pbrt", "--sensor", "full_well=9"], &["--sensor is for pictures"]);
+}
+
+/// A pbrt film's camera and white balance: light of 2856 K is orange to the observer, nearly white where the balance is
+/// for it, and to a camera what pbrt-v4's definition and tables make of it in numpy. In RGB mode the observer stands
+/// in, and a message says so.
+#[test]
+fn films_see_by_the_sensor_that_pbrt_names() {
+    let place = Place::new();
+    let scene = |film: &str| {
+        format!(
+            "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8 {film}\nCamera \"perspective\"\nWorldBegin\n\
+             LightSource \"infinite\" \"blackbody L\" 2856 \"float scale\" 1\n"
+        )
+    };
+    let seen = |film: &str, more: &[&str]| {
+        place.file("seen.pbrt", &scene(film));
+        let args = [&["render", "seen.pbrt", "--spp", "64", "-q", "-o", "seen.exr"], more].concat();
+        let said = place.succeed(&args).stderr;
+        let picture = place.picture("seen.exr");
+        let rgb = picture.rgb().unwrap();
+        let mean = |of: &[f32]| of.iter().sum::<f32>() / 64.0;
+        ([mean(&rgb.r), mean(&rgb.g), mean(&rgb.b)], said)
+    };
+    let near = |found: [f32; 3], expected: [f32; 3]| {
+        let close = found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 0.015 * b);
+        assert!(close, "{found:?}, not {expected:?}");
+    };
+    let (plain, said) = seen("", &[]);
+    assert!(plain[0] > 1.5 * plain[1] && plain[1] > 2.0 * plain[2] && said.is_empty(), "{plain:?} {said}");
+    let (balanced, _) = seen("\"float whitebalance\" 2856", &[]);
+    near(balanced, [balanced[1]; 3]);
+    let (camera, said) = seen("\"string sensor\" \"nikon_d850\" \"float whitebalance\" 2856", &["--strict"]);
+    near(camera, [0.9739, 1.0055, 0.9631]);
+    assert!(said.is_empty(), "{said}");
+    let (camera, _) = seen("\"string sensor\" \"nikon_d850\"", &[]);
+    near(camera, [1.8722, 0.8434, 0.2719]);
+    let refused = ["the sensor 'nikon_d850' needs spectra", "seen.pbrt:1"];
+    place.refuse(2, &["render", "seen.pbrt", "--color", "rgb", "--strict", "-o", "a.png"], &refused);
+
+    place.file("seen.pbrt", &scene("\"string sensor\" \"nikon_d950\""));
+    let refused = ["unknown sensor 'nikon_d950'", "did you mean 'nikon_d850'?", "seen.pbrt:1"];
+    place.refuse(2, &["render", "seen.pbrt", "-o", "a.png"], &refused);
+    for kelvin in ["-5", "26000"] {
+        place.file("seen.pbrt", &scene(&format!("\"float whitebalance\" {kelvin}")));
+        place.refuse(
+            2,
+            &["render", "seen.pbrt", "-o", "a.png"],
+            &["a white balance for", kelvin, "25000 K", "seen.pbrt:1:81"],
+        );
+    }
 }

@@ -172,6 +172,7 @@ mod tests {
             filter: Filter::new(FilterKind::Box, Vec2::splat(0.5)).unwrap(),
             imaging_ratio: 1.0,
             max_component: f32::INFINITY,
+            response: None,
             sensor: None,
         }
     }

@@ -102,9 +102,9 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
             for (sum, light) in lights[number * groups..][..groups].iter_mut().zip(&mut counters.by_group) {
                 let scale = if l.is_black() { 0.0 } else { l.max_element() / pixel_sample.radiance.max_element() };
                 let light = std::mem::replace(light, Spectrum::ZERO) * scale;
-                *sum += scene.mode().to_rgb(light, &pixel_sample.lambda) * (*weight / m.paths as f32);
+                *sum += scene.film().to_rgb(light, &pixel_sample.lambda, scene.mode()) * (*weight / m.paths as f32);
             }
-            m.sum += scene.mode().to_rgb(l, &pixel_sample.lambda) * *weight;
+            m.sum += scene.film().to_rgb(l, &pixel_sample.lambda, scene.mode()) * *weight;
             m.rays += pixel_sample.rays;
             hits.extend(hit.map(|hit| (number, hit)));
         }

@@ -319,7 +319,7 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
             self.integrator.group(scene, self.prepared, pixel_samples, buffer, counters);
             for (&(number, weight), pixel_sample) in taking.iter().zip(&*pixel_samples) {
                 let (l, hit) = self.exposed(pixel_sample);
-                members[number].sum += scene.mode().to_rgb(l, &pixel_sample.lambda) * weight;
+                members[number].sum += scene.film().to_rgb(l, &pixel_sample.lambda, scene.mode()) * weight;
                 if let Some(hit) = hit.filter(|_| members[number].kept.is_some()) {
                     hits.push((number, hit));
                 }

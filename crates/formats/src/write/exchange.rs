@@ -232,6 +232,7 @@ fn is_default(name: &str, value: &Value) -> bool {
         | "displacement_middle"
         | "edge_pixels"
         | "film_thickness"
+        | "white_balance"
         | "bump"
         | "displacement" => number == Some(0.0),
         "normal_map_strength" | "displacement_scale" | "alpha" => number == Some(1.0),
@@ -241,6 +242,7 @@ fn is_default(name: &str, value: &Value) -> bool {
         "displacement_vector" => matches!(value, Value::Bool(false)),
         "normal_map_filter" | "compensation" => matches!(value, Value::String(word) if word == "none"),
         "fresnel" => matches!(value, Value::String(word) if word == "exact" || word == "dielectric"),
+        "sensor" => matches!(value, Value::String(word) if word == "cie1931"),
         "normal_map_code" => matches!(value, Value::String(word) if word == "xyz"),
         _ => false,
     }

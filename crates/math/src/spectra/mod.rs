@@ -16,6 +16,7 @@ pub mod named;
 pub mod parse;
 pub mod photometry;
 mod reradiation;
+mod response;
 pub mod role;
 pub mod spd;
 pub mod wavelengths;
@@ -28,6 +29,7 @@ pub use mode::ColorMode;
 pub use named::{d65, named};
 pub use parse::parse_spd;
 pub use reradiation::{BispectralTable, Reradiation};
+pub use response::Response;
 pub use spd::Spd;
 pub use wavelengths::Wavelengths;
 

@@ -52,7 +52,7 @@ impl Writer<'_> {
         }
         if let Some(film) = desc.film.map(|f| self.x.node(f)) {
             self.x.note(film, "the size of the frame, its filter and its sampler are no part of glTF");
-            self.x.without(film, &["full_well"]);
+            self.x.without(film, &["full_well", "sensor", "white_balance"]);
         }
         if !self.shines && self.lights.is_empty() {
             let text = "nothing in the glTF file lights it: programs that read it add a sky of their own";

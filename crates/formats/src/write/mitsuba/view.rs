@@ -165,7 +165,7 @@ impl Writer<'_> {
             if film.float("max_component").is_some_and(|v| v.is_finite() && v < f64::from(f32::MAX)) {
                 self.x.without(film, &["max_component"]);
             }
-            self.x.without(film, &["full_well"]);
+            self.x.without(film, &["full_well", "sensor", "white_balance"]);
         }
         let filter = self.filter();
         out.child(filter)

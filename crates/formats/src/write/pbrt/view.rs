@@ -124,6 +124,12 @@ impl Writer<'_> {
             if let Some(most) = film.float("max_component").filter(|v| v.is_finite() && *v > 0.0) {
                 out.float("maxcomponentvalue", most);
             }
+            if let Some(sensor) = film.string("sensor").filter(|name| *name != "cie1931") {
+                out.string("sensor", sensor);
+            }
+            if let Some(kelvin) = film.float("white_balance").filter(|v| *v != 0.0) {
+                out.float("whitebalance", kelvin);
+            }
             self.x.without(film, &["full_well"]);
         }
         self.put(&out);
