@@ -14,7 +14,7 @@ pub fn towards(
 ) -> Spectrum {
     let scene = context.scene;
     if scene.is_see_through() {
-        return visibility(ray, (medium, number), context);
+        return along(ray, (medium, number), None, context);
     }
     context.counters.rays += 1;
     if scene.occluded(&ray) {
@@ -28,15 +28,33 @@ pub fn towards(
 pub fn passed(medium: u32, (ray, distance): (&Ray, f32), number: f32, context: &PathContext<'_, '_>) -> Spectrum {
     let (scene, lambda) = (context.scene, &*context.lambda);
     let medium = &scene.media()[medium as usize];
+    let Some(field) = &medium.field else { return medium.transmittance(distance, lambda) };
+    let (stop, mut glow) = (&context.counters.stop, Spectrum::ZERO);
+    Stretch { medium, field, ray, distance, lambda, stop }.estimate_transmittance(scene, number, &mut glow)
+}
+
+/// What a medium gives off over a distance, and what passes it.
+fn glowing(m: u32, (ray, distance): (&Ray, f32), number: f32, context: &PathContext<'_, '_>) -> [Spectrum; 2] {
+    let (scene, lambda) = (context.scene, &*context.lambda);
+    let medium = &scene.media()[m as usize];
     match &medium.field {
-        None => medium.transmittance(distance, lambda),
-        Some(field) => Stretch { medium, field, ray, distance, lambda, stop: &context.counters.stop }
-            .estimate_transmittance(scene, number),
+        None => [medium.glow_over(distance, lambda), medium.transmittance(distance, lambda)],
+        Some(field) => {
+            let stretch = Stretch { medium, field, ray, distance, lambda, stop: &context.counters.stop };
+            let mut glow = Spectrum::ZERO;
+            let passed = stretch.estimate_transmittance(scene, number, &mut glow);
+            [glow, passed]
+        }
     }
 }
 
-/// Transmittance through whatever light passes straight.
-fn visibility(mut ray: Ray, (mut medium, number): (Option<u32>, f32), context: &mut PathContext<'_, '_>) -> Spectrum {
+/// Transmittance through whatever light passes straight. Adds what a medium gives off on the way, where one is given.
+pub fn along(
+    mut ray: Ray,
+    (mut medium, number): (Option<u32>, f32),
+    mut glow: Option<(u32, &mut Spectrum)>,
+    context: &mut PathContext<'_, '_>,
+) -> Spectrum {
     let (scene, mut t) = (context.scene, Spectrum::ONE);
     for _ in 0..MAX_PASSES {
         if context.counters.stop.is_asked() {
@@ -46,7 +64,14 @@ fn visibility(mut ray: Ray, (mut medium, number): (Option<u32>, f32), context: &
         let hit = scene.intersect(&ray);
         if let Some(m) = medium {
             let distance = hit.as_ref().map_or(ray.t_max, |h| h.t);
-            t *= passed(m, (&ray, distance), number, context);
+            t *= match &mut glow {
+                Some((of, sum)) if *of == m => {
+                    let [given_off, passed] = glowing(m, (&ray, distance), number, context);
+                    **sum += t * given_off;
+                    passed
+                }
+                _ => passed(m, (&ray, distance), number, context),
+            };
             if t.is_black() {
                 return t;
             }

@@ -4,7 +4,7 @@
 use crate::{
     Depth, MAX_PASSES,
     flight::{self, Flight},
-    live_max, nee,
+    glow, live_max, nee,
     sink::{Sink, Step},
     state::PathState,
     tracking::Stretch,
@@ -62,10 +62,14 @@ pub fn meet<'s, const MEDIA: bool>(
             let distance = hit.as_ref().map_or(f32::INFINITY, |h| h.t);
             let u = sampler.get_1d(path_state.dimension(dimension::FLIGHT));
             let lane = sampler.get_1d(path_state.dimension(dimension::LANE));
+            let weight = match scattering.glow {
+                Some(_) => glow::weight(scene, medium, &path_state.origin, path_state.ray.direction),
+                None => 1.0,
+            };
             let flight = match &scattering.field {
                 None => {
                     if scattering.glow.is_some() {
-                        sink.add(path_state.beta * scattering.glow_over(distance, lambda));
+                        sink.add(path_state.beta * scattering.glow_over(distance, lambda) * weight);
                     }
                     flight::sample_flight(scene, scattering, distance, lane, u, lambda)
                 }
@@ -73,7 +77,7 @@ pub fn meet<'s, const MEDIA: bool>(
                     let (mut glow, ray, stop) = (Spectrum::ZERO, &path_state.ray, &counters.stop);
                     let stretch = Stretch { medium: scattering, field, ray, distance, lambda, stop };
                     let flight = stretch.sample_flight(scene, (lane, u), &mut glow);
-                    sink.add(path_state.beta * glow);
+                    sink.add(path_state.beta * glow * weight);
                     flight
                 }
             };

@@ -7,6 +7,7 @@ pub mod attenuation;
 mod differential_tests;
 pub mod flight;
 mod follow;
+pub mod glow;
 mod guide;
 pub mod nee;
 pub mod roulette;

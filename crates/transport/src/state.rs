@@ -1,7 +1,7 @@
 //! A path between two points that scatter.
 
 use crate::{
-    Depth,
+    Depth, glow,
     guide::{Guide, GuidedDirection},
     live_max, nee,
     roulette::{number, roulette},
@@ -92,6 +92,15 @@ impl PathState {
     /// Light straight from lights, scattered back along the path from the vertex where it arrived.
     #[inline]
     pub fn direct<const MEDIA: bool>(&self, v: &Vertex<'_>, context: &mut PathContext<'_, '_>) -> Spectrum {
+        let of_lights = self.of_lights::<MEDIA>(v, context);
+        if MEDIA && !context.scene.lamps().is_empty() {
+            return of_lights + self.beta * glow::direct(v, self.events, context);
+        }
+        of_lights
+    }
+
+    #[inline]
+    fn of_lights<const MEDIA: bool>(&self, v: &Vertex<'_>, context: &mut PathContext<'_, '_>) -> Spectrum {
         let first = v.direct::<MEDIA>(self.event_of_light(0), context);
         if self.lights == 1 {
             let light = self.beta * first;
@@ -120,8 +129,13 @@ impl PathState {
     ) {
         if !sink.is_timed() {
             sink.add(self.direct::<MEDIA>(v, context));
-        } else if let Some((light, wi, distance)) = v.direct_from::<MEDIA>(self.event_of_light(0), context) {
+            return;
+        }
+        if let Some((light, wi, distance)) = v.direct_from::<MEDIA>(self.event_of_light(0), context) {
             sink.add_direct(self.beta * light, v, wi, distance);
+        }
+        if MEDIA {
+            sink.add(self.beta * glow::direct(v, self.events, context));
         }
     }
 

@@ -87,13 +87,12 @@ impl Stretch<'_> {
         self.track((chosen, lanes), numbers(self.ray, number), scatters, emitted)
     }
 
-    /// What passes: an estimate whose mean is the transmittance.
-    pub fn estimate_transmittance(&self, scene: &Scene, number: f32) -> Spectrum {
+    /// What passes: an estimate whose mean is the transmittance; adds the light that the medium gives off on the way.
+    pub fn estimate_transmittance(&self, scene: &Scene, number: f32, emitted: &mut Spectrum) -> Spectrum {
         let lanes = lanes(scene, self.lambda);
         let mut rng = numbers(self.ray, number);
         let chosen = ((rng.next_f32() * lanes as f32) as usize).min(lanes - 1);
-        let mut emitted = Spectrum::ZERO;
-        match self.track((chosen, lanes), rng, false, &mut emitted) {
+        match self.track((chosen, lanes), rng, false, emitted) {
             Flight::Passed(part) => part,
             Flight::Scattered(..) => Spectrum::ZERO,
         }

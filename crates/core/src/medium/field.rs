@@ -1,8 +1,8 @@
 //! Media that vary: coefficients at points, and bounds on them along rays.
 
-use std::cmp::Ordering;
+use super::Cells;
 use steradian_math::{
-    Bounds3, Ray, Spectrum, Vec3,
+    Bounds3, Ray, Spectrum, Transform, Vec3,
     spectra::{
         ColorMode, Wavelengths, role,
         role::{Color, Role},
@@ -12,7 +12,7 @@ use steradian_math::{
 use steradian_texture::{Wrap, noise::gradient_noise};
 
 /// Cells of bounds along each axis, at most.
-const CELLS: usize = 16;
+pub(super) const CELLS: usize = 16;
 
 /// Numbers at the centres of the cells of a box.
 #[derive(Clone, Debug)]
@@ -220,14 +220,19 @@ impl Glow {
     }
 }
 
+/// The map of a box to the unit cube; `None` where it has no volume.
+pub fn into_cube(bounds: &Bounds3) -> Option<Affine> {
+    let extent = bounds.max - bounds.min;
+    let map = Transform::scale((Vec3::ONE / extent).as_dvec3()) * Transform::translate(-bounds.min.as_dvec3());
+    map.affine()
+}
+
 /// A medium in a box, whose coefficients are functions of the place.
 #[derive(Clone, Debug)]
 pub struct Field {
-    /// Into the unit cube that stands for the box.
-    cube_from_world: Affine,
+    cells: Cells,
     variation: Variation,
-    /// Bounds on the variation in cells of the cube.
-    cells: [usize; 3],
+    /// Bounds on the variation in the cells.
     most: Vec<f32>,
     /// The box, in the space of the medium.
     bounds: Bounds3,
@@ -237,10 +242,7 @@ pub struct Field {
 impl Field {
     /// What fills a box, which `world_from_medium` places.
     pub fn new(bounds: &Bounds3, world_from_medium: &Affine, variation: Variation, mode: ColorMode) -> Option<Self> {
-        let extent = bounds.max - bounds.min;
-        let cube_from_medium = steradian_math::Transform::scale((Vec3::ONE / extent).as_dvec3())
-            * steradian_math::Transform::translate(-bounds.min.as_dvec3());
-        let cube = cube_from_medium.affine()?;
+        let cube = into_cube(bounds)?;
         let into = world_from_medium.inverse();
         let cube_from_world = Affine { m: cube.m * into.m, inv: into.inv * cube.inv };
         let grids: Vec<&Grid> = match &variation {
@@ -248,12 +250,12 @@ impl Field {
             Variation::Density(grid) | Variation::Albedo(grid, _) => vec![grid],
             Variation::Rgb(grids) => grids.iter().flatten().collect(),
         };
-        let cells: [usize; 3] = std::array::from_fn(|a| grids.iter().map(|g| g.size[a]).max().unwrap_or(1).min(CELLS));
-        let mut most = Vec::with_capacity(cells.iter().product());
-        let scale = Vec3::from_array(cells.map(|c| 1.0 / c as f32));
-        for z in 0..cells[2] {
-            for y in 0..cells[1] {
-                for x in 0..cells[0] {
+        let count: [usize; 3] = std::array::from_fn(|a| grids.iter().map(|g| g.size[a]).max().unwrap_or(1).min(CELLS));
+        let mut most = Vec::with_capacity(count.iter().product());
+        let scale = Vec3::from_array(count.map(|c| 1.0 / c as f32));
+        for z in 0..count[2] {
+            for y in 0..count[1] {
+                for x in 0..count[0] {
                     let low = Vec3::new(x as f32, y as f32, z as f32) * scale;
                     // Rounding of the place of a point may lead into the next cell.
                     let (low, high) = (low - scale * 1e-3, low + scale * 1.001);
@@ -269,9 +271,8 @@ impl Field {
             }
         }
         (cube_from_world.m.is_finite()).then_some(Self {
-            cube_from_world,
+            cells: Cells { cube_from_world, count },
             variation,
-            cells,
             most,
             bounds: *bounds,
             mode,
@@ -280,7 +281,7 @@ impl Field {
 
     /// A point of the world in the unit cube.
     pub fn place(&self, p: Vec3) -> Vec3 {
-        self.cube_from_world.point(p)
+        self.cells.cube_from_world.point(p)
     }
 
     /// Absorption and scattering at a point of the unit cube, for the coefficients that the medium has where the
@@ -314,44 +315,12 @@ impl Field {
     /// Goes through the cells along a ray up to a distance: `visit` is given where each begins and ends, and the bound
     /// on the variation there, until it says `false`.
     pub fn walk(&self, ray: &Ray, distance: f32, mut visit: impl FnMut(f32, f32, f32) -> bool) {
-        let (o, d) = (self.cube_from_world.point(ray.origin), self.cube_from_world.vector(ray.direction));
-        let (mut begin, mut end) = (0.0_f32, distance);
-        for axis in 0..3 {
-            let (a, b) = (-o[axis] / d[axis], (1.0 - o[axis]) / d[axis]);
-            if d[axis] == 0.0 {
-                if !(0.0..=1.0).contains(&o[axis]) {
-                    return;
-                }
-                continue;
-            }
-            (begin, end) = (begin.max(a.min(b)), end.min(a.max(b)));
-        }
-        if begin.partial_cmp(&end) != Some(Ordering::Less) {
-            return;
-        }
-        let p = o + d * begin;
-        let count = Vec3::from_array(self.cells.map(|c| c as f32));
-        let mut cell: [i64; 3] =
-            std::array::from_fn(|a| ((p[a] * count[a]).floor() as i64).clamp(0, self.cells[a] as i64 - 1));
-        let step: [i64; 3] = std::array::from_fn(|a| if d[a] < 0.0 { -1 } else { 1 });
-        let border = |cell: &[i64; 3], a: usize| {
-            let edge = (cell[a] + i64::from(step[a] > 0)) as f32 / count[a];
-            if d[a] == 0.0 { f32::INFINITY } else { (edge - o[a]) / d[a] }
-        };
-        let mut at = begin;
-        loop {
-            let axis = (0..3).min_by(|a, b| border(&cell, *a).total_cmp(&border(&cell, *b))).unwrap_or(0);
-            let next = border(&cell, axis).min(end).max(at);
-            let [x, y, z] = cell.map(|c| c as usize);
-            if next > at && !visit(at, next, self.most[(z * self.cells[1] + y) * self.cells[0] + x]) {
-                return;
-            }
-            at = next;
-            cell[axis] += step[axis];
-            if at >= end || !(0..self.cells[axis] as i64).contains(&cell[axis]) {
-                return;
-            }
-        }
+        self.cells.walk(ray, distance, |begin, end, cell| visit(begin, end, self.most[cell]));
+    }
+
+    /// The unit cube that stands for the box.
+    pub fn cube(&self) -> &Affine {
+        &self.cells.cube_from_world
     }
 
     /// Bytes held.
@@ -369,7 +338,7 @@ impl Field {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use steradian_math::{Transform, hash::HashRng};
+    use steradian_math::hash::HashRng;
 
     fn field(size: [usize; 3], wrap: Wrap, from_cube: Option<Affine>) -> Field {
         let mut rng = HashRng::new(5);
@@ -396,7 +365,7 @@ mod tests {
             ([4, 2, 5], Wrap::Mirror, true),
         ] {
             let field = field(size, wrap, is_turned.then(|| turned.affine().unwrap()));
-            let world_from_cube = field.cube_from_world.inverse();
+            let world_from_cube = field.cells.cube_from_world.inverse();
             let mut total = 0;
             for _ in 0..400 {
                 let mut v = || Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());

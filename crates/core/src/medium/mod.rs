@@ -1,8 +1,12 @@
 //! Participating media: Beer–Lambert attenuation, scattering and emission.
 
+mod cells;
 mod field;
+mod lamp;
 
-pub use field::{Cloud, Field, Glow, GlowSource, Grid, Heat, Variation};
+use cells::Cells;
+pub use field::{Cloud, Field, Glow, GlowSource, Grid, Heat, Variation, into_cube};
+pub use lamp::Lamp;
 use std::sync::Arc;
 use steradian_math::{
     Spectrum, Vec2, Vec3, elementary,
@@ -51,6 +55,14 @@ impl Medium {
     pub fn scatters(&self, lambda: &Wavelengths, lanes: usize) -> bool {
         let (_, s) = self.coefficients(lambda);
         (0..lanes).any(|l| s[l] > 0.0)
+    }
+
+    /// The light that it gives off per length, at a point of the cube of its field.
+    fn glow_at(&self, p: Vec3, lambda: &Wavelengths) -> Spectrum {
+        let Some(glow) = &self.glow else { return Spectrum::ZERO };
+        let coefficients = self.coefficients(lambda);
+        let (absorbed, _) = self.field.as_ref().map_or(coefficients, |f| f.coefficients(coefficients, p, lambda));
+        absorbed * glow.eval(p, lambda)
     }
 
     /// The light that a way of a length brings to its beginning, where nothing varies: `σ_a L (1 − e^(−σ_t d))/σ_t`.

@@ -4,7 +4,9 @@ use super::{Geometry, Parts, Shape};
 use crate::{
     camera::ViewFootprint,
     material::{self, Lambertian, Model, SurfaceDetail},
+    medium::{Lamp, Medium, into_cube},
 };
+use steradian_math::Bounds3;
 
 /// What follows from the parts of a scene.
 #[derive(Clone, Debug)]
@@ -15,6 +17,8 @@ pub struct Facts {
     pub has_mixtures: bool,
     pub has_media: bool,
     pub is_see_through: bool,
+    /// Media that give off light, where it may arrive straight.
+    pub lamps: Vec<Lamp>,
     pub has_curves: bool,
     pub has_subsurface: bool,
     pub is_fluorescent: bool,
@@ -36,6 +40,8 @@ impl Facts {
         });
         let has_footprints = has_detail || textures.is_filtered();
         let world = &geometries[..parts.world_count as usize];
+        let is_see_through =
+            materials.iter().any(|m| matches!(m.model, Model::ThinDielectric { .. } | Model::Interface));
         Self {
             planes: (0..).zip(world).filter(|(_, g)| matches!(g.shape, Shape::Plane(_))).map(|(i, _)| i).collect(),
             footprints: has_footprints.then(|| camera.view_footprint(&parts.film, parts.spp)),
@@ -46,9 +52,8 @@ impl Facts {
             has_mixtures: materials.iter().any(|m| matches!(m.model, Model::Mix(..) | Model::Fluorescent(_))),
             is_fluorescent: materials.iter().any(|m| matches!(m.model, Model::Fluorescent(_))),
             has_media: parts.has_media(),
-            is_see_through: materials
-                .iter()
-                .any(|m| matches!(m.model, Model::ThinDielectric { .. } | Model::Interface)),
+            is_see_through,
+            lamps: if is_see_through { lamps(parts) } else { Vec::new() },
             has_subsurface: materials.iter().any(|m| matches!(m.model, Model::Subsurface(_))),
             has_curves: geometries.iter().any(|g| g.shape.faces_rays()),
             constants: material::constants(materials, textures),
@@ -56,6 +61,27 @@ impl Facts {
             kinds: Vec::new(),
         }
     }
+}
+
+/// The media that give off light within bounds.
+fn lamps(parts: &Parts) -> Vec<Lamp> {
+    let cube = |index: u32, medium: &Medium| match &medium.field {
+        Some(field) => Some(field.cube().clone()),
+        None => into_cube(&filled(parts, index)),
+    };
+    let glowing = (0..).zip(&parts.media).filter(|(_, m)| m.glow.is_some());
+    glowing.filter_map(|(index, m)| Lamp::new(index, m, &cube(index, m)?, parts.mode)).collect()
+}
+
+/// The box around what a medium is within.
+fn filled(parts: &Parts, medium: u32) -> Bounds3 {
+    let within = |g: &&Geometry| g.media.is_some_and(|(inner, _)| inner == Some(medium));
+    let bounds = |of: &[Geometry]| of.iter().filter(within).fold(Bounds3::EMPTY, |b, g| b.union(g.shape.bounds()));
+    let world = bounds(&parts.geometries[..parts.world_count as usize]);
+    parts.placements.iter().fold(world, |all, p| {
+        let group = bounds(&parts.geometries[p.base as usize..][..p.count as usize]);
+        if group.is_empty() { all } else { all.union(p.world_from_group.bounds(&group)) }
+    })
 }
 
 /// How a geometry scatters, where that is simple.

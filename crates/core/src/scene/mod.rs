@@ -12,7 +12,7 @@ use crate::{
     footprint::RayDifferential,
     light::{LightGroups, Lights},
     material::{self, Lambertian, Material, Model, Needs, Scattering, SurfaceDetail, detail::Base},
-    medium::Medium,
+    medium::{Lamp, Medium},
     shape::{SurfacePoint, TriMesh},
 };
 use facts::{Facts, Kind};
@@ -200,6 +200,12 @@ impl Scene {
     #[inline]
     pub fn is_see_through(&self) -> bool {
         self.facts.is_see_through
+    }
+
+    /// Media that give off light which may arrive straight, within bounds.
+    #[inline]
+    pub fn lamps(&self) -> &[Lamp] {
+        &self.facts.lamps
     }
 
     /// Whether light enters any material to leave it elsewhere.

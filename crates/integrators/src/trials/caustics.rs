@@ -127,7 +127,7 @@ fn trace<const MEDIA: bool>(
         arrive::<MEDIA>(&mut path_state, depth, &mut light, &mut arrival, context);
         match &arrival {
             Arrival::Escaped => escape(&path_state, depth, &mut light, context),
-            Arrival::Vertex(v) => light += path_state.beta * v.direct::<MEDIA>(path_state.events, context),
+            Arrival::Vertex(v) => light += path_state.direct::<MEDIA>(v, context),
             Arrival::End => {}
         }
         let light = f64::from(scene.mode().luminance(light, context.lambda) * film.imaging_ratio * share);

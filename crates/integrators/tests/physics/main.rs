@@ -11,6 +11,7 @@ mod emitters;
 mod film;
 mod furnace;
 mod glass;
+mod glow;
 mod grating;
 mod highlights;
 mod irradiance;
