@@ -14,12 +14,12 @@ const OBSERVER: &str = "cie1931";
 impl Compiler<'_> {
     /// How the film sees colours, where that is not as the observer does without a white balance.
     pub(super) fn response(&mut self, film: &Node) -> Option<Arc<Response>> {
-        let name = self.word(film, "sensor").unwrap_or_else(|| OBSERVER.into());
+        let name = self.word(film, "sensor").unwrap_or(OBSERVER);
         let balance = self.float(film, "white_balance", 0.0);
         let at = |name: &str| film.param(name).and_then(|p| p.span).or(film.span);
         let is_camera = name != OBSERVER;
         if is_camera && !Response::cameras().any(|known| known == name) {
-            let help = names::did_you_mean(&name, Response::cameras().chain([OBSERVER]));
+            let help = names::did_you_mean(name, Response::cameras().chain([OBSERVER]));
             self.error_help(at("sensor"), format!("unknown sensor '{name}'"), help);
             return None;
         }
@@ -34,7 +34,7 @@ impl Compiler<'_> {
             self.approximated(at("sensor"), what);
         }
         let response = match is_seen {
-            true => Response::camera(&name, kelvin),
+            true => Response::camera(name, kelvin),
             false => Response::observer(kelvin).map(Some),
         };
         match response {

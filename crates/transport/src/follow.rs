@@ -62,10 +62,7 @@ pub fn meet<'s, const MEDIA: bool>(
             let distance = hit.as_ref().map_or(f32::INFINITY, |h| h.t);
             let u = sampler.get_1d(path_state.dimension(dimension::FLIGHT));
             let lane = sampler.get_1d(path_state.dimension(dimension::LANE));
-            let weight = match scattering.glow {
-                Some(_) => glow::weight(scene, medium, &path_state.origin, path_state.ray.direction),
-                None => 1.0,
-            };
+            let weight = glow::weight(scene, medium, &path_state.origin, path_state.ray.direction);
             let flight = match &scattering.field {
                 None => {
                     if scattering.glow.is_some() {

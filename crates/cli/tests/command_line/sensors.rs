@@ -82,7 +82,8 @@ fn films_see_by_the_sensor_that_pbrt_names() {
     let place = Place::new();
     let scene = |film: &str| {
         format!(
-            "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8 {film}\nCamera \"perspective\"\nWorldBegin\n\
+            "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8 \
+             {film}\nCamera \"perspective\"\nWorldBegin\n\
              LightSource \"infinite\" \"blackbody L\" 2856 \"float scale\" 1\n"
         )
     };

@@ -57,7 +57,7 @@ impl Lamp {
             sum += b / total;
             sum
         });
-        let cells = Cells { cube_from_world: cube_from_world.clone(), count };
+        let cells = Cells { cube_from_world: *cube_from_world, count };
         Some(Self { medium: index, power, until: until.collect(), density, world_from_cube, cells })
     }
 

@@ -66,7 +66,7 @@ impl Facts {
 /// The media that give off light within bounds.
 fn lamps(parts: &Parts) -> Vec<Lamp> {
     let cube = |index: u32, medium: &Medium| match &medium.field {
-        Some(field) => Some(field.cube().clone()),
+        Some(field) => Some(*field.cube()),
         None => into_cube(&filled(parts, index)),
     };
     let glowing = (0..).zip(&parts.media).filter(|(_, m)| m.glow.is_some());

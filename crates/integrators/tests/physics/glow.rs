@@ -57,7 +57,7 @@ fn a_ball_that_glows_lights_a_floor() {
     }
 }
 
-/// The same by a meter, and where the ball is a grid of one density, and where two media share the light.
+/// So it is by a meter, and where the ball is a grid of one density, and where two media share the light.
 #[test]
 fn meters_and_grids_look_for_glow_as_well() {
     let depth = Depth { max: u32::MAX, roulette_after: 8, hide_emitters: false };

@@ -111,7 +111,7 @@ mod tests {
         let cases = [
             ("canon_eos_100d", 6500.0, Vec3::new(1.196377, 0.939255, 0.907037)),
             ("nikon_d850", 3200.0, Vec3::new(0.508756, 1.078608, 2.177273)),
-            ("sony_ilce_9", 5000.0, Vec3::new(1.006590, 0.947950, 1.259119)),
+            ("sony_ilce_9", 5000.0, Vec3::new(1.00659, 0.94795, 1.259119)),
         ];
         for (name, kelvin, expected) in cases {
             let found = seen(&Response::camera(name, kelvin).unwrap().unwrap(), |_| 1.0);
