@@ -22,11 +22,9 @@ use steradian::{
 
 /// `steradian meter`.
 #[derive(Args, Clone, Debug)]
-#[command(
-    after_help = "Without --normal and --direction the scalar irradiance is measured, of light from all sides; with --flux what leaves the \
-                  ball: of a lamp within, all its light. ± is half the width of \
-                  the 95 % confidence interval. Units: a radiance of RGB 1 is D65 of 72983 cd/m² (docs/photometry.md)."
-)]
+#[command(after_help = "Without --normal and --direction the scalar irradiance is measured, of light from all sides; \
+                  with --flux what leaves the ball: of a lamp within, all its light. ± is half the width of the \
+                  95 % confidence interval. Units: a radiance of RGB 1 is D65 of 72983 cd/m² (docs/photometry.md).")]
 pub struct MeterArgs {
     /// Scene file, - for standard input, or builtin:NAME
     pub scene: PathBuf,

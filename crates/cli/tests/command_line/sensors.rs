@@ -94,7 +94,7 @@ fn films_see_by_the_sensor_that_pbrt_names() {
         let picture = place.picture("seen.exr");
         let rgb = picture.rgb().unwrap();
         let mean = |of: &[f32]| of.iter().sum::<f32>() / 64.0;
-        ([mean(&rgb.r), mean(&rgb.g), mean(&rgb.b)], said)
+        ([mean(rgb.r), mean(rgb.g), mean(rgb.b)], said)
     };
     let near = |found: [f32; 3], expected: [f32; 3]| {
         let close = found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 0.015 * b);
