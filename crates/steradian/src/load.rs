@@ -188,8 +188,10 @@ fn near(path: &Path) -> Option<PathBuf> {
 fn with_definitions_told(mut import: Import, format: &str, options: &Options) -> Import {
     let known: &[&str] = match format {
         "xml" => return import,
-        "obj" | "ply" | "bpt" => &["azimuth", "crease", "elevation", "ground", "handedness", "sky", "up"],
-        "gltf" | "glb" => &["animation", "at", "azimuth", "elevation", "ground", "scene", "shutter", "sky", "variant"],
+        "obj" | "ply" | "bpt" => &["azimuth", "crease", "elevation", "ground", "handedness", "sky", "sun", "up"],
+        "gltf" | "glb" => {
+            &["animation", "at", "azimuth", "elevation", "ground", "scene", "shutter", "sky", "sun", "variant"]
+        }
         _ => &[],
     };
     if import.diagnostics.has_errors() {

@@ -9,7 +9,7 @@ use std::{
     sync::Arc,
 };
 use steradian_math::{DMat4, DVec3};
-use steradian_scene::{Family, Mesh, Node, SceneDesc, Shape, Transform};
+use steradian_scene::{Family, Mesh, Node, SceneDesc, Shape, Transform, Value};
 
 /// Horizontal angle of view in degrees.
 const FOV: f64 = 40.0;
@@ -27,8 +27,27 @@ const GROUND: f64 = 0.3;
 /// Radius of the ground, and how far it lies below the model, in diagonals of the box.
 const GROUND_RADIUS: f64 = 20.0;
 const GROUND_GAP: f64 = 1e-3;
+const GROUND_TO_HORIZON: f64 = 2000.0;
 /// Diagonal of the largest model that gets a ground.
 const LARGEST: f64 = 1e30;
+
+/// Words for skies with a sun, and the lights that these are.
+const SKIES: [(&str, &str); 1] = [("clear", "sky")];
+/// Azimuth of the sun of these, from the front to the left, and its height above the horizon: as in the picture that
+/// is there unless the user names another sky.
+const SUN_AZIMUTH: f64 = 34.695_153_531_233_97;
+const SUN_HEIGHT: f64 = 47.074_665_861_055_39;
+/// Factor on their light, so that by default the ground is as bright under them as under that picture.
+const SUN_SCALE: f64 = 2.85;
+
+/// Surroundings that the user names.
+#[derive(Clone, Debug)]
+enum Sky {
+    /// A picture.
+    Picture(PathBuf),
+    /// A kind of light, with the height of its sun in degrees.
+    Sun(&'static str, f64),
+}
 
 /// What the user says of a model's surroundings.
 struct StageOptions {
@@ -38,8 +57,8 @@ struct StageOptions {
     elevation: f64,
     /// Whether the user says from which side: the distance is then the one for all sides.
     is_turned: bool,
-    /// A picture of what is around.
-    sky: Option<PathBuf>,
+    /// What is around.
+    sky: Option<Sky>,
     /// From the model's axes to those of the world, where +y is up and +z is the front.
     axes: DMat3,
 }
@@ -61,8 +80,18 @@ impl StageOptions {
             Some(other) => return Err(format!("'ground' is 'true' or 'false', not '{other}'")),
         };
         // As the user writes it, from where the program is run.
-        let found = word("sky").map(|name| SearchPath::new(Some(Path::new("")), options).find(name)).transpose();
-        let sky = found.map_err(|e| format!("'sky': {e}"))?;
+        let found = |name| SearchPath::new(Some(Path::new("")), options).find(name);
+        let sky = match word("sky") {
+            None => None,
+            Some(word) => Some(match SKIES.iter().find(|(name, _)| *name == word) {
+                Some((_, kind)) => Sky::Sun(kind, angle("sun", SUN_HEIGHT, 90.0)?),
+                None => Sky::Picture(found(word).map_err(|e| format!("'sky': {e}"))?),
+            }),
+        };
+        if word("sun").is_some() && !matches!(sky, Some(Sky::Sun(..))) {
+            let skies = SKIES.map(|(name, _)| format!("sky={name}")).join(" or ");
+            return Err(format!("'sun' is the height of the sun of {skies}"));
+        }
         // Columns: where x, y and z of the model go.
         let up = match word("up") {
             None | Some("y") => DMat3::IDENTITY,
@@ -127,7 +156,7 @@ fn add_missing(desc: &mut SceneDesc, stage: &StageOptions, corners: [DVec3; 2], 
     if desc.cameras.is_empty() {
         add_camera(desc, stage, corners);
         if !is_lit && stage.ground {
-            add_ground(desc, corners);
+            add_ground(desc, stage, corners);
         }
     }
     if !is_lit || stage.sky.is_some() {
@@ -149,16 +178,33 @@ fn add_camera(desc: &mut SceneDesc, stage: &StageOptions, corners: [DVec3; 2]) {
 /// The picture that the user names, or a sky with a sun that stays where it is for the viewer, from whichever side the
 /// model is seen.
 fn add_sky(desc: &mut SceneDesc, stage: &StageOptions) {
-    let file = stage.sky.clone().unwrap_or_else(|| {
-        let file = PathBuf::from("sky of the viewer");
-        desc.embedded.insert(file.clone(), sky::pfm().into());
-        file
-    });
-    let mut sky = Node::new(Family::Light, "environment", None).with("file", file).with("parametrization", "latlong");
+    let picture = |file: PathBuf| {
+        Node::new(Family::Light, "environment", None).with("file", file).with("parametrization", "latlong")
+    };
     let turn = stage.azimuth - AZIMUTH;
-    if stage.sky.is_none() && turn != 0.0 {
-        sky = sky.with("to_world", Transform::linear(DMat3::from_rotation_y(turn.to_radians())));
-    }
+    let mut sky = match &stage.sky {
+        Some(Sky::Picture(file)) => picture(file.clone()),
+        Some(Sky::Sun(kind, height)) => {
+            let (azimuth, height) = ((turn - SUN_AZIMUTH).to_radians(), height.to_radians());
+            let sun = [azimuth.sin() * height.cos(), height.sin(), azimuth.cos() * height.cos()];
+            // The sun is given in the world; the sky's own +z is up.
+            let axes = DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y);
+            Node::new(Family::Light, *kind, None)
+                .with("sun_direction", Value::Vec3(sun))
+                .with("scale", SUN_SCALE)
+                .with("to_world", Transform::linear(axes))
+        }
+        None => {
+            let file = PathBuf::from("sky of the viewer");
+            desc.embedded.insert(file.clone(), sky::pfm().into());
+            let sky = picture(file);
+            if turn == 0.0 {
+                sky
+            } else {
+                sky.with("to_world", Transform::linear(DMat3::from_rotation_y(turn.to_radians())))
+            }
+        }
+    };
     sky.name = Some("sky".into());
     let sky = desc.add(sky);
     desc.lights.push(sky);
@@ -166,7 +212,7 @@ fn add_sky(desc: &mut SceneDesc, stage: &StageOptions) {
 
 /// A wide grey disk under the model, which catches its shadow. There is none under models so large that places on it
 /// could not be told in single precision.
-fn add_ground(desc: &mut SceneDesc, [low, high]: [DVec3; 2]) {
+fn add_ground(desc: &mut SceneDesc, stage: &StageOptions, [low, high]: [DVec3; 2]) {
     let diagonal = (high - low).length().max(1e-6);
     if diagonal > LARGEST {
         return;
@@ -176,7 +222,9 @@ fn add_ground(desc: &mut SceneDesc, [low, high]: [DVec3; 2]) {
     // The disk's +z is the world's +y.
     let axes = [DVec3::X, DVec3::NEG_Z, DVec3::Y].map(|axis| axis.extend(0.0));
     let to_world = Transform { matrix: DMat4::from_cols(axes[0], axes[1], axes[2], origin.extend(1.0)) };
-    let mut disk = Node::new(Family::Shape, "disk", None).with("radius", GROUND_RADIUS * diagonal);
+    // Skies that are black below the horizon have the ground reach there.
+    let radius = if matches!(stage.sky, Some(Sky::Sun(..))) { GROUND_TO_HORIZON } else { GROUND_RADIUS };
+    let mut disk = Node::new(Family::Shape, "disk", None).with("radius", radius * diagonal);
     disk.name = Some("ground".into());
     let disk = desc.add(disk);
     let material = desc.add(Node::new(Family::Material, "diffuse", None).with("reflectance", GROUND));

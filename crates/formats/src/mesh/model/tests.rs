@@ -274,6 +274,21 @@ fn models_are_seen_as_the_user_says() {
         let ground = &desc.shapes[1].world_from_object;
         assert!(ground.point(DVec3::ZERO).y <= tip.y.min(0.0), "{defines:?}: the ground is above");
     }
+    // A sky with a sun: its height, and where it stands for the viewer.
+    for (height, azimuth) in [("47.0746658610554", "28.810793742973065"), ("5", "118.810793742973065")] {
+        let desc = with(&[("sky", "clear"), ("sun", height), ("azimuth", azimuth)]).desc;
+        let sky = desc.node(desc.lights[0]);
+        let Some(Value::Vec3(sun)) = sky.get("sun_direction") else { panic!("{sky:?}") };
+        let sun = DVec3::from_array(*sun);
+        assert_eq!(sky.transform("to_world").expect("it is placed").vector(DVec3::Z), DVec3::Y, "up");
+        let is_high = height != "5";
+        let expected = if is_high { DVec3::new(-0.45, 0.85, 0.65).normalize() } else { sun };
+        assert!((sun - expected).length() < 1e-9 && (sun.length() - 1.0).abs() < 1e-9, "{sun}");
+        assert!((sun.y - height.parse::<f64>().unwrap().to_radians().sin()).abs() < 1e-9);
+        // A quarter turn further to the right the sun of the other is.
+        assert!(is_high || (sun.x - 0.65 / 0.45f64.hypot(0.65) * sun.y.acos().sin()).abs() < 1e-9, "{sun}");
+        assert_eq!((sky.kind.as_str(), desc.lights.len()), ("sky", 1));
+    }
     for (name, value, message) in [
         ("up", "w", "'up' is the axis 'x', 'y' or 'z', not 'w'"),
         ("handedness", "both", "'handedness' is 'right' or 'left', not 'both'"),
@@ -282,6 +297,7 @@ fn models_are_seen_as_the_user_says() {
         ("elevation", "90", "'elevation' is an angle in degrees from -89 to 89, not '90'"),
         ("crease", "181", "'crease' is an angle in degrees from 0 to 180, not '181'"),
         ("sky", "nothing.hdr", "'sky': cannot find 'nothing.hdr'"),
+        ("sun", "10", "'sun' is the height of the sun of sky=clear"),
     ] {
         let import = with(&[(name, value)]);
         assert!(import.diagnostics.has_errors() && messages(&import).contains(message), "{}", messages(&import));
