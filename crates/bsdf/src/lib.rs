@@ -207,6 +207,13 @@ impl BsdfSample {
         let lobe = Lobe::REFLECTION.with(Lobe::SPECULAR);
         Self { wi: Vec3::new(-wo.x, -wo.y, wo.z), weight, pdf: probability, lobe, eta: 1.0 }
     }
+
+    /// Light goes below the surface, chosen with a probability.
+    #[inline]
+    pub(crate) fn entering(weight: Spectrum, probability: f32) -> Self {
+        let lobe = Lobe::TRANSMISSION.with(Lobe::SPECULAR).with(Lobe::SUBSURFACE);
+        Self { wi: Vec3::NEG_Z, weight, pdf: probability, lobe, eta: 1.0 }
+    }
 }
 
 /// What is being carried along a path: the two differ where light is refracted (Veach 1997, 5.2).

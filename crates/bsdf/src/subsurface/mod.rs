@@ -12,6 +12,8 @@ mod dipole;
 mod emergence;
 mod entry;
 mod inversion;
+#[cfg(test)]
+mod layers;
 mod normalized_diffusion;
 mod photon_beam;
 mod profile;
