@@ -32,6 +32,8 @@ mod laws;
 pub mod layered;
 #[cfg(test)]
 mod layered_walk;
+#[cfg(test)]
+mod layers_over_media;
 mod lobe_over_diffuse;
 mod masking;
 pub mod measured;
@@ -40,6 +42,7 @@ pub mod minnaert;
 pub mod multiple_scattering;
 mod normal_distribution;
 pub mod oren_nayar;
+mod packed;
 pub mod pbr;
 pub mod phong;
 pub mod polarized;

@@ -18,48 +18,22 @@
 //! without a volume) let light pass without bending it and are the same from both sides. Colours and weights are kept
 //! to 16 bits, the weight of subsurface scattering to 8.
 //!
-//! Of the opaque dielectric a part w may be a medium that light goes below, to leave elsewhere ([`Lobe::SUBSURFACE`]):
-//! `w L(wo) (1 − E(wo))` of it enters, which is what a white diffuse base under the same layers sends back. The colour of
-//! a coat counts for the way out, too, at the mean cosine 2/3 of diffuse light.
+//! Of the opaque dielectric a part w may be a medium that light goes below, to leave elsewhere
+//! ([`Lobe::SUBSURFACE`]): `w L(wo) (1 − E(wo))` of it enters, which is what a white diffuse base under the same
+//! layers sends back. The colour of a coat counts for the way out, too, at the mean cosine 2/3 of diffuse light.
 
 use super::{
     Bsdf, BsdfEval, BsdfSample, Lobe, Microfacet, ThinFilm, TransportMode, albedo_table, fresnel,
+    packed::Unit4,
     principled::schlick_weight,
     registry::{Case, GREY, Model, Visitor},
     sample_cosine_hemisphere,
     scatter::Scatter,
     sheen,
+    subsurface::SubsurfacePart,
 };
 use std::f32::consts::FRAC_1_PI;
 use steradian_math::{Spectrum, Vec2, Vec3, elementary::pow};
-
-/// A spectrum of values in [0, 1] to 16 bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Unit4([u16; 4]);
-
-impl Unit4 {
-    pub(super) fn new(s: Spectrum) -> Self {
-        Self(s.to_array().map(|v| if v > 0.0 { (v.min(1.0) * 65535.0 + 0.5) as u16 } else { 0 }))
-    }
-
-    #[inline]
-    pub(super) fn get(self) -> Spectrum {
-        Spectrum::new(self.0.map(|v| f32::from(v) * (1.0 / 65535.0)))
-    }
-
-    #[inline]
-    fn most(self) -> f32 {
-        if self.is_black() {
-            return 0.0;
-        }
-        f32::from(self.0.into_iter().max().unwrap_or(0)) * (1.0 / 65535.0)
-    }
-
-    #[inline]
-    fn is_black(self) -> bool {
-        self.0 == [0; 4]
-    }
-}
 
 /// A number in [0, 1] to 16 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -121,25 +95,6 @@ pub struct PbrParams {
     pub film_weight: f32,
     /// What of the opaque dielectric is a medium that light goes below.
     pub subsurface: SubsurfacePart,
-}
-
-/// The part of a surface's diffuse base that is a medium, which light enters.
-#[derive(Clone, Copy, Debug)]
-pub struct SubsurfacePart {
-    /// How much of it.
-    pub weight: f32,
-    /// The part of the light that comes back.
-    pub color: Spectrum,
-    /// Whether light goes below, to leave elsewhere. Else what comes back is diffuse; of a thin surface it goes through,
-    /// too.
-    pub is_followed: bool,
-    /// Mean cosine of the phase function; of what a thin surface scatters `(1 + g)/2` goes through.
-    pub g: f32,
-}
-
-impl SubsurfacePart {
-    /// None of it.
-    pub const NONE: Self = Self { weight: 0.0, color: Spectrum::ZERO, is_followed: false, g: 0.0 };
 }
 
 /// The surface at a point.
@@ -360,7 +315,7 @@ impl Pbr {
     /// What the colour of the coat leaves of light that sees it at these cosines.
     #[inline(always)]
     fn coat_color_kept(&self, cosines: &[f32]) -> Spectrum {
-        let white = self.coat_color == Unit4([u16::MAX; 4]);
+        let white = self.coat_color == Unit4::ONE;
         let kept = if white {
             Spectrum::ONE
         } else {

@@ -15,18 +15,20 @@
 //! From below, where there is only the transmitting part, it is plain glass. The model is an artist's: lobes are added,
 //! not layered, so that a white base reflects more than arrives at it ([`Principled::ALBEDO_BOUND`]).
 //!
-//! Of the diffuse part a share w may be a medium that light goes below, to leave elsewhere ([`Lobe::SUBSURFACE`]) (2015,
-//! 6). That keeps to energy: of light along `wo` the part `(1−m)(1−t) w (1 − F − clearcoat C(wo) − (1−m) sheen A(wo))`
-//! enters through each facet in view, which is what the other lobes leave. The coat's albedo C(μ) is 0.01 + 0.025 μ² within
-//! 0.003 at full gloss, and `A(μ) = ∫ S(cosθ_d) cosθ_i dω_i` is 0.0885 (1 − μ)^2.5 within 0.003 (by quadrature).
+//! Of the diffuse part a share w may be a medium that light goes below, to leave elsewhere ([`Lobe::SUBSURFACE`])
+//! (2015, 6). That keeps to energy: of light along `wo` the part
+//! `(1−m)(1−t) w (1 − F − clearcoat C(wo) − (1−m) sheen A(wo))` enters through each facet in view, which is what the
+//! other lobes leave. The coat's albedo C(μ) is 0.01 + 0.025 μ² within 0.003 at full gloss, and
+//! `A(μ) = ∫ S(cosθ_d) cosθ_i dω_i` is 0.0885 (1 − μ)^2.5 within 0.003 (by quadrature).
 
 use super::{
     Bsdf, BsdfEval, BsdfSample, Lobe, Microfacet, NormalDistribution, Shadowing, TransportMode, fresnel, gtr1,
     microfacet::{Facet, Mirror},
-    pbr::{SubsurfacePart, Unit4},
+    packed::Unit4,
     registry::{Case, GREY, Model, Visitor},
     sample_cosine_hemisphere,
     scatter::Scatter,
+    subsurface::SubsurfacePart,
 };
 use std::f32::consts::FRAC_1_PI;
 use steradian_math::{Spectrum, Vec2, Vec3};

@@ -241,14 +241,15 @@ fn what_cannot_be_expressed_is_named() {
     }
 }
 
-/// Light that goes below layered surfaces is kept in the own language; elsewhere it is left out by name, and the base has
-/// the colour of what comes back.
+/// Light that goes below layered surfaces is kept in the own language; elsewhere it is left out by name, and the base
+/// has the colour of what comes back.
 #[test]
 fn light_below_layers_is_told_where_it_is_left_out() {
     let folder = tempfile::tempdir().expect("a folder");
     for (kind, weight) in [("openpbr", "subsurface_weight"), ("principled", "subsurface")] {
         let text = format!(
-            "steradian: 1\nshapes: [{{shape: sphere, material: {{material: {kind}, {weight}: 1, base_color: {{rgb: [1, 0, 0]}},
+            "steradian: 1
+            shapes: [{{shape: sphere, material: {{material: {kind}, {weight}: 1, base_color: {{rgb: [1, 0, 0]}},
             subsurface_color: {{rgb: [0, 0, 1]}}}}}}]"
         );
         let path = scene(&text, "steradian", folder.path());

@@ -127,8 +127,9 @@ fn layered_surfaces_have_the_medium_of_material_subsurface() {
     }
 }
 
-/// A dense medium under an interface sends back what a diffuse base of its colour does, and where it is part of the base,
-/// the mean of both. Under coat and fuzz, whose losses by both directions a diffuse base has, it is a little brighter.
+/// A dense medium under an interface sends back what a diffuse base of its colour does, and where it is part of the
+/// base, the mean of both. Under coat and fuzz, whose losses by both directions a diffuse base has, it is a little
+/// brighter.
 #[test]
 fn a_dense_medium_looks_like_a_diffuse_base() {
     let sky = sky_alone();
@@ -258,10 +259,11 @@ fn numbers_out_of_range_are_told() {
     }
 }
 
-/// glTF's KHR_materials_volume_scatter below KHR_materials_diffuse_transmission: a cube of a dense medium, whose boundary
-/// lets all pass that its facets do not reflect. Of light that meets the face straight on the part E enters less, and
-/// what comes to it from within is diffuse and reflected by Ē, so that `E + (1 − E)(1 − Ē) c/(1 − Ē c)` comes back where
-/// `c` is the multi-scatter albedo: E is 0.04 for an index of 1.5, Ē = 2 ∫ F μ dμ of Schlick's F is 0.04 + 0.96/21.
+/// glTF's KHR_materials_volume_scatter below KHR_materials_diffuse_transmission: a cube of a dense medium, whose
+/// boundary lets all pass that its facets do not reflect. Of light that meets the face straight on the part E enters
+/// less, and what comes to it from within is diffuse and reflected by Ē, so that `E + (1 − E)(1 − Ē) c/(1 − Ē c)` comes
+/// back where `c` is the multi-scatter albedo: E is 0.04 for an index of 1.5, Ē = 2 ∫ F μ dμ of
+/// Schlick's F is 0.04 + 0.96/21.
 #[test]
 fn media_of_gltf_have_their_multiscatter_colour() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -275,14 +277,18 @@ fn media_of_gltf_have_their_multiscatter_colour() {
     let gltf = format!(
         r#"{{"asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": [0, 1]}}],
         "nodes": [{{"mesh": 0}}, {{"camera": 0, "translation": [0, 0, 5]}}],
-        "cameras": [{{"type": "orthographic", "orthographic": {{"xmag": 0.3, "ymag": 0.3, "znear": 0.1, "zfar": 100}}}}],
-        "extensionsUsed": ["KHR_materials_volume", "KHR_materials_volume_scatter", "KHR_materials_diffuse_transmission"],
+        "cameras": [{{"type": "orthographic",
+            "orthographic": {{"xmag": 0.3, "ymag": 0.3, "znear": 0.1, "zfar": 100}}}}],
+        "extensionsUsed": ["KHR_materials_volume", "KHR_materials_volume_scatter",
+            "KHR_materials_diffuse_transmission"],
         "materials": [{{"pbrMetallicRoughness": {{"metallicFactor": 0, "roughnessFactor": 0}}, "extensions": {{
             "KHR_materials_diffuse_transmission": {{"diffuseTransmissionFactor": 1}},
-            "KHR_materials_volume": {{"thicknessFactor": 1, "attenuationDistance": 0.01, "attenuationColor": [{scale}, {scale}, {scale}]}},
+            "KHR_materials_volume": {{"thicknessFactor": 1, "attenuationDistance": 0.01,
+                "attenuationColor": [{scale}, {scale}, {scale}]}},
             "KHR_materials_volume_scatter": {{"multiscatterColor": [0.8, 0.5, 0.2]}}}}}}],
         "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "indices": 1, "material": 0}}]}}],
-        "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 24, "type": "VEC3", "min": [-1, -1, -1], "max": [1, 1, 1]}},
+        "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 24, "type": "VEC3",
+                "min": [-1, -1, -1], "max": [1, 1, 1]}},
             {{"bufferView": 1, "componentType": 5123, "count": 36, "type": "SCALAR"}}],
         "bufferViews": [{{"buffer": 0, "byteLength": 288}}, {{"buffer": 0, "byteOffset": 288, "byteLength": 72}}],
         "buffers": [{{"uri": "cube.bin", "byteLength": 360}}]}}"#

@@ -1,10 +1,7 @@
 //! The surface of glTF and OpenPBR: what a scene says of it.
 
 use super::{Eta, Point, SubsurfaceBase, albedo};
-use steradian_bsdf::{
-    Bsdf, Microfacet, Pbr, ThinFilm,
-    pbr::{PbrParams, SubsurfacePart},
-};
+use steradian_bsdf::{Bsdf, Microfacet, Pbr, ThinFilm, pbr::PbrParams, subsurface::SubsurfacePart};
 use steradian_math::{
     Spectrum,
     spectra::{ColorMode, Wavelengths},

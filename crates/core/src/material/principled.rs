@@ -1,7 +1,7 @@
 //! Disney's surface: what a scene says of it.
 
 use super::{Point, SubsurfaceBase};
-use steradian_bsdf::{Bsdf, Principled, PrincipledThin, pbr::SubsurfacePart, principled::PrincipledParams};
+use steradian_bsdf::{Bsdf, Principled, PrincipledThin, principled::PrincipledParams, subsurface::SubsurfacePart};
 use steradian_math::{Spectrum, Vec2, color::luminance};
 use steradian_texture::{FloatTexture, SpectrumTexture};
 

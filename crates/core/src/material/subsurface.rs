@@ -5,8 +5,7 @@ use super::{Point, Roughness};
 use std::sync::Arc;
 use steradian_bsdf::{
     Bsdf, Dielectric,
-    pbr::SubsurfacePart,
-    subsurface::{Emergence, Entry, ProfileTable, WalkAlbedo, deep_albedo, deep_single_scattering},
+    subsurface::{Emergence, Entry, ProfileTable, SubsurfacePart, WalkAlbedo, deep_albedo, deep_single_scattering},
 };
 use steradian_math::{Spectrum, spectra::Wavelengths};
 use steradian_texture::{FloatTexture, SpectrumTexture, TextureContext, Textures};

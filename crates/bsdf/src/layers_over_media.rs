@@ -1,10 +1,8 @@
 //! What enters a layered surface beside what it reflects.
 
 use crate::{
-    Bsdf, Lobe, Microfacet, Pbr, Principled, ThinFilm,
-    TransportMode::Radiance,
-    pbr::{PbrParams, SubsurfacePart},
-    principled,
+    Bsdf, Lobe, Microfacet, Pbr, Principled, ThinFilm, TransportMode::Radiance, pbr::PbrParams, principled,
+    subsurface::SubsurfacePart,
 };
 use steradian_math::{Spectrum, Vec2, Vec3, hash::HashRng};
 
