@@ -32,6 +32,8 @@ mod laws;
 pub mod layered;
 #[cfg(test)]
 mod layered_walk;
+#[cfg(test)]
+mod layers_over_media;
 mod lobe_over_diffuse;
 mod masking;
 pub mod measured;
@@ -40,6 +42,7 @@ pub mod minnaert;
 pub mod multiple_scattering;
 mod normal_distribution;
 pub mod oren_nayar;
+mod packed;
 pub mod pbr;
 pub mod phong;
 pub mod polarized;
@@ -206,6 +209,13 @@ impl BsdfSample {
     pub(crate) fn mirrored(wo: Vec3, weight: Spectrum, probability: f32) -> Self {
         let lobe = Lobe::REFLECTION.with(Lobe::SPECULAR);
         Self { wi: Vec3::new(-wo.x, -wo.y, wo.z), weight, pdf: probability, lobe, eta: 1.0 }
+    }
+
+    /// Light goes below the surface, chosen with a probability.
+    #[inline]
+    pub(crate) fn entering(weight: Spectrum, probability: f32) -> Self {
+        let lobe = Lobe::TRANSMISSION.with(Lobe::SPECULAR).with(Lobe::SUBSURFACE);
+        Self { wi: Vec3::NEG_Z, weight, pdf: probability, lobe, eta: 1.0 }
     }
 }
 

@@ -16,46 +16,24 @@
 //! half-vector does at grazing angles. Facets below [`Microfacet::SMOOTH_BELOW`] reflect and refract in one direction
 //! each, as delta lobes. A surface that refracts is seen from inside as the bare interface. `thin` surfaces (glTF
 //! without a volume) let light pass without bending it and are the same from both sides. Colours and weights are kept
-//! to 16 bits.
+//! to 16 bits, the weight of subsurface scattering to 8.
+//!
+//! Of the opaque dielectric a part w may be a medium that light goes below, to leave elsewhere
+//! ([`Lobe::SUBSURFACE`]): `w L(wo) (1 − E(wo))` of it enters, which is what a white diffuse base under the same
+//! layers sends back. The colour of a coat counts for the way out, too, at the mean cosine 2/3 of diffuse light.
 
 use super::{
     Bsdf, BsdfEval, BsdfSample, Lobe, Microfacet, ThinFilm, TransportMode, albedo_table, fresnel,
+    packed::Unit4,
     principled::schlick_weight,
     registry::{Case, GREY, Model, Visitor},
     sample_cosine_hemisphere,
     scatter::Scatter,
     sheen,
+    subsurface::SubsurfacePart,
 };
 use std::f32::consts::FRAC_1_PI;
 use steradian_math::{Spectrum, Vec2, Vec3, elementary::pow};
-
-/// A spectrum of values in [0, 1] to 16 bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Unit4([u16; 4]);
-
-impl Unit4 {
-    fn new(s: Spectrum) -> Self {
-        Self(s.to_array().map(|v| if v > 0.0 { (v.min(1.0) * 65535.0 + 0.5) as u16 } else { 0 }))
-    }
-
-    #[inline]
-    fn get(self) -> Spectrum {
-        Spectrum::new(self.0.map(|v| f32::from(v) * (1.0 / 65535.0)))
-    }
-
-    #[inline]
-    fn most(self) -> f32 {
-        if self.is_black() {
-            return 0.0;
-        }
-        f32::from(self.0.into_iter().max().unwrap_or(0)) * (1.0 / 65535.0)
-    }
-
-    #[inline]
-    fn is_black(self) -> bool {
-        self.0 == [0; 4]
-    }
-}
 
 /// A number in [0, 1] to 16 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,6 +93,8 @@ pub struct PbrParams {
     pub film: ThinFilm,
     /// How much of the base it covers.
     pub film_weight: f32,
+    /// What of the opaque dielectric is a medium that light goes below.
+    pub subsurface: SubsurfacePart,
 }
 
 /// The surface at a point.
@@ -124,6 +104,7 @@ pub struct Pbr {
     edge: Unit4,
     f0: Unit4,
     diffuse: Unit4,
+    /// What goes through, or below, by its colour.
     through: Unit4,
     refracted: Unit4,
     sheen: Unit4,
@@ -141,6 +122,8 @@ pub struct Pbr {
     coat: Unit,
     coat_f0: Unit,
     thin: bool,
+    /// How much goes below the surface instead of through, of 255.
+    below: u8,
 }
 
 /// What is known of a surface once it is seen from a side.
@@ -170,12 +153,27 @@ impl Pbr {
         let specular = unit(p.specular);
         let coat_eta = if p.coat_eta > 1.0 { p.coat_eta.min(1e3) } else { 1.0 };
         let f0 = Unit4::new((p.specular_color * fresnel::f0_from_eta(eta)).clamp(0.0, 1.0) * specular);
+        let medium = &p.subsurface;
+        // What of the base is a medium, in steps that 8 bits have.
+        let share = (opaque * unit(medium.weight) * 255.0 + 0.5) as u8;
+        let part = f32::from(share) * (1.0 / 255.0);
+        let base = (opaque - part).max(0.0);
+        let mut diffuse = p.base_color * (base * (1.0 - through));
+        let mut passing = p.diffuse_transmission_color * (base * through);
+        let is_below = share > 0 && medium.is_followed && !p.thin;
+        if is_below {
+            passing = medium.color * part;
+        } else if share > 0 {
+            let forward = if p.thin { part * unit(0.5 + 0.5 * medium.g) } else { 0.0 };
+            diffuse += medium.color * (part - forward);
+            passing += medium.color * forward;
+        }
         let mut surface = Self {
             metal: Unit4::new(p.base_color),
             edge: Unit4::new(if p.tints_metal_edge { p.specular_color } else { Spectrum::ONE }),
             f0,
-            diffuse: Unit4::new(p.base_color * (opaque * (1.0 - through))),
-            through: Unit4::new(p.diffuse_transmission_color * (opaque * through)),
+            diffuse: Unit4::new(diffuse),
+            through: Unit4::new(passing),
             refracted: Unit4::new(p.transmission_color * ((1.0 - metallic) * transmission)),
             sheen: Unit4::new(p.sheen_color),
             coat_color: Unit4::new(p.coat_color),
@@ -192,6 +190,7 @@ impl Pbr {
             coat: Unit::new(p.coat),
             coat_f0: Unit::new(fresnel::f0_from_eta(coat_eta)),
             thin: p.thin,
+            below: if is_below { share } else { 0 },
         };
         if surface.film_weight.0 > 0 {
             surface.bound = Unit::new(surface.least_f0_above());
@@ -310,7 +309,13 @@ impl Pbr {
             return Spectrum::ONE;
         }
         let most = cosines.iter().map(|c| self.coat_albedo(*c)).fold(0.0, f32::max);
-        let white = self.coat_color == Unit4([u16::MAX; 4]);
+        self.coat_color_kept(cosines) * (1.0 - most)
+    }
+
+    /// What the colour of the coat leaves of light that sees it at these cosines.
+    #[inline(always)]
+    fn coat_color_kept(&self, cosines: &[f32]) -> Spectrum {
+        let white = self.coat_color == Unit4::ONE;
         let kept = if white {
             Spectrum::ONE
         } else {
@@ -318,7 +323,7 @@ impl Pbr {
             let way: f32 = cosines.iter().map(|c| 0.5 / (1.0 - (1.0 - c * c) / 2.25).sqrt()).sum();
             self.coat_color.get().map(|c| pow(c, way))
         };
-        (Spectrum::ONE + (kept - Spectrum::ONE) * self.coat.get()) * (1.0 - most)
+        Spectrum::ONE + (kept - Spectrum::ONE) * self.coat.get()
     }
 
     /// Reflectance of the coat's facets.
@@ -345,7 +350,22 @@ impl Pbr {
         Seen { coat: coat * inverse, facets: facets * inverse, diffuse: diffuse * inverse, below, row }
     }
 
-    /// The part of the diffuse draws that goes through.
+    /// Whether diffuse light goes through.
+    #[inline]
+    fn passes_diffusely(&self) -> bool {
+        self.below == 0 && !self.through.is_black()
+    }
+
+    /// What goes below the surface, to leave elsewhere.
+    fn entering(&self, wo: Vec3, c: &Seen) -> BsdfSample {
+        let kept =
+            self.coat_color_kept(&[wo.z, 2.0 / 3.0]) * ((1.0 - self.coat_albedo(wo.z)) * self.sheen_leaves(wo.z));
+        let share = f32::from(self.below) * (1.0 / 255.0) * c.below;
+        let chance = c.diffuse * self.through_part();
+        BsdfSample::entering(kept * (share / chance), chance)
+    }
+
+    /// The part of the diffuse draws that goes through, or below.
     fn through_part(&self) -> f32 {
         if self.through.is_black() {
             return 0.0;
@@ -409,7 +429,7 @@ impl Pbr {
             e.value = value * facet.value * self.layers(wo.z, -wi.z);
             e.pdf = c.facets * p * facet.pdf;
         }
-        if !self.through.is_black() {
+        if self.passes_diffusely() {
             e.value += self.through.get() * self.layers(wo.z, -wi.z) * self.lambert(c, wi);
             e.pdf += c.diffuse * self.through_part() * FRAC_1_PI * -wi.z;
         }
@@ -536,6 +556,9 @@ impl Scatter for Pbr {
         } else {
             let w = sample_cosine_hemisphere(u2)?;
             let u = (u - c.coat - c.facets) / c.diffuse;
+            if self.below > 0 && u < self.through_part() {
+                return Some(self.entering(seen, &c));
+            }
             if u < self.through_part() { (-w, Lobe::DIFFUSE.with(Lobe::TRANSMISSION)) } else { (w, Lobe::DIFFUSE) }
         };
         if (seen.z * wi.z < 0.0) != lobe.is_transmission() {
@@ -558,12 +581,12 @@ impl Scatter for Pbr {
 
     fn is_specular(&self) -> bool {
         let smooth_coat = self.coat.0 == 0 || self.coat_facets().is_smooth();
-        let nothing_else = [self.diffuse, self.through, self.sheen].iter().all(|lobe| lobe.is_black());
+        let nothing_else = self.diffuse.is_black() && self.sheen.is_black() && !self.passes_diffusely();
         self.facets.is_smooth() && smooth_coat && nothing_else
     }
 
     fn transmits(&self) -> bool {
-        !self.refracted.is_black() || !self.through.is_black()
+        !self.refracted.is_black() || self.passes_diffusely()
     }
 
     #[inline]
@@ -597,6 +620,7 @@ fn cases(visit: &mut Visitor<'_>) {
         tints_metal_edge: false,
         film: ThinFilm::new(1.3, 0.0, None),
         film_weight: 0.0,
+        subsurface: SubsurfacePart::NONE,
     };
     let white = PbrParams { base_color: Spectrum::ONE, ..p };
     let clear = PbrParams { transmission: 1.0, transmission_color: Spectrum::ONE, facets: Microfacet::SMOOTH, ..white };
@@ -638,6 +662,15 @@ fn cases(visit: &mut Visitor<'_>) {
         PbrParams { transmission: 0.6, transmission_color: Spectrum::ONE, thin: false, eta: 1.3, ..lacquer },
     );
     case("leaf", PbrParams { diffuse_transmission: 0.6, diffuse_transmission_color: Spectrum::ONE, ..white });
+    let medium = SubsurfacePart { weight: 1.0, color: Spectrum::ONE, is_followed: true, g: 0.3 };
+    case("smooth skin", PbrParams { facets: Microfacet::SMOOTH, thin: false, subsurface: medium, ..p });
+    case("lacquered marble", PbrParams { coat_color: GREY, thin: false, subsurface: medium, ..lacquer });
+    let half = SubsurfacePart { weight: 0.5, ..medium };
+    case(
+        "skin and glass under fuzz",
+        PbrParams { transmission: 0.5, sheen_color: GREY, subsurface: half, thin: false, ..white },
+    );
+    case("a sheet of wax", PbrParams { subsurface: half, ..white });
     case(
         "all at once",
         PbrParams {

@@ -236,7 +236,7 @@ impl Compiler<'_> {
         self.add(node, model)
     }
 
-    fn as_texture(&mut self, t: SpectrumTexture) -> TextureId {
+    pub(super) fn as_texture(&mut self, t: SpectrumTexture) -> TextureId {
         match t {
             SpectrumTexture::Texture(id, _) => id,
             SpectrumTexture::Constant(c) => self.textures.add(Texture::Constant(c)),

@@ -1,13 +1,16 @@
 //! Compiling the surfaces of glTF and OpenPBR, and sheen.
 
-use super::Compiler;
+use super::{
+    Compiler,
+    subsurface::{BaseSaid, MethodName},
+};
 use std::sync::Arc;
-use steradian_core::material::{Eta, Model, PbrMaterial, Stretch};
+use steradian_core::material::{Eta, Model, PbrMaterial, Stretch, SubsurfaceBase};
 use steradian_math::spectra::{
     ColorMode, Dense, Spd,
     role::{Color, Role},
 };
-use steradian_scene::{Node, SpectrumValue};
+use steradian_scene::{ColorSpace, Node, SpectrumValue};
 use steradian_texture::{FloatTexture, SpectrumTexture};
 
 /// Fraunhofer's lines F, d and C (µm).
@@ -44,6 +47,7 @@ impl Compiler<'_> {
             coat_eta: FloatTexture::Constant(1.5),
             coat_color: SpectrumTexture::Constant(Color::constant(1.0)),
             film,
+            subsurface: None,
         }))
     }
 
@@ -53,7 +57,6 @@ impl Compiler<'_> {
             node,
             &[
                 ("base_diffuse_roughness", "the diffuse base is Lambertian"),
-                ("subsurface_weight", "light under the surface is taken for diffuse"),
                 (
                     "transmission_depth",
                     "the colour of transmission acts at the surface; absorption needs an interior medium",
@@ -64,12 +67,10 @@ impl Compiler<'_> {
             ],
         );
         let film = self.film_on_base(node, "thin_film_weight", ("thin_film_thickness", 500.0), ("thin_film_ior", 1.4));
-        let subsurface = self.float_texture(node, "subsurface_weight", 0.0);
-        let [base, under] = ["base_color", "subsurface_color"].map(|n| self.spectrum(node, n, Role::Albedo, grey(0.8)));
-        let base_color = if matches!(subsurface, FloatTexture::Constant(w) if w >= 0.5) { under } else { base };
         let transmission_color = self.spectrum(node, "transmission_color", Role::Albedo, grey(1.0));
+        let subsurface = self.openpbr_subsurface(node);
         Model::Pbr(Box::new(PbrMaterial {
-            base_color,
+            base_color: self.spectrum(node, "base_color", Role::Albedo, grey(0.8)),
             base_weight: self.float_texture(node, "base_weight", 1.0),
             metallic: self.float_texture(node, "base_metalness", 0.0),
             roughness: self.float_texture(node, "specular_roughness", 0.3),
@@ -91,7 +92,31 @@ impl Compiler<'_> {
             coat_eta: self.float_texture(node, "coat_ior", 1.6),
             coat_color: self.spectrum(node, "coat_color", Role::Albedo, grey(1.0)),
             film,
+            subsurface,
         }))
+    }
+
+    /// The subsurface slab of OpenPBR: its index is that of a surface which reflects what `specular_weight` leaves
+    /// (3.4.1); a thin-walled surface scatters diffusely to both sides instead.
+    fn openpbr_subsurface(&mut self, node: &Node) -> Option<SubsurfaceBase> {
+        let scale = SpectrumValue::Rgb([1.0, 0.5, 0.25], ColorSpace::Srgb);
+        let path = self.spectrum(node, "subsurface_radius_scale", Role::Unbounded, scale);
+        let radius = self.float_texture(node, "subsurface_radius", 1.0);
+        let said = BaseSaid {
+            weight: self.float_texture(node, "subsurface_weight", 0.0),
+            color: self.spectrum(node, "subsurface_color", Role::Albedo, grey(0.8)),
+            path: self.scaled(node, path, radius),
+            g: self.float(node, "subsurface_scatter_anisotropy", 0.0),
+            method: MethodName::Walk,
+        };
+        let eta = self.at_sodium_line(node, "specular_ior", 1.5);
+        let specular = match self.float_texture(node, "specular_weight", 1.0) {
+            FloatTexture::Constant(w) => w.clamp(0.0, 1.0),
+            FloatTexture::Texture(_) => 1.0,
+        };
+        let root = specular.sqrt() * (eta - 1.0) / (eta + 1.0);
+        let is_thin = self.bool(node, "geometry_thin_walled", false);
+        self.subsurface_base(said, (!is_thin).then_some((1.0 + root) / (1.0 - root)))
     }
 
     /// Charlie sheen over a diffuse surface.
@@ -120,6 +145,7 @@ impl Compiler<'_> {
             coat_eta: FloatTexture::Constant(1.5),
             coat_color: SpectrumTexture::Constant(Color::constant(1.0)),
             film: None,
+            subsurface: None,
         }))
     }
 

@@ -1,12 +1,12 @@
 //! Compiling Disney's surface.
 
-use super::Compiler;
-use steradian_core::material::{Model, PrincipledMaterial};
+use super::{Compiler, subsurface::BaseSaid};
+use steradian_core::material::{Model, PrincipledMaterial, SubsurfaceBase};
 use steradian_math::spectra::{
     ColorMode,
     role::{Color, Role},
 };
-use steradian_scene::{Format, Node, SpectrumValue, Value};
+use steradian_scene::{ColorSpace, Format, Node, SpectrumValue, Value};
 use steradian_texture::{FloatTexture, SpectrumTexture};
 
 impl Compiler<'_> {
@@ -49,10 +49,12 @@ impl Compiler<'_> {
             SpectrumTexture::Constant(lanes) => Some(lanes.luminance(self.mode)),
             SpectrumTexture::Texture(..) => None,
         };
+        let eta = self.principled_eta(node, is_thin);
         Model::Principled(Box::new(PrincipledMaterial {
+            subsurface: if is_thin { None } else { self.principled_subsurface(node, &base_color, eta) },
             base_color,
             luminance,
-            eta: self.principled_eta(node, is_thin),
+            eta,
             thin: is_thin.then(|| self.float_texture(node, "diff_trans", 0.0)),
             roughness,
             anisotropic,
@@ -65,6 +67,29 @@ impl Compiler<'_> {
             clearcoat,
             clearcoat_gloss,
         }))
+    }
+
+    /// The medium that the diffuse part is, by the names and defaults of Blender's node; it has the base's colour.
+    fn principled_subsurface(
+        &mut self,
+        node: &Node,
+        base: &SpectrumTexture,
+        eta: FloatTexture,
+    ) -> Option<SubsurfaceBase> {
+        let radius = SpectrumValue::Rgb([1.0, 0.2, 0.1], ColorSpace::Srgb);
+        let path = self.spectrum(node, "subsurface_radius", Role::Unbounded, radius);
+        let scale = self.float_texture(node, "subsurface_scale", 0.05);
+        let has_color = node.get("subsurface_color").is_some();
+        let color = self.spectrum(node, "subsurface_color", Role::Albedo, SpectrumValue::Constant(0.5));
+        let said = BaseSaid {
+            weight: self.float_texture(node, "subsurface", 0.0),
+            color: if has_color { color } else { base.clone() },
+            path: self.scaled(node, path, scale),
+            g: self.float(node, "subsurface_anisotropy", 0.0),
+            method: self.method_named(node, "subsurface_method"),
+        };
+        let eta = if let FloatTexture::Constant(eta) = eta { eta } else { 1.5 };
+        self.subsurface_base(said, Some(eta))
     }
 
     /// `eta`, or Disney's `specular`, which spans reflectances from 0 to 8 %.

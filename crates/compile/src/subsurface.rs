@@ -5,10 +5,12 @@ use std::sync::Arc;
 use steradian_bsdf::subsurface::{
     Emergence, ProfileTable, WalkAlbedo, dipole, normalized_diffusion, photon_beam_diffusion,
 };
-use steradian_core::material::{Content, Model, SubsurfaceMaterial, SubsurfaceMethod};
+use steradian_core::material::{
+    Content, Model, SubsurfaceBase, SubsurfaceMaterial, SubsurfaceMedium, SubsurfaceMethod,
+};
 use steradian_math::spectra::role::{Color, Role};
 use steradian_scene::{Node, SpectrumValue};
-use steradian_texture::{SpectrumTexture, Texture};
+use steradian_texture::{FloatTexture, SpectrumTexture, Texture};
 
 /// The methods by name.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -24,15 +26,31 @@ pub(super) type ProfileKey = (MethodName, u32, u32);
 
 const ONE: SpectrumValue = SpectrumValue::Constant(1.0);
 
+/// The methods by the words that scenes have for them.
+const METHODS: [(&str, MethodName); 4] = [
+    ("random_walk", MethodName::Walk),
+    ("photon_beam", MethodName::PhotonBeam),
+    ("dipole", MethodName::Dipole),
+    ("normalized_diffusion", MethodName::NormalizedDiffusion),
+];
+
+/// What a layered surface says of the medium that its diffuse base is.
+pub(super) struct BaseSaid {
+    /// How much of the base it is.
+    pub weight: FloatTexture,
+    /// The part of the light that comes back.
+    pub color: SpectrumTexture,
+    /// Mean free path.
+    pub path: SpectrumTexture,
+    /// Mean cosine of the phase function.
+    pub g: f32,
+    /// How light gets through.
+    pub method: MethodName,
+}
+
 impl Compiler<'_> {
     pub(super) fn subsurface(&mut self, node: &Node) -> Model {
-        let names = [
-            ("random_walk", MethodName::Walk),
-            ("photon_beam", MethodName::PhotonBeam),
-            ("dipole", MethodName::Dipole),
-            ("normalized_diffusion", MethodName::NormalizedDiffusion),
-        ];
-        let method = self.choice(node, "method", MethodName::Walk, &names);
+        let method = self.method_named(node, "method");
         // One that is out of range is told, and held within it.
         let emergence = Emergence::new(self.at_sodium_line(node, "eta", 1.33));
         let eta = emergence.eta();
@@ -45,12 +63,44 @@ impl Compiler<'_> {
             reflectance: self.spectrum(node, "specular_reflectance", Role::Albedo, ONE),
             transmittance: self.spectrum(node, "specular_transmittance", Role::Albedo, ONE),
             roughness,
-            emergence,
-            method: self.subsurface_method(method, eta, g, matches!(content, Content::Albedo(..))),
-            content,
-            g,
+            medium: SubsurfaceMedium {
+                emergence,
+                within: emergence,
+                method: self.subsurface_method(method, eta, g, matches!(content, Content::Albedo(..))),
+                content,
+                g,
+            },
             local,
         }))
+    }
+
+    /// How light gets through a medium.
+    pub(super) fn method_named(&mut self, node: &Node, name: &str) -> MethodName {
+        self.choice(node, name, MethodName::Walk, &METHODS)
+    }
+
+    /// The medium that a layered surface's diffuse base is, if any of it is one. Its colour is what a boundary that
+    /// reflects nothing lets out again, so that is what light meets from within; it leaves as a surface of index `eta`
+    /// lets it pass. Without `eta` light is not followed there.
+    pub(super) fn subsurface_base(&mut self, said: BaseSaid, eta: Option<f32>) -> Option<SubsurfaceBase> {
+        let BaseSaid { weight, color, path, g, method } = said;
+        if matches!(weight, FloatTexture::Constant(w) if w <= 0.0) {
+            return None;
+        }
+        let g = g.clamp(-0.99, 0.99);
+        let within = Emergence::new(1.0);
+        let medium = eta.map(|eta| SubsurfaceMedium {
+            emergence: Emergence::new(eta),
+            within,
+            content: Content::Albedo(color.clone(), path),
+            method: match method {
+                // What walks bring back then has a closed form.
+                MethodName::Walk if g == 0.0 => SubsurfaceMethod::Walk(None),
+                _ => self.subsurface_method(method, within.eta(), g, true),
+            },
+            g,
+        });
+        Some(SubsurfaceBase { weight, color, g, medium })
     }
 
     fn subsurface_method(&mut self, method: MethodName, eta: f32, g: f32, is_by_albedo: bool) -> SubsurfaceMethod {
@@ -79,25 +129,35 @@ impl Compiler<'_> {
             self.superseded(node, "reflectance", &["sigma_a", "sigma_s"]);
             let albedo = self.spectrum(node, "reflectance", Role::Albedo, SpectrumValue::Constant(0.7));
             let path = self.spectrum(node, "mfp", Role::Unbounded, ONE);
-            return (Content::Albedo(albedo.clone(), self.scaled(node, path, scale)), albedo);
+            return (Content::Albedo(albedo.clone(), self.scaled(node, path, FloatTexture::Constant(scale))), albedo);
         }
         self.superseded(node, "sigma_a", &["mfp"]);
         let local = self.subsurface_albedo(node);
         let [a, s] = ["sigma_a", "sigma_s"].map(|name| {
             let sigma = self.spectrum(node, name, Role::Unbounded, ONE);
-            self.scaled(node, sigma, scale)
+            self.scaled(node, sigma, FloatTexture::Constant(scale))
         });
         (Content::Coefficients(a, s), local)
     }
 
     /// A quantity multiplied by a number.
-    fn scaled(&mut self, node: &Node, value: SpectrumTexture, scale: f32) -> SpectrumTexture {
-        match value {
-            _ if scale == 1.0 => value,
-            SpectrumTexture::Constant(color) => SpectrumTexture::Constant(color.scaled(scale)),
-            SpectrumTexture::Texture(id, role) => {
-                let factor = self.textures.add(Texture::Constant(Color::constant(scale)));
-                SpectrumTexture::Texture(self.add_texture(node, Texture::Scale(id, factor)), role)
+    pub(super) fn scaled(&mut self, node: &Node, value: SpectrumTexture, factor: FloatTexture) -> SpectrumTexture {
+        match (value, factor) {
+            (value, FloatTexture::Constant(1.0)) => value,
+            (SpectrumTexture::Constant(color), FloatTexture::Constant(factor)) => {
+                SpectrumTexture::Constant(color.scaled(factor))
+            }
+            (value, factor) => {
+                let role = match &value {
+                    SpectrumTexture::Texture(_, role) => *role,
+                    SpectrumTexture::Constant(_) => Role::Unbounded,
+                };
+                let value = self.as_texture(value);
+                let factor = match factor {
+                    FloatTexture::Texture(id) => id,
+                    FloatTexture::Constant(v) => self.textures.add(Texture::Constant(Color::constant(v))),
+                };
+                SpectrumTexture::Texture(self.add_texture(node, Texture::Scale(value, factor)), role)
             }
         }
     }

@@ -64,7 +64,8 @@ fn seen(scene: &Scene, mut i: Interaction, [mut albedo, mut normal]: [Vec3; 2], 
         let scattering = scene.scattering(&i, 0.5, &mut { *lambda });
         let Some((s, frame)) = scattering.filter(|(s, _)| s.bsdf.is_specular()) else { break };
         let drawn = s.bsdf.sample(frame.to_local(i.wo), 0.5, Vec2::splat(0.5), TransportMode::Radiance);
-        let Some(drawn) = drawn else { break };
+        // What goes below the surface shows nothing else.
+        let Some(drawn) = drawn.filter(|drawn| !drawn.lobe.is_subsurface()) else { break };
         let Some((next, more, frame)) = next_hit(scene, i.spawn(frame.to_world(drawn.wi)), lambda) else { break };
         (i, albedo, normal) = (next, albedo * more, frame.z);
     }

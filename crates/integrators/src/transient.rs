@@ -55,10 +55,11 @@ impl Transient {
         if from >= to {
             return Some(format!("intervals from {from} m to {to} m: 'to' must be more than 'from'"));
         }
+        if let Some(below) = scene.below_surfaces() {
+            return Some(format!("{below}, whose way there is not told"));
+        }
         let what = if scene.has_schedules() {
             "lights that go on and off: all lights are one pulse"
-        } else if scene.has_subsurface() {
-            "light that goes below surfaces (material 'subsurface'), whose way there is not told"
         } else if scene.media().iter().any(|m| m.glow.is_some()) {
             "media that glow"
         } else {

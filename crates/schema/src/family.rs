@@ -154,9 +154,10 @@ mod tests {
                     let is_value = match p.kind {
                         Type::Flag => default.parse::<bool>().is_ok(),
                         Type::Word(_) | Type::WordOrNumber(_) => p.words().any(|w| w == default),
-                        kind if kind.is_numeric() => {
-                            p.default_number().is_some_and(|v| (p.range.0..=p.range.1).contains(&v))
-                        }
+                        // A number, or one for each colour.
+                        kind if kind.is_numeric() => default
+                            .split(", ")
+                            .all(|v| v.parse::<f64>().is_ok_and(|v| (p.range.0..=p.range.1).contains(&v))),
                         _ => true,
                     };
                     assert!(is_other || is_value || default.ends_with("'s"), "{at}: default '{default}'");

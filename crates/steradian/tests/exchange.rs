@@ -241,6 +241,30 @@ fn what_cannot_be_expressed_is_named() {
     }
 }
 
+/// Light that goes below layered surfaces is kept in the own language; elsewhere it is left out by name, and the base
+/// has the colour of what comes back.
+#[test]
+fn light_below_layers_is_told_where_it_is_left_out() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (kind, weight) in [("openpbr", "subsurface_weight"), ("principled", "subsurface")] {
+        let text = format!(
+            "steradian: 1
+            shapes: [{{shape: sphere, material: {{material: {kind}, {weight}: 1, base_color: {{rgb: [1, 0, 0]}},
+            subsurface_color: {{rgb: [0, 0, 1]}}}}}}]"
+        );
+        let path = scene(&text, "steradian", folder.path());
+        let (kept, losses) = gone(&path, &["steradian"], folder.path());
+        assert!(losses.is_empty() && kept.nodes.iter().any(|n| n.float(weight) == Some(1.0)), "{losses:?}");
+        for extension in ["xml", "pbrt", "glb"] {
+            let (desc, losses) = gone(&path, &[extension], folder.path());
+            assert!(losses.iter().any(|l| l.contains(&format!("'{weight}' of '{kind}'"))), "{extension}: {losses:?}");
+            let material = desc.nodes.iter().find(|n| n.get("base_color").or(n.get("reflectance")).is_some());
+            let color = format!("{:?}", material.and_then(|n| n.get("base_color").or(n.get("reflectance"))));
+            assert!(color.contains("[0.0, 0.0, 1.0]") || color.contains("Rgb([0.0, 0.0,"), "{extension}: {color}");
+        }
+    }
+}
+
 /// What moves keeps moving in pbrt's language, and its exposure; other formats say that it stands still.
 #[test]
 fn motion_goes_through_pbrt_and_is_reported_elsewhere() {

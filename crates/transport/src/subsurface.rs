@@ -9,7 +9,7 @@ use steradian_bsdf::{
 };
 use steradian_core::{
     Scene,
-    material::{Below, Model, Scattering},
+    material::{Below, Scattering},
     medium::transmittance,
     scene::Interaction,
 };
@@ -103,9 +103,7 @@ impl PathState {
         context: &mut PathContext<'s, '_>,
     ) -> Option<Vertex<'s>> {
         let Vertex::Surface { i, scattering, frame, medium } = v else { return None };
-        let Bsdf::Subsurface(entry) = &scattering.bsdf else { return None };
-        let scene = context.scene;
-        let Model::Subsurface(material) = &scene.materials()[entry.material as usize].model else { return None };
+        let (scene, substance) = (context.scene, scattering.below?);
         self.beta *= s.weight;
         self.events += 1;
         self.lights = 1;
@@ -116,19 +114,19 @@ impl PathState {
             material: scene.geometries()[i.geometry as usize].material,
             is_inside_out: i.surface.ns.dot(i.wo) < 0.0,
         };
-        let below = material.below(scene.textures(), &scene.texture_context(i), context.lambda);
+        let below = substance.below(scene.textures(), &scene.texture_context(i), context.lambda);
         let exit = match below.table {
             Some(table) => {
                 let profile = Profile::new(table, below.sigma_t, below.albedo, lanes(scene, context.lambda));
                 self.probe(&object, &profile, i, frame, context)?
             }
-            None => self.walk(&object, &below, (material.g, &material.emergence), i, frame, context)?,
+            None => self.walk(&object, &below, (substance.g, &substance.within), i, frame, context)?,
         };
         // Where it leaves other numbers are drawn than on the way there.
         self.events += 1;
         let mut i = exit.i;
         i.wo = exit.ns;
-        let scattering = Scattering::plain(Bsdf::Emergence(material.emergence));
+        let scattering = Scattering::plain(Bsdf::Emergence(substance.emergence));
         Some(Vertex::Surface { i, scattering, frame: Frame::from_z(exit.ns), medium: *medium })
     }
 

@@ -1,7 +1,7 @@
 //! Where light meets a surface that it may enter.
 
 use crate::{
-    Bsdf, BsdfEval, BsdfSample, Dielectric, Lobe, Microfacet, TransportMode, fresnel,
+    Bsdf, BsdfEval, BsdfSample, Dielectric, Microfacet, TransportMode, fresnel,
     registry::{Case, Model, Visitor},
     scatter::Scatter,
 };
@@ -13,20 +13,13 @@ use steradian_math::{Spectrum, Vec2, Vec3};
 pub struct Entry {
     /// What reflects; its transmittance is a factor on what enters.
     pub interface: Dielectric,
-    /// Which material is below, for the caller.
-    pub material: u32,
 }
 
 impl Entry {
     /// What enters where so much of it is not reflected, drawn with a probability.
     fn entering(&self, passed: f32, probability: f32) -> Option<BsdfSample> {
-        (probability > 0.0).then(|| BsdfSample {
-            wi: Vec3::NEG_Z,
-            weight: self.interface.transmittance * (passed / probability),
-            pdf: probability,
-            lobe: Lobe::TRANSMISSION.with(Lobe::SPECULAR).with(Lobe::SUBSURFACE),
-            eta: 1.0,
-        })
+        (probability > 0.0)
+            .then(|| BsdfSample::entering(self.interface.transmittance * (passed / probability), probability))
     }
 }
 
@@ -82,7 +75,7 @@ impl Scatter for Entry {
 fn cases(visit: &mut Visitor<'_>) {
     let mut case = |label, eta: f32| {
         let interface = Dielectric::new(eta, Microfacet::SMOOTH);
-        visit(Case { label, bsdf: Bsdf::Subsurface(Entry { interface, material: 0 }), lossless: true });
+        visit(Case { label, bsdf: Bsdf::Subsurface(Entry { interface }), lossless: true });
     };
     case("skin", 1.4);
     case("index 1", 1.0);
@@ -91,7 +84,7 @@ fn cases(visit: &mut Visitor<'_>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::TransportMode::Radiance;
+    use crate::{Lobe, TransportMode::Radiance};
     use steradian_math::hash::HashRng;
 
     /// What enters a rough surface, and what it reflects, are together no more than what arrives, and what enters is
@@ -100,7 +93,7 @@ mod tests {
     fn what_is_not_reflected_enters() {
         let mut rng = HashRng::new(7);
         for alpha in [0.02, 0.3, 0.7] {
-            let entry = Entry { interface: Dielectric::new(1.4, Microfacet::ggx(alpha, alpha)), material: 3 };
+            let entry = Entry { interface: Dielectric::new(1.4, Microfacet::ggx(alpha, alpha)) };
             for cos in [1.0f32, 0.6, 0.15] {
                 let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
                 let (mut entered, mut reflected, n) = (0.0f64, 0.0f64, 40_000);

@@ -13,6 +13,7 @@ mod emergence;
 mod entry;
 mod inversion;
 mod normalized_diffusion;
+mod part;
 mod photon_beam;
 mod profile;
 
@@ -21,5 +22,6 @@ pub use emergence::Emergence;
 pub use entry::Entry;
 pub use inversion::{WalkAlbedo, deep_albedo, deep_single_scattering};
 pub use normalized_diffusion::normalized_diffusion;
+pub use part::SubsurfacePart;
 pub use photon_beam::photon_beam_diffusion;
 pub use profile::{Profile, ProfileTable};

@@ -14,7 +14,7 @@ pub use hair::{Absorption, HairMaterial};
 pub use layered::{LayeredBase, LayeredMaterial};
 pub use pbr::{PbrMaterial, Stretch};
 pub use principled::PrincipledMaterial;
-pub use subsurface::{Below, Content, SubsurfaceMaterial, SubsurfaceMethod};
+pub use subsurface::{Below, Content, SubsurfaceBase, SubsurfaceMaterial, SubsurfaceMedium, SubsurfaceMethod};
 pub mod detail;
 pub mod normal_code;
 pub mod normal_filter;
@@ -229,6 +229,8 @@ pub struct Scattering<'a> {
     pub cover: Option<Cover>,
     /// For how long matter holds back the light that it scatters, in the mean, s.
     pub lifetime: f32,
+    /// The medium that light goes into which enters.
+    pub below: Option<&'a SubsurfaceMedium>,
 }
 
 impl<'a> Scattering<'a> {
@@ -239,11 +241,12 @@ impl<'a> Scattering<'a> {
         detail: None,
         cover: None,
         lifetime: 0.0,
+        below: None,
     };
 
     /// A value on a surface as it is.
     pub fn plain(bsdf: Bsdf<'a>) -> Self {
-        Self { bsdf, flipped: false, detail: None, cover: None, lifetime: 0.0 }
+        Self { bsdf, flipped: false, detail: None, cover: None, lifetime: 0.0, below: None }
     }
 
     /// [`Bsdf::eval`], under the surface's cover.
@@ -268,6 +271,35 @@ impl<'a> Scattering<'a> {
         let Some(cover) = &self.cover else { return self.bsdf.sample(wo, u, u2, mode) };
         let drawn = self.bsdf.sample(wo, u, u2, mode)?;
         Some(BsdfSample { weight: drawn.weight * cover.passes(drawn.wi)?, ..drawn })
+    }
+}
+
+impl Model {
+    /// What of it goes below surfaces, if any does, by name.
+    pub(crate) fn below(&self) -> Option<&'static str> {
+        let is_followed = |base: &Option<SubsurfaceBase>| base.as_ref().is_some_and(|b| b.medium.is_some());
+        match self {
+            Self::Subsurface(_) => Some("light that goes below surfaces (material 'subsurface')"),
+            Self::Pbr(m) if is_followed(&m.subsurface) => {
+                Some("light that goes below surfaces ('subsurface_weight' of material 'openpbr')")
+            }
+            Self::Principled(m) if is_followed(&m.subsurface) => {
+                Some("light that goes below surfaces ('subsurface' of material 'principled')")
+            }
+            _ => None,
+        }
+    }
+
+    /// What stands in where light is not followed below surfaces, nor to other wavelengths.
+    pub(crate) fn make_local(&mut self) {
+        let diffuse = |base: &mut Option<SubsurfaceBase>| base.iter_mut().for_each(|b| b.medium = None);
+        match self {
+            Self::Subsurface(m) => *self = Self::TwoSided(m.local, m.local),
+            Self::Fluorescent(m) => *self = Self::TwoSided(m.local, m.local),
+            Self::Pbr(m) => diffuse(&mut m.subsurface),
+            Self::Principled(m) => diffuse(&mut m.subsurface),
+            _ => {}
+        }
     }
 }
 
@@ -446,7 +478,7 @@ pub fn scattering<'a>(
         None => at,
     };
     let spectrum = |t: &SpectrumTexture, lambda: &Wavelengths| albedo(t.eval(textures, at, lambda));
-    let mut lifetime = 0.0;
+    let (mut lifetime, mut below) = (0.0, None);
     let bsdf = match &material.model {
         Model::Compensated { metal, kind, table } => {
             Bsdf::CompensatedConductor(CompensatedConductor::new(metal.eval(textures, at, lambda), *kind, table))
@@ -462,13 +494,22 @@ pub fn scattering<'a>(
         Model::Fluorescent(m) => m.bsdf(textures, at, choice, lambda, &mut lifetime),
         Model::Grating(m) => m.bsdf(textures, at, lambda),
         Model::Layered(m) => m.bsdf(textures, at, lambda),
-        Model::Pbr(m) => m.bsdf(textures, at, lambda),
-        Model::Principled(m) => m.bsdf(&Point { textures, at, lambda }),
-        Model::Subsurface(m) => m.bsdf(id, &Point { textures, at, lambda }),
+        Model::Pbr(m) => {
+            below = m.subsurface.as_ref().and_then(|s| s.medium.as_ref());
+            m.bsdf(textures, at, lambda)
+        }
+        Model::Principled(m) => {
+            below = m.subsurface.as_ref().and_then(|s| s.medium.as_ref());
+            m.bsdf(&Point { textures, at, lambda })
+        }
+        Model::Subsurface(m) => {
+            below = Some(&m.medium);
+            m.bsdf(&Point { textures, at, lambda })
+        }
         model => owned(model, textures, at, lambda)?,
     };
     let turns = !front && !flipped && !bsdf.has_transmission() && (two_sided || material.two_sided);
-    Some(Scattering { flipped: flipped || turns, detail, lifetime, ..Scattering::plain(bsdf) })
+    Some(Scattering { flipped: flipped || turns, detail, lifetime, below, ..Scattering::plain(bsdf) })
 }
 
 /// What a material is on one side at all points and wavelengths, and whether with the normal turned over.

@@ -1,7 +1,7 @@
 //! The surface of glTF and OpenPBR: what a scene says of it.
 
-use super::{Eta, Point, albedo};
-use steradian_bsdf::{Bsdf, Microfacet, Pbr, ThinFilm, pbr::PbrParams};
+use super::{Eta, Point, SubsurfaceBase, albedo};
+use steradian_bsdf::{Bsdf, Microfacet, Pbr, ThinFilm, pbr::PbrParams, subsurface::SubsurfacePart};
 use steradian_math::{
     Spectrum,
     spectra::{ColorMode, Wavelengths},
@@ -64,6 +64,8 @@ pub struct PbrMaterial {
     pub coat_color: SpectrumTexture,
     /// A film over the base: how much of it, its thickness (nm) and index.
     pub film: Option<[FloatTexture; 3]>,
+    /// What of the diffuse base is a medium.
+    pub subsurface: Option<SubsurfaceBase>,
 }
 
 impl PbrMaterial {
@@ -119,6 +121,7 @@ impl PbrMaterial {
             coat_eta: p.float(&self.coat_eta),
             coat_color: p.albedo(&self.coat_color),
             tints_metal_edge: self.stretch == Stretch::OpenPbr,
+            subsurface: self.subsurface.as_ref().map_or(SubsurfacePart::NONE, |s| s.part(&p)),
         }))
     }
 }

@@ -1,7 +1,7 @@
 //! Disney's surface: what a scene says of it.
 
-use super::Point;
-use steradian_bsdf::{Bsdf, Principled, PrincipledThin, principled::PrincipledParams};
+use super::{Point, SubsurfaceBase};
+use steradian_bsdf::{Bsdf, Principled, PrincipledThin, principled::PrincipledParams, subsurface::SubsurfacePart};
 use steradian_math::{Spectrum, Vec2, color::luminance};
 use steradian_texture::{FloatTexture, SpectrumTexture};
 
@@ -36,6 +36,8 @@ pub struct PrincipledMaterial {
     pub clearcoat_gloss: FloatTexture,
     /// For a thin sheet, the diffuse transmission in [0, 2].
     pub thin: Option<FloatTexture>,
+    /// What of the diffuse part is a medium.
+    pub subsurface: Option<SubsurfaceBase>,
 }
 
 impl PrincipledMaterial {
@@ -65,6 +67,7 @@ impl PrincipledMaterial {
             flatness: p.float(&self.flatness),
             clearcoat: p.float(&self.clearcoat),
             clearcoat_gloss: p.float(&self.clearcoat_gloss),
+            subsurface: self.subsurface.as_ref().map_or(SubsurfacePart::NONE, |s| s.part(p)),
         };
         match &self.thin {
             Some(diff_trans) => Bsdf::PrincipledThin(PrincipledThin::new(&params, p.float(diff_trans))),
@@ -117,6 +120,7 @@ mod tests {
                 clearcoat: number(0.0),
                 clearcoat_gloss: number(0.0),
                 thin: None,
+                subsurface: None,
             };
             let at = TextureContext::new(Vec3::ZERO, Vec2::ZERO);
             for k in 0..20 {

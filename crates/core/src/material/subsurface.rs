@@ -5,10 +5,10 @@ use super::{Point, Roughness};
 use std::sync::Arc;
 use steradian_bsdf::{
     Bsdf, Dielectric,
-    subsurface::{Emergence, Entry, ProfileTable, WalkAlbedo, deep_albedo, deep_single_scattering},
+    subsurface::{Emergence, Entry, ProfileTable, SubsurfacePart, WalkAlbedo, deep_albedo, deep_single_scattering},
 };
 use steradian_math::{Spectrum, spectra::Wavelengths};
-use steradian_texture::{SpectrumTexture, TextureContext, Textures};
+use steradian_texture::{FloatTexture, SpectrumTexture, TextureContext, Textures};
 
 /// A material that light enters, to leave it elsewhere on the same object.
 #[derive(Clone, Debug)]
@@ -19,16 +19,51 @@ pub struct SubsurfaceMaterial {
     pub transmittance: SpectrumTexture,
     /// Roughness of the surface.
     pub roughness: Roughness,
+    /// What is below.
+    pub medium: SubsurfaceMedium,
+    /// Index of the material that stands in where light is not followed below.
+    pub local: u32,
+}
+
+/// The part of a layered surface's diffuse base that is a medium.
+#[derive(Clone, Debug)]
+pub struct SubsurfaceBase {
+    /// How much of it.
+    pub weight: FloatTexture,
+    /// The part of the light that comes back.
+    pub color: SpectrumTexture,
+    /// Mean cosine of the phase function.
+    pub g: f32,
+    /// What is below; `None` where light is not followed there.
+    pub medium: Option<SubsurfaceMedium>,
+}
+
+impl SubsurfaceBase {
+    /// What it is at a point.
+    pub(super) fn part(&self, p: &Point<'_>) -> SubsurfacePart {
+        SubsurfacePart {
+            weight: p.float(&self.weight),
+            color: p.albedo(&self.color),
+            is_followed: self.medium.is_some(),
+            g: self.g,
+        }
+    }
+}
+
+/// A medium that light enters, to leave it elsewhere on the same object.
+#[derive(Clone, Debug)]
+pub struct SubsurfaceMedium {
     /// How light leaves; holds the index of refraction inside over outside.
     pub emergence: Emergence,
+    /// The boundary as light meets it from within: the same, or one that reflects nothing where the content is what
+    /// comes back without a boundary.
+    pub within: Emergence,
     /// What the medium is.
     pub content: Content,
     /// Mean cosine of its phase function.
     pub g: f32,
     /// How light gets through it.
     pub method: SubsurfaceMethod,
-    /// Index of the material that stands in where light is not followed below.
-    pub local: u32,
 }
 
 /// What a medium below a surface is.
@@ -68,17 +103,19 @@ pub struct Below<'a> {
 const SHORTEST: f32 = 1e-8;
 
 impl SubsurfaceMaterial {
-    /// The surface at a point; `id` is the index of the material.
-    pub(super) fn bsdf(&self, id: u32, p: &Point<'_>) -> Bsdf<'static> {
+    /// The surface at a point.
+    pub(super) fn bsdf(&self, p: &Point<'_>) -> Bsdf<'static> {
         let interface = Dielectric {
             reflectance: p.albedo(&self.reflectance),
             transmittance: p.albedo(&self.transmittance),
-            eta: self.emergence.eta(),
+            eta: self.medium.emergence.eta(),
             microfacet: self.roughness.microfacet(p.textures, p.at),
         };
-        Bsdf::Subsurface(Entry { interface, material: id })
+        Bsdf::Subsurface(Entry { interface })
     }
+}
 
+impl SubsurfaceMedium {
     /// What is below a point.
     pub fn below(&self, textures: &Textures, at: &TextureContext<'_>, lambda: &Wavelengths) -> Below<'_> {
         let p = Point { textures, at, lambda };
@@ -95,7 +132,7 @@ impl SubsurfaceMaterial {
                 let (a, s) = (p.unbounded(absorption), p.unbounded(scattering) * kept);
                 let albedo = ratio(s, a + s);
                 // Of what comes back to the surface a part is sent down again.
-                let k = self.emergence.diffuse_reflected_within();
+                let k = self.within.diffuse_reflected_within();
                 let by_boundary = |a: f32| (1.0 - k) * a / (1.0 - k * a);
                 (a + s, if by_surface { albedo.map(|a| by_boundary(deep_albedo(a))) } else { albedo })
             }

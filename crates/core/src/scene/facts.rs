@@ -20,7 +20,8 @@ pub struct Facts {
     /// Media that give off light, where it may arrive straight.
     pub lamps: Vec<Lamp>,
     pub has_curves: bool,
-    pub has_subsurface: bool,
+    /// What goes below surfaces, if anything does.
+    pub below_surfaces: Option<&'static str>,
     pub is_fluorescent: bool,
     /// The back and the front of each material.
     pub constants: Vec<[Option<material::Constant>; 2]>,
@@ -54,7 +55,7 @@ impl Facts {
             has_media: parts.has_media(),
             is_see_through,
             lamps: if is_see_through { lamps(parts) } else { Vec::new() },
-            has_subsurface: materials.iter().any(|m| matches!(m.model, Model::Subsurface(_))),
+            below_surfaces: materials.iter().find_map(|m| m.model.below()),
             has_curves: geometries.iter().any(|g| g.shape.faces_rays()),
             constants: material::constants(materials, textures),
             lambertian: material::lambertian(materials),

@@ -59,12 +59,7 @@ impl Scene {
     pub fn with_local_scattering(self) -> Self {
         self.changed(|parts| {
             for material in &mut parts.materials {
-                let local = match &material.model {
-                    Model::Subsurface(m) => m.local,
-                    Model::Fluorescent(m) => m.local,
-                    _ => continue,
-                };
-                material.model = Model::TwoSided(local, local);
+                material.model.make_local();
             }
         })
     }
@@ -211,7 +206,12 @@ impl Scene {
     /// Whether light enters any material to leave it elsewhere.
     #[inline]
     pub fn has_subsurface(&self) -> bool {
-        self.facts.has_subsurface
+        self.facts.below_surfaces.is_some()
+    }
+
+    /// That, with the material's name, where any does.
+    pub fn below_surfaces(&self) -> Option<&'static str> {
+        self.facts.below_surfaces
     }
 
     /// Whether any material gives light back at other wavelengths.

@@ -128,6 +128,26 @@ impl<'a> Exchange<'a> {
         self.source(node, name).unwrap_or(Source::Plain(Colour::Grey(default)))
     }
 
+    /// The parameter of a layered surface that has the colour of its diffuse base, where formats do not follow light
+    /// below surfaces, which is told.
+    pub fn base_color_of(&mut self, node: &Node) -> &'static str {
+        let is_openpbr = node.kind == "openpbr";
+        let weight = if is_openpbr { "subsurface_weight" } else { "subsurface" };
+        let share = match self.source(node, weight) {
+            Some(Source::Plain(c)) => c.mean(),
+            Some(Source::Texture(_)) => 0.5,
+            None => 0.0,
+        };
+        if share <= 0.0 {
+            return "base_color";
+        }
+        let what =
+            format!("'{weight}' of '{}' is left out: what light brings from below the surface is diffuse", node.kind);
+        self.approximated(node, what);
+        let has_own = is_openpbr || node.get("subsurface_color").is_some();
+        if share >= 0.5 && has_own { "subsurface_color" } else { "base_color" }
+    }
+
     fn source_of(&self, value: &Value, depth: usize) -> Source {
         let id = match value {
             Value::Float(v) => return Source::Plain(Colour::Grey(*v)),

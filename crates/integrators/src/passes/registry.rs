@@ -14,11 +14,10 @@ use steradian_engine::Passes;
 
 /// What of a scene only `path` and `volpath` follow.
 pub(crate) fn for_paths_alone(scene: &Scene) -> Option<&'static str> {
-    if scene.has_subsurface() {
-        return Some("light that goes below surfaces (material 'subsurface')");
-    }
-    if scene.is_fluorescent() {
-        return Some("light that changes its wavelength (material 'fluorescent')");
+    let changed = "light that changes its wavelength (material 'fluorescent')";
+    let what = scene.below_surfaces().or_else(|| scene.is_fluorescent().then_some(changed));
+    if what.is_some() {
+        return what;
     }
     scene.has_schedules().then_some("lights that go on and off (parameters 'on' and 'off')")
 }

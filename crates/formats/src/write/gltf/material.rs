@@ -421,7 +421,8 @@ impl Writer<'_> {
         self.x.approximated(node, format!("'{}' becomes glTF's metallic-roughness", node.kind));
         let openpbr = node.kind == "openpbr";
         let named = |ours: &'static str, theirs: &'static str| if openpbr { theirs } else { ours };
-        let base = self.x.source_or(node, "base_color", if openpbr { 0.8 } else { 0.5 });
+        let color = self.x.base_color_of(node);
+        let base = self.x.source_or(node, color, if openpbr { 0.8 } else { 0.5 });
         self.base_color(draft, &base);
         for (key, name, default) in [
             ("metallicFactor", named("metallic", "base_metalness"), 0.0),

@@ -396,17 +396,18 @@ impl Writer<'_> {
     fn principled(&mut self, node: &Node) -> (Element, bool) {
         let mut out = Element::plugin("bsdf", &node.kind);
         let mut transmits = node.kind == "principledthin";
+        let color = self.x.base_color_of(node);
         for param in &node.params {
             let name = param.name.as_str();
             let role = match name {
-                "base_color" => Role::Reflectance,
+                _ if name == color => Role::Reflectance,
                 "roughness" | "anisotropic" | "metallic" | "spec_trans" | "eta" | "specular" | "spec_tint"
                 | "sheen" | "sheen_tint" | "flatness" | "clearcoat" | "clearcoat_gloss" | "diff_trans" => Role::Scalar,
                 _ => continue,
             };
             if let Some(source) = self.x.source(node, name) {
                 transmits |= name == "spec_trans" && !matches!(&source, Source::Plain(c) if c.is_black());
-                self.put(&mut out, name, &source, role);
+                self.put(&mut out, if name == color { "base_color" } else { name }, &source, role);
             }
         }
         (out, !transmits)
@@ -418,7 +419,7 @@ impl Writer<'_> {
         let mut out = Element::plugin("bsdf", "principled");
         let names: [(&str, &str, f64); 8] = if node.kind == "openpbr" {
             [
-                ("base_color", "base_color", 0.8),
+                ("base_color", self.x.base_color_of(node), 0.8),
                 ("metallic", "base_metalness", 0.0),
                 ("roughness", "specular_roughness", 0.3),
                 ("spec_trans", "transmission_weight", 0.0),

@@ -352,7 +352,8 @@ impl Writer<'_> {
         self.x.approximated(node, format!("'{}' becomes a coated base, metal or glass, or a mix of them", node.kind));
         let openpbr = node.kind == "openpbr";
         let named = |a: &'static str, b: &'static str| if openpbr { b } else { a };
-        let base = self.x.source_or(node, "base_color", if openpbr { 0.8 } else { 1.0 });
+        let color = self.x.base_color_of(node);
+        let base = self.x.source_or(node, color, if openpbr { 0.8 } else { 1.0 });
         let metallic = match self.x.source(node, named("metallic", "base_metalness")) {
             Some(s) => s,
             None => Source::Plain(Colour::Grey(if node.kind == "metallic_roughness" { 1.0 } else { 0.0 })),

@@ -1,0 +1,22 @@
+//! How much of a surface is a medium.
+
+use steradian_math::Spectrum;
+
+/// The part of a surface's diffuse base that is a medium, which light enters.
+#[derive(Clone, Copy, Debug)]
+pub struct SubsurfacePart {
+    /// How much of it.
+    pub weight: f32,
+    /// The part of the light that comes back.
+    pub color: Spectrum,
+    /// Whether light goes below, to leave elsewhere. Else what comes back is diffuse; of a thin surface it goes
+    /// through, too.
+    pub is_followed: bool,
+    /// Mean cosine of the phase function; of what a thin surface scatters `(1 + g)/2` goes through.
+    pub g: f32,
+}
+
+impl SubsurfacePart {
+    /// None of it.
+    pub const NONE: Self = Self { weight: 0.0, color: Spectrum::ZERO, is_followed: false, g: 0.0 };
+}
