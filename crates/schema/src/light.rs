@@ -98,7 +98,7 @@ const OF_SKY: &[Parameter] = &[
 
 /// Of the simulated air, in W/(m² sr nm).
 const OF_ATMOSPHERE: &[Parameter] = &[
-    number("altitude", (0.0, 50_000.0), "0", "of the viewer above sea level, where the ground is; all of the scene's")
+    number("altitude", (0.0, 50_000.0), "0", "of the viewer above the ground, which is at sea level")
         .unit("m")
         .refused(),
     number("pressure", (0.0, 5000.0), "1013.25", "of the air at sea level; 0 leaves its molecules out")

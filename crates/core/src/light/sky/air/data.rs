@@ -31,7 +31,7 @@ pub(super) const SUN: Bands = [
 
 /// Absorption cross-section of an ozone molecule at 233 K, 10⁻²⁷ m²: means over the bands of the measurements of
 /// Serdyuchenko, Gorshelev, Weber, Chehade, Burrows, "High spectral resolution ozone absorption cross-sections – Part
-/// 2", Atmos. Meas. Tech. 7 (2014).
+/// 2", Atmos. Meas. Tech. 7 (2014), as averaged by Bruneton (precomputed_atmospheric_scattering, 2017).
 pub(super) const OZONE: Bands = [
     1.18, 0.2182, 0.2818, 0.6636, 1.527, 2.763, 5.52, 8.451, 15.82, 23.16, 36.69, 49.24, 77.52, 90.16, 148.0, 160.2,
     213.9, 275.5, 309.1, 350.0, 426.6, 467.2, 439.8, 470.1, 501.9, 430.5, 374.0, 321.5, 266.2, 223.8, 185.2, 147.3,
