@@ -29,11 +29,11 @@ impl Harmonics {
         let degree = if has_aerosols { DUSTY } else { CLEAR };
         let (mut degrees, mut recurrence, mut first, mut count) = ([0; MOST], [[0.0; 2]; MOST], [0.0; DUSTY + 1], 0);
         let mut p = (0.25 / std::f64::consts::PI).sqrt();
-        for m in 0..=degree {
+        for (m, first) in first[..=degree].iter_mut().enumerate() {
             if m > 0 {
                 p *= ((2 * m + 1) as f64 / (2 * m) as f64).sqrt();
             }
-            first[m] = (p * if m > 0 { std::f64::consts::SQRT_2 } else { 1.0 }) as f32;
+            *first = (p * if m > 0 { std::f64::consts::SQRT_2 } else { 1.0 }) as f32;
             let m2 = (m * m) as f64;
             for l in m..=degree {
                 let (l2, k2) = ((l * l) as f64, (l as f64 - 1.0).powi(2));

@@ -131,11 +131,11 @@ pub(super) fn pass<const N: usize>(
     through: &mut [f32; N],
     mut add: impl FnMut(usize, f32),
 ) {
-    for b in 0..N {
+    for (b, through) in through.iter_mut().enumerate() {
         let tau = optics.rayleigh[b] * amounts[0] + optics.aerosol[b] * amounts[1] + optics.ozone[b] * amounts[2];
         let (left, mean) = dimming(tau);
-        add(b, through[b] * mean);
-        through[b] *= left;
+        add(b, *through * mean);
+        *through *= left;
     }
 }
 
