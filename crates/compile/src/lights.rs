@@ -101,8 +101,8 @@ impl Compiler<'_> {
     pub(super) fn light(&mut self, id: NodeId) {
         let node = self.node(id);
         let light = match node.kind.as_str() {
-            "sky" => {
-                let lights = self.sky(node);
+            "sky" | "atmosphere" => {
+                let lights = if node.kind == "sky" { self.sky(node) } else { self.atmosphere(node) };
                 lights.into_iter().for_each(|light| self.add_light(node, id, light));
                 return;
             }

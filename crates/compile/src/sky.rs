@@ -1,13 +1,17 @@
-//! Compiling the sky: two lights, the dome and the sun.
+//! Compiling skies, by tables and of simulated air: two lights each, the dome and the sun.
 
 use super::Compiler;
 use steradian_core::light::{
     Environment, Light,
-    sky::{Atmosphere, Celestial, Moment, SkyDome, SunDisc, SunLook},
+    sky::{Air, AirDome, AirSun, Atmosphere, Celestial, Contents, Moment, SkyDome, SunDisc, SunLook},
 };
 use steradian_math::{
     Vec3,
-    spectra::role::{Color, Role},
+    color::space::REC709,
+    spectra::{
+        ColorMode,
+        role::{Color, Role},
+    },
     transform::Affine,
 };
 use steradian_scene::{Node, SpectrumValue};
@@ -15,6 +19,16 @@ use steradian_scene::{Node, SpectrumValue};
 /// What `sun_direction` stands in for.
 const PLACE_AND_TIME: [&str; 9] =
     ["latitude", "longitude", "timezone", "year", "month", "day", "hour", "minute", "second"];
+
+/// Height of the sun in degrees below which the sky has no light of its.
+const NIGHT: f32 = -18.0;
+
+/// What shines in the sky, where its scale leaves something of it.
+fn lit(mode: ColorMode, scale: f32, celestial: impl FnOnce() -> Option<Celestial>) -> Option<Light> {
+    let celestial = (scale > 0.0).then(celestial).flatten()?;
+    let (radiance, celestial) = (Color::BLACK, Some(celestial));
+    Some(Light::Environment(Box::new(Environment { radiance, scale, image: None, celestial, portal: None, mode })))
+}
 
 impl Compiler<'_> {
     /// The sky and the sun, each where its scale leaves something of it.
@@ -38,15 +52,51 @@ impl Compiler<'_> {
         };
         let scale = self.float(node, "scale", 1.0);
         let (of_sky, of_sun) = (self.float(node, "sky_scale", 1.0), self.float(node, "sun_scale", 1.0));
-        let lit = |scale: f32, celestial: &dyn Fn() -> Celestial| {
-            (scale > 0.0).then(|| {
-                let (radiance, celestial, mode) = (Color::BLACK, Some(celestial()), air.mode);
-                Environment { radiance, scale, image: None, celestial, portal: None, mode }
-            })
+        let sky = lit(self.mode, scale * of_sky, || Some(Celestial::Sky(Box::new(SkyDome::new(&air)))));
+        let sun = lit(self.mode, scale * of_sun, || Some(Celestial::Sun(Box::new(SunDisc::new(&air, &look)))));
+        [sky, sun].into_iter().flatten().collect()
+    }
+
+    /// The sky and the sun of simulated air, each where its scale leaves something of it.
+    pub(super) fn atmosphere(&mut self, node: &Node) -> Vec<Light> {
+        let node = &*self.within_ranges(node);
+        let Some(place) = self.light_place(node) else { return Vec::new() };
+        let (Some(sun), Some(up)) = (self.sun_direction(node, &place), place.vector(Vec3::Z).try_normalize()) else {
+            return Vec::new();
         };
-        let sky = lit(scale * of_sky, &|| Celestial::Sky(Box::new(SkyDome::new(&air))));
-        let sun = lit(scale * of_sun, &|| Celestial::Sun(Box::new(SunDisc::new(&air, &look))));
-        [sky, sun].into_iter().flatten().map(|e| Light::Environment(Box::new(e))).collect()
+        if sun.dot(up) < NIGHT.to_radians().sin() {
+            let message =
+                format!("the sun is lower than {NIGHT}° at this place and time; stars and airglow are not in this sky");
+            self.diagnostics.warn(&self.desc.sources, node.span, message);
+        }
+        let albedo = self.constant_color(node, "albedo", Role::Albedo, SpectrumValue::Constant(0.3));
+        let albedo = match (albedo, self.mode) {
+            (Color::Lanes(lanes), ColorMode::Rgb) => {
+                Color::rgb(Vec3::from(lanes.to_rgb()), &REC709, Role::Albedo, ColorMode::Spectral)
+            }
+            (albedo, _) => albedo,
+        };
+        let mut number = |name, default| f64::from(self.float(node, name, default));
+        let contents = Contents {
+            pressure: number("pressure", 1013.25),
+            ozone: number("ozone", 300.0),
+            aerosol: number("aerosol", 0.1),
+            angstrom: number("angstrom", 1.3),
+            aerosol_albedo: number("aerosol_albedo", 0.95) as f32,
+            aerosol_height: number("aerosol_height", 1500.0),
+            g: number("g", 0.7) as f32,
+        };
+        let altitude = self.float(node, "altitude", 0.0);
+        let multiple = self.choice(node, "scattering", true, &[("multiple", true), ("single", false)]);
+        let air = Air { contents, albedo, altitude, multiple, up, sun, mode: self.mode };
+        let (aperture, darkening) = (self.float(node, "sun_aperture", 0.5358), self.bool(node, "limb_darkening", true));
+        let scale = self.float(node, "scale", 1.0);
+        let (of_sky, of_sun) = (self.float(node, "sky_scale", 1.0), self.float(node, "sun_scale", 1.0));
+        let sky = lit(self.mode, scale * of_sky, || Some(Celestial::Air(Box::new(AirDome::new(&air)))));
+        let sun = lit(self.mode, scale * of_sun, || {
+            AirSun::new(&air, aperture, darkening).map(|s| Celestial::AirSun(Box::new(s)))
+        });
+        [sky, sun].into_iter().flatten().collect()
     }
 
     /// The unit vector to the sun in the world; `None` after an error.

@@ -257,7 +257,7 @@ fn set_environment(desc: &mut SceneDesc, name: &str, picture: &Arc<[u8]>, to_wor
     node.name = Some("environment".into());
     let light = desc.add(node);
     let before = desc.lights.clone();
-    desc.lights.retain(|l| !matches!(desc.nodes[l.0 as usize].kind.as_str(), "environment" | "sky"));
+    desc.lights.retain(|l| !matches!(desc.nodes[l.0 as usize].kind.as_str(), "environment" | "sky" | "atmosphere"));
     desc.lights.push(light);
     Held::Lights(before)
 }

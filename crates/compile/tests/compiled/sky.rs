@@ -6,8 +6,12 @@ use steradian_math::{Vec3, spectra::Wavelengths};
 use steradian_scene::{ColorSpace, Family, Format, Node, SceneDesc, Severity, SpectrumValue, Value};
 
 fn compiled(parameters: &[(&str, Value)]) -> Compiled {
+    compiled_as("sky", parameters)
+}
+
+fn compiled_as(kind: &str, parameters: &[(&str, Value)]) -> Compiled {
     let mut d = SceneDesc { format: Format::Native, ..SceneDesc::default() };
-    let mut node = Node::new(Family::Light, "sky", None);
+    let mut node = Node::new(Family::Light, kind, None);
     for (name, value) in parameters {
         node.set(*name, value.clone(), None);
     }
@@ -20,7 +24,11 @@ fn compiled(parameters: &[(&str, Value)]) -> Compiled {
 
 /// What arrives from a direction, and how many lights there are.
 fn seen(parameters: &[(&str, Value)], w: [f32; 3]) -> (f32, usize) {
-    let scene = compiled(parameters).scene.expect("a scene");
+    seen_of("sky", parameters, w)
+}
+
+fn seen_of(kind: &str, parameters: &[(&str, Value)], w: [f32; 3]) -> (f32, usize) {
+    let scene = compiled_as(kind, parameters).scene.expect("a scene");
     let lights = &scene.lights().lights;
     let radiance = lights.iter().map(|l| match l {
         Light::Environment(e) => e.radiance(Vec3::ZERO, Vec3::from(w).normalize(), &Wavelengths::RGB).to_rgb()[1],
@@ -85,4 +93,57 @@ fn bad_values_are_told() {
     assert_eq!(messages(&both, Severity::Error), ["'sun_direction' excludes 'hour'"]);
     let said = messages(&[("hour", 1.0.into())], Severity::Warning);
     assert!(said.iter().any(|m| m.contains("below the horizon")), "{said:?}");
+}
+
+/// Simulated air has the sun at the same place, two lights of which each can be left out, light after sunset, and the
+/// colour of the ground in RGB.
+#[test]
+fn simulated_air() {
+    let at = |parameters: &[(&str, Value)], w| seen_of("atmosphere", parameters, w);
+    let (hour, toward) = (("hour", Value::Float(9.0)), [-0.095_695_2, 0.614_786, 0.782_867]);
+    let (sun, lights) = at(std::slice::from_ref(&hour), toward);
+    assert!(sun > 1e4 && lights == 2, "{sun} {lights}");
+    let (sky, lights) = at(&[hour.clone(), ("sun_scale", 0.0.into())], toward);
+    assert!(sky < 1.0 && sky > 0.0 && lights == 1, "{sky} {lights}");
+    let (once, _) = at(&[hour.clone(), ("sun_scale", 0.0.into()), ("scattering", "single".into())], [0.0, 0.0, 1.0]);
+    let (all, _) = at(&[hour, ("sun_scale", 0.0.into())], [0.0, 0.0, 1.0]);
+    assert!(once < 0.95 * all && once > 0.3 * all, "{once} {all}");
+    let evening = [("sun_direction", Value::Vec3([1.0, 0.0, -0.07]))];
+    let (dusk, lights) = at(&evening, [0.0, 0.0, 1.0]);
+    assert!(dusk > 0.0 && dusk < 1e-3 && lights == 1, "{dusk} {lights}");
+    let green = |rgb| {
+        let noon = ("sun_direction", Value::Vec3([0.0, 0.6, 0.8]));
+        let ground = ("albedo", Value::Spectrum(SpectrumValue::Rgb(rgb, ColorSpace::Srgb)));
+        at(&[noon, ground, ("sun_scale", 0.0.into())], [1.0, 0.0, 0.05]).0
+    };
+    assert!(green([0.0, 0.9, 0.0]) > 1.1 * green([0.9, 0.0, 0.9]));
+}
+
+/// As for the sky; and what air may be made of.
+#[test]
+fn bad_air_is_told() {
+    let messages = |parameters: &[(&str, Value)], severity| {
+        let c = compiled_as("atmosphere", parameters);
+        c.diagnostics.iter().filter(|d| d.severity == severity).map(|d| d.message.clone()).collect::<Vec<_>>()
+    };
+    let bad: &[(&str, Value, &str)] = &[
+        ("altitude", 60_000.0.into(), "in [0, 50000]"),
+        ("pressure", (-1.0).into(), "in [0, 5000]"),
+        ("ozone", f64::NAN.into(), "not a finite number"),
+        ("aerosol", 6.0.into(), "in [0, 5]"),
+        ("aerosol_albedo", 1.1.into(), "in [0, 1]"),
+        ("aerosol_height", 0.0.into(), "in [100, 20000]"),
+        ("g", 1.0.into(), "in [-0.9, 0.9]"),
+        ("scattering", "twice".into(), "multiple, single"),
+        ("sun_direction", Value::Vec3([0.0; 3]), "direction of the sun is zero"),
+    ];
+    for (name, value, expected) in bad {
+        let said = messages(&[(name, value.clone())], Severity::Error);
+        assert!(said.len() == 1 && said[0].contains(expected), "{name} {value:?}: {said:?}");
+    }
+    let both = [("sun_direction", Value::Vec3([0.0, 0.0, 1.0])), ("hour", 3.0.into())];
+    assert_eq!(messages(&both, Severity::Error), ["'sun_direction' excludes 'hour'"]);
+    let said = messages(&[("hour", 0.0.into())], Severity::Warning);
+    assert!(said.iter().any(|m| m.contains("lower than -18°")), "{said:?}");
+    assert!(messages(&[("sun_direction", Value::Vec3([1.0, 0.0, -0.2]))], Severity::Warning).is_empty());
 }

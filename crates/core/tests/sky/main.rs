@@ -4,7 +4,7 @@
 use std::f32::consts::{PI, TAU};
 use steradian_core::light::{
     Environment,
-    sky::{Atmosphere, Celestial, SkyDome, SunDisc, SunLook},
+    sky::{Air, AirDome, AirSun, Atmosphere, Celestial, Contents, SkyDome, SunDisc, SunLook},
 };
 use steradian_math::{
     Frame, Spectrum, Vec2, Vec3,
@@ -197,5 +197,77 @@ fn nights_and_the_ground_are_black() {
             assert_eq!(is_lit(0.15), height > 0.0);
             assert_eq!(e.sampled_irradiance() > 0.0, height > 0.0);
         }
+    }
+}
+
+/// Simulated air with the sun at a height, turned so that `up` is up.
+fn simulated(mode: ColorMode, altitude: f32, height: f32, up: Vec3) -> Air {
+    let contents = Contents {
+        pressure: 1013.25,
+        ozone: 300.0,
+        aerosol: 0.1,
+        angstrom: 1.3,
+        aerosol_albedo: 0.95,
+        aerosol_height: 1500.0,
+        g: 0.7,
+    };
+    let sun = Frame::from_z(up).to_world(toward(height, 30.0));
+    Air { contents, albedo: Color::constant(0.3), altitude, multiple: true, up, sun, mode }
+}
+
+/// Samples of simulated air follow their densities, by day, in twilight and from above; so do those of its sun.
+#[test]
+fn samples_of_air_follow_their_densities() {
+    let up = Vec3::new(0.48, -0.6, 0.64);
+    for (altitude, height) in [(0.0, 40.0), (0.0, -4.0), (20_000.0, 10.0), (0.0, 90.0)] {
+        let air = simulated(ColorMode::Spectral, altitude, height, up);
+        let sky = environment(Celestial::Air(Box::new(AirDome::new(&air))), air.mode);
+        assert_samples_follow(&format!("air {altitude} {height}"), &sky, air.up, 2.0);
+        if let Some(disc) = AirSun::new(&air, 0.5358, true) {
+            let sun = environment(Celestial::AirSun(Box::new(disc)), air.mode);
+            assert_samples_follow("sun", &sun, air.sun, 1.2 * (1.0 - 0.2679_f64.to_radians().cos()) as f32);
+        }
+    }
+}
+
+/// In the two modes air has the same colours but for what is negative in RGB, and of its light as much is found by
+/// samples as there is.
+#[test]
+fn modes_of_air_agree() {
+    for height in [50.0, 2.0, -5.0] {
+        let of = |mode| {
+            let air = simulated(mode, 0.0, height, Vec3::Z);
+            let dome = environment(Celestial::Air(Box::new(AirDome::new(&air))), mode);
+            (dome, AirSun::new(&air, 0.5358, true).map(|s| environment(Celestial::AirSun(Box::new(s)), mode)))
+        };
+        let ((sky, sun), (sky_rgb, sun_rgb)) = (of(ColorMode::Spectral), of(ColorMode::Rgb));
+        let check = |spectral: &Environment, rgb: &Environment, w: Vec3| {
+            let mut sum = Vec3::ZERO;
+            for k in 0..400 {
+                let lambda = Wavelengths::sample_visible((k as f32 + 0.5) / 400.0);
+                sum += lambda.to_xyz(spectral.radiance(Vec3::ZERO, w, &lambda)) / 400.0;
+            }
+            let found =
+                (steradian_math::color::space::REC709.rgb_from_xyz() * sum.as_dvec3()).as_vec3().max(Vec3::ZERO);
+            let rgb = Vec3::from(rgb.radiance(Vec3::ZERO, w, &Wavelengths::RGB).to_rgb());
+            let error = (found - rgb).abs().max_element() / rgb.max_element();
+            assert!(error < 0.01, "{height} {w}: {found} {rgb}");
+        };
+        for w in [toward(80.0, 10.0), toward(20.0, 100.0), toward(2.0, 31.0)] {
+            check(&sky, &sky_rgb, w);
+        }
+        if let (Some(sun), Some(sun_rgb)) = (&sun, &sun_rgb) {
+            check(sun, sun_rgb, toward(height + 0.1, 30.0));
+        }
+        let fluence = |e: &Environment| e.celestial.as_ref().unwrap().fluence();
+        assert!((fluence(&sky) / fluence(&sky_rgb) - 1.0).abs() < 1e-5);
+        let (mut rng, mut sum) = (HashRng::new(5), 0.0_f64);
+        for _ in 0..20_000 {
+            let (w, pdf) = sky_rgb.sample(Vec3::ZERO, Vec2::new(rng.next_f32(), rng.next_f32())).unwrap();
+            let rgb = Vec3::from(sky_rgb.radiance(Vec3::ZERO, w, &Wavelengths::RGB).to_rgb());
+            sum += f64::from(steradian_math::color::luminance(rgb) / pdf) / 20_000.0;
+        }
+        let all = f64::from(fluence(&sky_rgb));
+        assert!((sum / all - 1.0).abs() < 0.02, "{height}: {sum} {all}");
     }
 }

@@ -1,13 +1,17 @@
 //! The clear sky and the sun: Hosek, Wilkie, "An analytic model for full spectral sky-dome radiance" (2012), and
 //! "Adding a solar-radiance function to the Hošek–Wilkie skylight model" (2013), with their published tables.
 //!
-//! Radiances are in W/(m² sr nm), and black below the horizon.
+//! Radiances are in W/(m² sr nm), and black below the horizon. Beside it stand the sky and the sun of simulated air.
 
+mod air;
+mod cells;
 mod data;
+mod disc;
 mod dome;
 mod position;
 mod sun;
 
+pub use air::{Air, AirDome, AirSun, Contents};
 pub use dome::SkyDome;
 pub use position::Moment;
 pub use sun::{SunDisc, SunLook};
@@ -46,6 +50,10 @@ pub enum Celestial {
     Sky(Box<SkyDome>),
     /// The sun without the sky.
     Sun(Box<SunDisc>),
+    /// The sky that air makes, without the sun.
+    Air(Box<AirDome>),
+    /// The sun through air.
+    AirSun(Box<AirSun>),
 }
 
 impl Celestial {
@@ -55,6 +63,8 @@ impl Celestial {
         match self {
             Self::Sky(dome) => dome.radiance(w, lambda),
             Self::Sun(disc) => disc.radiance(w, lambda),
+            Self::Air(dome) => dome.radiance(w, lambda),
+            Self::AirSun(disc) => disc.radiance(w, lambda),
         }
     }
 
@@ -64,6 +74,8 @@ impl Celestial {
         match self {
             Self::Sky(dome) => dome.sample(u),
             Self::Sun(disc) => disc.sample(u),
+            Self::Air(dome) => dome.sample(u),
+            Self::AirSun(disc) => disc.sample(u),
         }
     }
 
@@ -73,6 +85,8 @@ impl Celestial {
         match self {
             Self::Sky(dome) => dome.pdf(w),
             Self::Sun(disc) => disc.pdf(w),
+            Self::Air(dome) => dome.pdf(w),
+            Self::AirSun(disc) => disc.pdf(w),
         }
     }
 
@@ -80,8 +94,8 @@ impl Celestial {
     /// comes from the sky.
     pub(super) fn irradiance(&self) -> f32 {
         match self {
-            Self::Sky(_) => 0.5 * self.fluence(),
-            Self::Sun(_) => self.fluence(),
+            Self::Sky(_) | Self::Air(_) => 0.5 * self.fluence(),
+            Self::Sun(_) | Self::AirSun(_) => self.fluence(),
         }
     }
 
@@ -90,6 +104,8 @@ impl Celestial {
         match self {
             Self::Sky(dome) => dome.fluence(),
             Self::Sun(disc) => disc.fluence(),
+            Self::Air(dome) => dome.fluence(),
+            Self::AirSun(disc) => disc.fluence(),
         }
     }
 
@@ -98,6 +114,8 @@ impl Celestial {
         match self {
             Self::Sky(dome) => dome.bytes(),
             Self::Sun(disc) => disc.bytes(),
+            Self::Air(dome) => dome.bytes(),
+            Self::AirSun(disc) => disc.bytes(),
         }
     }
 }

@@ -3,13 +3,13 @@
 use super::{
     Atmosphere,
     data::{self, BANDS, LIMB, POWERS, SEGMENTS},
+    disc::{Disc, polynomial},
 };
-use std::f32::consts::{FRAC_2_PI, FRAC_PI_2, TAU};
+use std::f32::consts::{FRAC_2_PI, FRAC_PI_2};
 use steradian_math::{
-    Frame, Spectrum, Vec2, Vec3,
+    Spectrum, Vec2, Vec3,
     color::luminance,
     spectra::{ColorMode, Wavelengths},
-    warp,
 };
 
 /// The aperture (the whole angle) that the model is made for, in degrees.
@@ -30,7 +30,7 @@ pub struct SunLook {
 /// The sun without the sky.
 #[derive(Clone, Debug)]
 pub struct SunDisc {
-    frame: Frame,
+    disc: Disc,
     up: Vec3,
     segments: Vec<[[f32; POWERS]; BANDS]>,
     limb: [[f32; LIMB]; BANDS],
@@ -38,48 +38,32 @@ pub struct SunDisc {
     /// The radiance of all of the disc, where that is even.
     even: Option<[f32; BANDS]>,
     is_up: bool,
-    one_minus_cos: f32,
-    /// Square of the sine of half the aperture.
-    sin2: f32,
     /// Factor by which a disc of another size is as bright.
     scale: f32,
     mode: ColorMode,
     fluence: f32,
 }
 
-fn one_minus_cos(degrees: f32) -> f32 {
-    let s = (0.5 * degrees.to_radians()).sin();
-    2.0 * s * s
-}
-
-fn polynomial(c: &[f32], x: f32) -> f32 {
-    c.iter().rev().fold(0.0, |sum, c| sum * x + c)
-}
-
 impl SunDisc {
     /// The sun in an atmosphere; black where its middle is below the horizon.
     pub fn new(air: &Atmosphere, look: &SunLook) -> Self {
-        let sin = (0.5 * look.aperture.to_radians()).sin();
-        let rim = one_minus_cos(0.5 * look.aperture);
         let exact = data::rgb_of_bands();
         let mut disc = Self {
-            frame: Frame::from_z(air.sun),
+            disc: Disc::new(air.sun, look.aperture),
             up: air.up,
             segments: data::sun(air.turbidity),
             limb: data::limb(),
             rgb: if look.coarse_rgb { data::rgb_of_bands_by_mitsuba() } else { exact },
             even: None,
             is_up: air.height() >= 0.0,
-            one_minus_cos: rim,
-            sin2: sin * sin,
-            scale: one_minus_cos(0.5 * APERTURE) / rim,
+            scale: Disc::new(air.sun, APERTURE).relative_to(&Disc::new(air.sun, look.aperture)),
             mode: air.mode,
             fluence: 0.0,
         };
         if disc.is_up {
             let mean = disc.mean();
             let y: f32 = (0..BANDS).map(|b| mean[b] * luminance(Vec3::from_array(exact[b]))).sum();
-            disc.fluence = y.max(0.0) * disc.scale * TAU * rim;
+            disc.fluence = disc.disc.integral(y.max(0.0) * disc.scale);
             disc.even = (!look.limb_darkening).then_some(mean);
         }
         disc
@@ -92,18 +76,12 @@ impl SunDisc {
         for k in 0..EDGE * EDGE {
             let u = Vec2::new((k % EDGE) as f32 + 0.5, (k / EDGE) as f32 + 0.5) / EDGE as f32;
             let w = self.sample(u).0;
-            if let (Some(mu2), true) = (self.mu2(w), w.dot(self.up) >= 0.0) {
+            if let (Some(mu2), true) = (self.disc.mu2(w), w.dot(self.up) >= 0.0) {
                 count += 1;
                 sum.iter_mut().enumerate().for_each(|(b, s)| *s += f64::from(self.band(b, w) * self.darkening(b, mu2)));
             }
         }
         sum.map(|s| (s / f64::from(count.max(1))) as f32)
-    }
-
-    /// The square of the cosine at which the sun's surface is seen; `None` beside the disc.
-    fn mu2(&self, w: Vec3) -> Option<f32> {
-        let x = 0.5 * (w - self.frame.z).length_squared();
-        (x <= self.one_minus_cos).then(|| (1.0 - x * (2.0 - x) / self.sin2).max(0.0))
     }
 
     /// Radiance of a band at the middle of a disc at the height of `w`: the polynomial of its segment.
@@ -121,7 +99,7 @@ impl SunDisc {
 
     /// Radiance from the direction `w`, W/(m² sr nm).
     pub fn radiance(&self, w: Vec3, lambda: &Wavelengths) -> Spectrum {
-        let Some(mu2) = self.mu2(w).filter(|_| self.is_up && w.dot(self.up) >= 0.0) else { return Spectrum::ZERO };
+        let Some(mu2) = self.disc.mu2(w).filter(|_| self.is_up && w.dot(self.up) >= 0.0) else { return Spectrum::ZERO };
         let value = |b: usize| self.scale * self.even.map_or_else(|| self.band(b, w), |even| even[b]);
         let share = |b: usize| if self.even.is_some() { 1.0 } else { self.darkening(b, mu2) };
         match self.mode {
@@ -137,13 +115,12 @@ impl SunDisc {
 
     /// A direction, and its density per solid angle.
     pub fn sample(&self, u: Vec2) -> (Vec3, f32) {
-        let w = self.frame.to_world(warp::uniform_cone(u, self.one_minus_cos));
-        (w, warp::uniform_cone_pdf(self.one_minus_cos))
+        self.disc.sample(u)
     }
 
     /// The density of [`SunDisc::sample`].
     pub fn pdf(&self, w: Vec3) -> f32 {
-        self.mu2(w).map_or(0.0, |_| warp::uniform_cone_pdf(self.one_minus_cos))
+        self.disc.pdf(w)
     }
 
     pub(super) fn fluence(&self) -> f32 {
