@@ -32,7 +32,7 @@ const GROUND_TO_HORIZON: f64 = 2000.0;
 const LARGEST: f64 = 1e30;
 
 /// Words for skies with a sun, and the lights that these are.
-const SKIES: [(&str, &str); 1] = [("clear", "sky")];
+const SKIES: [(&str, &str); 2] = [("clear", "sky"), ("atmosphere", "atmosphere")];
 /// Azimuth of the sun of these, from the front to the left, and its height above the horizon: as in the picture that
 /// is there unless the user names another sky.
 const SUN_AZIMUTH: f64 = 34.695_153_531_233_97;

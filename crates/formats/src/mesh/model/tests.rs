@@ -297,7 +297,7 @@ fn models_are_seen_as_the_user_says() {
         ("elevation", "90", "'elevation' is an angle in degrees from -89 to 89, not '90'"),
         ("crease", "181", "'crease' is an angle in degrees from 0 to 180, not '181'"),
         ("sky", "nothing.hdr", "'sky': cannot find 'nothing.hdr'"),
-        ("sun", "10", "'sun' is the height of the sun of sky=clear"),
+        ("sun", "10", "'sun' is the height of the sun of sky=clear or sky=atmosphere"),
     ] {
         let import = with(&[(name, value)]);
         assert!(import.diagnostics.has_errors() && messages(&import).contains(message), "{}", messages(&import));
