@@ -253,13 +253,14 @@ pub const LIGHTS: &[Model] = &[
     },
     Model {
         kind: "atmosphere",
-        doc: "the sky and the sun through simulated air, by place and time, in twilight too and from above; black below \
-              the horizon",
+        doc: "the sky and the sun through simulated air, by place and time, in twilight too and from above; black \
+              below the horizon",
         parameters: OF_ATMOSPHERE,
         groups: &[&SCHEDULE],
         source: "Bodhaine et al., On Rayleigh optical depth calculations (1999); Serdyuchenko et al., High spectral \
-                 resolution ozone absorption cross-sections (2014); ASTM G173; U.S. Standard Atmosphere (1976); Wiscombe, \
-                 The delta-M method (1977); Nakajima, Tanaka, Algorithms for radiative intensity calculations (1988)",
+                 resolution ozone absorption cross-sections (2014); ASTM G173; U.S. Standard Atmosphere (1976); \
+                 Wiscombe, The delta-M method (1977); Nakajima, Tanaka, Algorithms for \
+                 radiative intensity calculations (1988)",
     },
     Model {
         kind: "goniometric",

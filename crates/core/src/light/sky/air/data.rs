@@ -76,7 +76,8 @@ pub(super) fn limb() -> [[f32; tables::LIMB]; BANDS] {
         let x = ((wavelength(b) - 320.0) / 40.0).min((tables::BANDS - 1) as f32);
         let row = (x as usize).min(tables::BANDS - 2);
         let t = x - row as f32;
-        let c: [f32; tables::LIMB] = std::array::from_fn(|k| published[row][k] * (1.0 - t) + published[row + 1][k] * t);
+        let (low, high) = (published[row], published[row + 1]);
+        let c: [f32; tables::LIMB] = std::array::from_fn(|k| low[k] * (1.0 - t) + high[k] * t);
         // ∫ Σ c μᵏ 2μ dμ
         let mean: f32 = c.iter().enumerate().map(|(k, c)| 2.0 * c / (k as f32 + 2.0)).sum();
         c.map(|c| c / mean)
@@ -88,8 +89,8 @@ mod tests {
     use super::*;
     use steradian_math::spectra::photometry;
 
-    /// The sun's illuminance above the air is 133.3 klx (Darula, Kittler, Gueymard, "Reference luminous solar constant",
-    /// Solar Energy 79, 2005: 133.1 to 134.1).
+    /// The sun's illuminance above the air is 133.3 klx (Darula, Kittler, Gueymard, "Reference luminous solar
+    /// constant", Solar Energy 79, 2005: 133.1 to 134.1).
     #[test]
     fn the_luminous_solar_constant() {
         let spectrum = |l: f32| at_wavelengths(&Wavelengths::at([l; 4]), |b| SUN[b]).to_array()[0];
