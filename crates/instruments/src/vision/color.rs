@@ -13,7 +13,7 @@ use steradian_math::color::{
 
 pub const EXPERIMENT: Experiment = Experiment {
     name: "color",
-    doc: "a colour in XYZ, xyY, CIE 1931 RGB, CIELAB, HSV, HSL, YCoCg, Oklab and XYB, and its difference from another",
+    doc: "a colour in XYZ, xyY, CIE RGB, CIELAB, HSV, HSL, YCoCg, Oklab and XYB, and its difference from another",
     source: "CIE 15:2004; CIE 116-1995; CIE 142-2001; Smith 1978; Malvar, Sullivan 2003; Ottosson 2020; ISO/IEC 18181-1",
     parameters: &[
         Parameter::number("red", 200.0, (0.0, 255.0), "", "sRGB component of the colour"),

@@ -1,5 +1,5 @@
 //! Reflectances of the 24 patches of the ColorChecker, from 380 nm to 730 nm in steps of 10 nm: means of measurements
-//! by Danny Pascale, "RGB coordinates of the ColorChecker" (babelcolor.com, 2006), with which pbrt-v4 trains its cameras.
+//! by Danny Pascale, "RGB coordinates of the ColorChecker" (babelcolor.com 2006). pbrt-v4 trains its cameras by them.
 
 #[rustfmt::skip]
 pub(crate) static PATCHES: [[f32; 36]; 24] = [

@@ -136,7 +136,7 @@ impl Medium {
         medium.with_air(standard_density)
     }
 
-    /// The same with air of another density by height.
+    /// A sky of air with another density by height.
     pub(super) fn with_air(mut self, density: impl Fn(f64) -> f64) -> Self {
         let at: Vec<f64> = (0..=STEPS).map(|i| density(STEP * i as f64)).collect();
         let column: f64 = at.windows(2).map(|w| 0.5 * STEP * (w[0] + w[1])).sum();
