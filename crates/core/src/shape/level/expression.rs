@@ -108,6 +108,8 @@ impl Expression {
                 Op::Mul => a.mul(b),
                 Op::Div => a.div(b),
                 Op::Negate => T::constant(0.0).sub(a),
+                Op::Power(2) => a.square(),
+                Op::Power(4) => a.square().square(),
                 Op::Power(k) if k < 0 => T::constant(1.0).div(a.power(k.unsigned_abs())),
                 Op::Power(k) => a.power(k.unsigned_abs()),
                 Op::RealPower => b.mul(a.log()).exp(),

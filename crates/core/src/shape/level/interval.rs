@@ -36,52 +36,68 @@ pub(super) trait Number: Copy {
 }
 
 impl Number for f64 {
+    #[inline]
     fn constant(v: f64) -> Self {
         v
     }
+    #[inline]
     fn add(self, b: Self) -> Self {
         self + b
     }
+    #[inline]
     fn sub(self, b: Self) -> Self {
         self - b
     }
+    #[inline]
     fn mul(self, b: Self) -> Self {
         self * b
     }
+    #[inline]
     fn div(self, b: Self) -> Self {
         self / b
     }
+    #[inline]
     fn square(self) -> Self {
         self * self
     }
+    #[inline]
     fn sqrt(self) -> Self {
         self.sqrt()
     }
+    #[inline]
     fn sin(self) -> Self {
         self.sin()
     }
+    #[inline]
     fn cos(self) -> Self {
         self.cos()
     }
+    #[inline]
     fn exp(self) -> Self {
         self.exp()
     }
+    #[inline]
     fn log(self) -> Self {
         self.ln()
     }
+    #[inline]
     fn abs(self) -> Self {
         self.abs()
     }
     // What is undefined stays so.
+    #[inline]
     fn min(self, b: Self) -> Self {
         if self.is_nan() || self < b { self } else { b }
     }
+    #[inline]
     fn max(self, b: Self) -> Self {
         if self.is_nan() || self > b { self } else { b }
     }
+    #[inline]
     fn sign(self) -> Self {
         if self < 0.0 { -1.0 } else { 1.0 }
     }
+    #[inline]
     fn is_least(self, b: Self) -> Self {
         if self <= b { 1.0 } else { 0.0 }
     }
@@ -94,8 +110,8 @@ pub(super) struct Interval {
     pub high: f64,
 }
 
-/// How many steps of `f64` the functions of the standard library may be off.
-const STEPS: u32 = 4;
+/// By how much of their value the functions of the standard library may be off: four steps of `f64`.
+const LOOSE: f64 = 4.0 * f64::EPSILON;
 
 impl Interval {
     const ALL: Self = Self::new(f64::NEG_INFINITY, f64::INFINITY);
@@ -105,57 +121,74 @@ impl Interval {
         Self { low, high }
     }
 
+    #[inline]
     pub fn is_none(self) -> bool {
         self.low.is_nan() || self.high.is_nan()
     }
 
     /// Whether it may be zero; not where there is nothing.
+    #[inline]
     pub fn has_zero(self) -> bool {
         self.low <= 0.0 && self.high >= 0.0
     }
 
+    #[inline]
     pub fn is_finite(self) -> bool {
         self.low.is_finite() && self.high.is_finite()
     }
 
     /// A step further on both sides.
+    #[inline]
     fn wider(self) -> Self {
         Self::new(self.low.next_down(), self.high.next_up())
     }
 
     /// By the error of library functions.
+    #[inline]
     fn loose(self) -> Self {
-        (0..STEPS).fold(self, |i, _| i.wider())
+        let error = |v: f64| if v.is_finite() { v.abs() * LOOSE + f64::MIN_POSITIVE } else { 0.0 };
+        Self::new(self.low - error(self.low), self.high + error(self.high))
     }
 
     /// The part that is not negative.
+    #[inline]
     fn positive(self) -> Self {
         if self.high < 0.0 { Self::NONE } else { Self::new(self.low.max(0.0), self.high) }
     }
 
     /// Around four numbers, of which 0·∞ is 0.
+    #[inline]
     fn around(products: [f64; 4]) -> Self {
-        let p = products.map(|p| if p.is_nan() { 0.0 } else { p });
-        Self::new(p.into_iter().fold(f64::INFINITY, f64::min), p.into_iter().fold(f64::NEG_INFINITY, f64::max))
+        let known = |p: f64| if p.is_nan() { 0.0 } else { p };
+        let [a, b, c, d] = products;
+        let (a, b, c, d) = (known(a), known(b), known(c), known(d));
+        let least = |a: f64, b: f64| if a < b { a } else { b };
+        let most = |a: f64, b: f64| if a > b { a } else { b };
+        Self::new(least(least(a, b), least(c, d)), most(most(a, b), most(c, d)))
     }
 }
 
 impl Number for Interval {
+    #[inline]
     fn constant(v: f64) -> Self {
         Self::new(v, v)
     }
+    #[inline]
     fn add(self, b: Self) -> Self {
         Self::new(self.low + b.low, self.high + b.high).wider()
     }
+    #[inline]
     fn sub(self, b: Self) -> Self {
         Self::new(self.low - b.high, self.high - b.low).wider()
     }
+    #[inline]
     fn mul(self, b: Self) -> Self {
         if self.is_none() || b.is_none() {
             return Self::NONE;
         }
         Self::around([self.low * b.low, self.low * b.high, self.high * b.low, self.high * b.high]).wider()
     }
+    #[inline]
     fn div(self, b: Self) -> Self {
         if self.is_none() || b.is_none() {
             return Self::NONE;
@@ -165,11 +198,13 @@ impl Number for Interval {
         }
         Self::around([self.low / b.low, self.low / b.high, self.high / b.low, self.high / b.high]).wider()
     }
+    #[inline]
     fn square(self) -> Self {
         let a = self.abs();
         let s = Self::new(a.low * a.low, a.high * a.high).wider();
         Self::new(s.low.max(0.0), s.high)
     }
+    #[inline]
     fn sqrt(self) -> Self {
         let a = self.positive();
         if a.is_none() {
@@ -178,9 +213,11 @@ impl Number for Interval {
         let s = Self::new(a.low.sqrt(), a.high.sqrt()).wider();
         Self::new(s.low.max(0.0), s.high)
     }
+    #[inline]
     fn sin(self) -> Self {
         self.sub(Self::new(FRAC_PI_2.next_down(), FRAC_PI_2.next_up())).cos()
     }
+    #[inline]
     fn cos(self) -> Self {
         if self.is_none() {
             return self;
@@ -200,27 +237,34 @@ impl Number for Interval {
         let low = if has(std::f64::consts::PI) { -1.0 } else { inner.low.max(-1.0) };
         Self::new(low, if has(0.0) { 1.0 } else { inner.high.min(1.0) })
     }
+    #[inline]
     fn exp(self) -> Self {
         let e = Self::new(self.low.exp(), self.high.exp()).loose();
         Self::new(if e.low < 0.0 { 0.0 } else { e.low }, e.high)
     }
+    #[inline]
     fn log(self) -> Self {
         let a = self.positive();
         if a.is_none() || a.high == 0.0 { Self::NONE } else { Self::new(a.low.ln(), a.high.ln()).loose() }
     }
+    #[inline]
     fn abs(self) -> Self {
         let (a, b) = (self.low.abs(), self.high.abs());
         if self.is_none() { self } else { Self::new(if self.has_zero() { 0.0 } else { a.min(b) }, a.max(b)) }
     }
+    #[inline]
     fn min(self, b: Self) -> Self {
         Self::new(Number::min(self.low, b.low), Number::min(self.high, b.high))
     }
+    #[inline]
     fn max(self, b: Self) -> Self {
         Self::new(Number::max(self.low, b.low), Number::max(self.high, b.high))
     }
+    #[inline]
     fn sign(self) -> Self {
         Self::new(if self.low <= 0.0 { -1.0 } else { 1.0 }, if self.high < 0.0 { -1.0 } else { 1.0 })
     }
+    #[inline]
     fn is_least(self, b: Self) -> Self {
         Self::new(if self.high <= b.low { 1.0 } else { 0.0 }, if self.low <= b.high { 1.0 } else { 0.0 })
     }
@@ -234,65 +278,83 @@ pub(super) struct Dual<T> {
 }
 
 impl<T: Number> Dual<T> {
+    #[inline]
     pub fn new(value: T, slope: T) -> Self {
         Self { value, slope }
     }
 
     /// The smaller (or larger) of two: `weight` is 1 where it is this one.
+    #[inline]
     fn choose(self, b: Self, value: T, weight: T) -> Self {
         Self::new(value, weight.mul(self.slope).add(T::constant(1.0).sub(weight).mul(b.slope)))
     }
 }
 
 impl<T: Number> Number for Dual<T> {
+    #[inline]
     fn constant(v: f64) -> Self {
         Self::new(T::constant(v), T::constant(0.0))
     }
+    #[inline]
     fn add(self, b: Self) -> Self {
         Self::new(self.value.add(b.value), self.slope.add(b.slope))
     }
+    #[inline]
     fn sub(self, b: Self) -> Self {
         Self::new(self.value.sub(b.value), self.slope.sub(b.slope))
     }
+    #[inline]
     fn mul(self, b: Self) -> Self {
         Self::new(self.value.mul(b.value), self.slope.mul(b.value).add(self.value.mul(b.slope)))
     }
+    #[inline]
     fn div(self, b: Self) -> Self {
         let value = self.value.div(b.value);
         Self::new(value, self.slope.sub(value.mul(b.slope)).div(b.value))
     }
+    #[inline]
     fn square(self) -> Self {
         Self::new(self.value.square(), T::constant(2.0).mul(self.value).mul(self.slope))
     }
+    #[inline]
     fn sqrt(self) -> Self {
         let value = self.value.sqrt();
         Self::new(value, self.slope.div(T::constant(2.0).mul(value)))
     }
+    #[inline]
     fn sin(self) -> Self {
         Self::new(self.value.sin(), self.value.cos().mul(self.slope))
     }
+    #[inline]
     fn cos(self) -> Self {
         Self::new(self.value.cos(), T::constant(0.0).sub(self.value.sin()).mul(self.slope))
     }
+    #[inline]
     fn exp(self) -> Self {
         let value = self.value.exp();
         Self::new(value, value.mul(self.slope))
     }
+    #[inline]
     fn log(self) -> Self {
         Self::new(self.value.log(), self.slope.div(self.value))
     }
+    #[inline]
     fn abs(self) -> Self {
         Self::new(self.value.abs(), self.value.sign().mul(self.slope))
     }
+    #[inline]
     fn min(self, b: Self) -> Self {
         self.choose(b, self.value.min(b.value), self.value.is_least(b.value))
     }
+    #[inline]
     fn max(self, b: Self) -> Self {
         self.choose(b, self.value.max(b.value), b.value.is_least(self.value))
     }
+    #[inline]
     fn sign(self) -> Self {
         Self::new(self.value.sign(), T::constant(0.0))
     }
+    #[inline]
     fn is_least(self, b: Self) -> Self {
         Self::new(self.value.is_least(b.value), T::constant(0.0))
     }

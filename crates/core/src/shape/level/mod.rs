@@ -5,6 +5,7 @@
 //! enters, so that nothing cancels however far away it begins. A hit is put back onto the surface along the gradient,
 //! and what distance is left is part of its error. Normals point to where the function grows.
 
+mod cells;
 mod expression;
 mod interval;
 mod revolution;
@@ -18,6 +19,7 @@ pub use revolution::Revolution;
 pub use swept::Swept;
 
 use super::SurfacePoint;
+use cells::Cells;
 use glam::{DMat4, DVec3};
 use steradian_accel::UserHit;
 use steradian_math::{Bounds3, Ray, Vec2, Vec3, intersect::Quadric, ray::gamma, transform::Affine};
@@ -41,6 +43,8 @@ pub enum Function {
 #[derive(Clone, Debug)]
 pub struct LevelSet {
     function: Function,
+    /// Where it may be zero, of an expression.
+    cells: Option<Cells>,
     low: DVec3,
     high: DVec3,
     place: Affine,
@@ -53,7 +57,13 @@ impl LevelSet {
     /// empty or not finite.
     pub fn new(function: Function, [low, high]: [DVec3; 2], place: Affine, flip: bool) -> Option<Self> {
         let is_box = low.is_finite() && high.is_finite() && low.cmple(high).all() && low != high;
-        is_box.then(|| Self { function, low, high, place, into: place.inv.as_dmat4(), flip })
+        is_box.then(|| {
+            let cells = match &function {
+                Function::Expression(e) => Some(Cells::new(e, [low, high])),
+                Function::Quadric(_) | Function::Revolution(_) => None,
+            };
+            Self { function, cells, low, high, place, into: place.inv.as_dmat4(), flip }
+        })
     }
 
     /// The box around it, where it is placed.
@@ -104,7 +114,14 @@ impl LevelSet {
                 let roots = r.quadric().roots(start, d)?.into_iter().filter(within);
                 roots.filter(|s| r.keeps(start + d * *s)).find_map(|s| hit(near + s))
             }
-            Function::Expression(e) => search::first(e, [start, d], [near, far - near], |s| hit(near + s)),
+            Function::Expression(e) => {
+                let mut search = search::Search::new(e, [start, d], near);
+                let take = |s: f64| hit(near + s);
+                match &self.cells {
+                    Some(cells) => cells.walk([start, d], far - near, |part| search.first(part, take)),
+                    None => search.first([0.0, far - near], take),
+                }
+            }
         }
     }
 
@@ -172,6 +189,6 @@ impl LevelSet {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         let more = if let Function::Expression(e) = &self.function { e.bytes() } else { 0 };
-        size_of::<Self>() + more
+        size_of::<Self>() + more + self.cells.as_ref().map_or(0, Cells::bytes)
     }
 }

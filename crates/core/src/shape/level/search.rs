@@ -22,65 +22,95 @@ const SHORT: f64 = 1.0 / (1_u64 << 26) as f64;
 /// Most steps to a root that is known to be between two places.
 const MOST_STEPS: u32 = 100;
 
-/// Calls back with the places where the expression changes its sign on `o + s d` for `s` in `[0, end]`, in order, until
-/// one is taken. Steps of `f32` are those at `before + s`.
-pub(super) fn first<R>(
-    e: &Expression,
-    [o, d]: [DVec3; 2],
-    [before, end]: [f64; 2],
-    mut take: impl FnMut(f64) -> Option<R>,
-) -> Option<R> {
-    let f = |s: f64| e.value((o + d * s).to_array());
-    let between = |a: f64, b: f64| {
-        let s = Interval::new(a, b);
-        e.value(std::array::from_fn(|k| {
+/// A ray along which the zeros of an expression are sought.
+pub(super) struct Search<'e> {
+    e: &'e Expression,
+    ray: [DVec3; 2],
+    before: f64,
+    /// Parts that were looked at.
+    seen: usize,
+}
+
+impl<'e> Search<'e> {
+    /// Along `o + s d`. Steps of `f32` are those at `before + s`.
+    pub fn new(e: &'e Expression, ray: [DVec3; 2], before: f64) -> Self {
+        Self { e, ray, before, seen: 0 }
+    }
+
+    fn value(&self, s: f64) -> f64 {
+        let [o, d] = self.ray;
+        self.e.value((o + d * s).to_array())
+    }
+
+    /// The values between two places.
+    fn between(&self, a: f64, b: f64) -> Interval {
+        let ([o, d], s) = (self.ray, Interval::new(a, b));
+        self.e.value(std::array::from_fn(|k| Interval::new(o[k], o[k]).add(Interval::new(d[k], d[k]).mul(s))))
+    }
+
+    /// The derivative between two places.
+    fn slope(&self, a: f64, b: f64) -> Interval {
+        let ([o, d], s) = (self.ray, Interval::new(a, b));
+        let along = |k: usize| {
             let way = Interval::new(d[k], d[k]);
             Dual::new(Interval::new(o[k], o[k]).add(way.mul(s)), way)
-        }))
-    };
-    if f(0.0) == 0.0
-        && let Some(taken) = take(0.0)
-    {
-        return Some(taken);
+        };
+        self.e.value(std::array::from_fn(along)).slope
     }
-    // Each part waits with its values at the ends; halves leave one more, so there are never many.
-    let mut parts = [(0.0, 0.0, 0.0, 0.0); 64];
-    parts[0] = (0.0, f(0.0), end, f(end));
-    let (mut count, mut seen) = (1, 0);
-    let most = MOST_PARTS.min(MOST_OPERATIONS / e.operations().max(1));
-    while count > 0 {
-        count -= 1;
-        let (a, fa, b, fb) = parts[count];
-        let changes = fb == 0.0 || (fa < 0.0 && fb > 0.0) || (fa > 0.0 && fb < 0.0);
-        let is_short = b - a <= SHORT * end.max(before.abs() + b) || count + 2 > parts.len();
-        seen += 1;
-        let root = if seen > most {
-            changes
-        } else {
-            let Dual { value, slope } = between(a, b);
-            if value.is_none() || !value.has_zero() {
-                continue;
-            }
-            if is_short {
-                changes && value.is_finite()
-            } else if !slope.is_none() && !slope.has_zero() && value.is_finite() {
+
+    /// Calls back with the places where the expression changes its sign between two places, in order, until one is
+    /// taken.
+    pub fn first<R>(&mut self, [begin, end]: [f64; 2], mut take: impl FnMut(f64) -> Option<R>) -> Option<R> {
+        let at_begin = self.value(begin);
+        if begin == 0.0
+            && at_begin == 0.0
+            && let Some(taken) = take(0.0)
+        {
+            return Some(taken);
+        }
+        // Each part waits with its values at the ends; halves leave one more, so there are never many.
+        let mut parts = [(0.0, 0.0, 0.0, 0.0); 64];
+        parts[0] = (begin, at_begin, end, self.value(end));
+        let mut count = 1;
+        let most = MOST_PARTS.min(MOST_OPERATIONS / self.e.operations().max(1));
+        while count > 0 {
+            count -= 1;
+            let (a, fa, b, fb) = parts[count];
+            let changes = fb == 0.0 || (fa < 0.0 && fb > 0.0) || (fa > 0.0 && fb < 0.0);
+            let is_short = b - a <= SHORT * end.max(self.before.abs() + b) || count + 2 > parts.len();
+            self.seen += 1;
+            let root = if self.seen > most {
                 changes
             } else {
-                let m = 0.5 * (a + b);
-                let fm = f(m);
-                (parts[count], parts[count + 1]) = ((m, fm, b, fb), (a, fa, m, fm));
-                count += 2;
-                continue;
-            }
-        };
-        if root {
-            let taken = take(refine(f, [a, b], [fa, fb]));
-            if taken.is_some() {
-                return taken;
+                let value = self.between(a, b);
+                if value.is_none() || !value.has_zero() {
+                    continue;
+                }
+                let is_monotone = || {
+                    let slope = self.slope(a, b);
+                    !slope.is_none() && !slope.has_zero()
+                };
+                if is_short {
+                    changes && value.is_finite()
+                } else if value.is_finite() && is_monotone() {
+                    changes
+                } else {
+                    let m = 0.5 * (a + b);
+                    let fm = self.value(m);
+                    (parts[count], parts[count + 1]) = ((m, fm, b, fb), (a, fa, m, fm));
+                    count += 2;
+                    continue;
+                }
+            };
+            if root {
+                let taken = take(refine(|s| self.value(s), [a, b], [fa, fb]));
+                if taken.is_some() {
+                    return taken;
+                }
             }
         }
+        None
     }
-    None
 }
 
 /// The root between two places with values of different signs, by the method of Illinois: secants, where an end that

@@ -374,3 +374,32 @@ fn intervals_contain_their_values() {
         }
     }
 }
+
+/// Cells leave out nothing: rays meet what they meet without them, from outside and within, along axes and in faces of
+/// cells; and of a surface that fills little of its box most are empty.
+#[test]
+fn cells_leave_nothing_out() {
+    let texts = [
+        "cos(4*x)*sin(4*y)+cos(4*y)*sin(4*z)+cos(4*z)*sin(4*x)",
+        "(sqrt(x^2 + y^2) - 0.9)^2 + z^2 - 0.05^2",
+        "max(abs(x), abs(y), abs(z)) - 0.5",
+        "1/x + y*z",
+        "z",
+        "sqrt(x - 0.3) + y",
+        "x^4 - 0.0001 + y^2*exp(z)",
+    ];
+    for (k, text) in texts.into_iter().enumerate() {
+        let with = implicit(text, 1.25);
+        let without = LevelSet { cells: None, ..with.clone() };
+        let axis = |k: usize, v: f32| Ray::new(Vec3::new(v, 0.0, -3.0), [Vec3::Z, -Vec3::Z][k]);
+        let along = (0..64).map(|i| axis(i % 2, (i as f32 - 32.0) * 1.25 / 16.0));
+        let mut met = 0;
+        for ray in rays(1500, 3.0, 40 + k as u64).chain(rays(500, 0.8, 60 + k as u64)).chain(along) {
+            let (a, b) = (hit(&with, &ray), hit(&without, &ray));
+            let same = a.zip(b).is_some_and(|(a, b)| (a - b).abs() <= 2.0 * f32::EPSILON * b.max(1.0));
+            assert!(same || (a, b) == (None, None), "{text}: {a:?}, without cells {b:?}, {ray:?}");
+            met += usize::from(a.is_some());
+        }
+        assert!(met > 20, "{text}: {met}");
+    }
+}
