@@ -18,8 +18,8 @@ impl Compiler<'_> {
         let balance = self.float(film, "white_balance", 0.0);
         let at = |name: &str| film.param(name).and_then(|p| p.span).or(film.span);
         let is_camera = name != OBSERVER;
-        if is_camera && !Response::cameras().any(|known| known == name) {
-            let help = names::did_you_mean(name, Response::cameras().chain([OBSERVER]));
+        if is_camera && !Response::cameras().any(|(known, _)| known == name) {
+            let help = names::did_you_mean(name, Response::cameras().map(|(name, _)| name).chain([OBSERVER]));
             self.error_help(at("sensor"), format!("unknown sensor '{name}'"), help);
             return None;
         }

@@ -92,6 +92,10 @@ pub fn registry() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
         of(Family::Filter),
         of(Family::Sampler),
         ("accelerators", Accelerator::ALL.iter().map(|a| a.about()).collect()),
+        (
+            "sensors",
+            std::iter::once(("cie1931", "the CIE 1931 observer")).chain(math::spectra::Response::cameras()).collect(),
+        ),
         ("tones", steradian_image::tone::CURVES.iter().map(|c| (c.name, c.doc)).collect()),
         ("layers", Layer::ALL.iter().map(|l| (l.name(), l.doc())).collect()),
     ]

@@ -11,6 +11,7 @@ fn every_family_is_listed() {
         "  path ",
         "materials",
         "  diffuse ",
+        "sensors",
         "tones",
         "  agx ",
         "layers",

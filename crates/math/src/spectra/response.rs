@@ -26,9 +26,9 @@ pub struct Response {
 const BRADFORD: [[f64; 3]; 3] = [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]];
 
 impl Response {
-    /// Names of cameras whose responses are known: those of pbrt-v4.
-    pub fn cameras() -> impl Iterator<Item = &'static str> {
-        CAMERAS.iter().map(|(name, _)| *name)
+    /// Cameras whose responses are known, by their names in pbrt-v4, with maker and model.
+    pub fn cameras() -> impl Iterator<Item = (&'static str, &'static str)> {
+        CAMERAS.iter().map(|(name, model, _)| (*name, *model))
     }
 
     /// The CIE 1931 observer, balanced so that daylight of a colour temperature (K) is white: von Kries' adaptation of
@@ -46,7 +46,7 @@ impl Response {
     /// A camera, balanced for daylight of a colour temperature (K); `None` for one that is not known. Fails where there
     /// is no such daylight, above 25000 K.
     pub fn camera(name: &str, kelvin: f64) -> Result<Option<Self>, Error> {
-        let Some((_, curves)) = CAMERAS.iter().find(|(known, _)| *known == name) else { return Ok(None) };
+        let Some((_, _, curves)) = CAMERAS.iter().find(|(known, ..)| *known == name) else { return Ok(None) };
         let light = daylight(kelvin)?;
         let curve = |values: &[f32; 35]| Ok(Dense::from(&Curve::regular(380.0, 720.0, values.as_slice())?.extended()));
         let [r, g, b] = [curve(&curves[0])?, curve(&curves[1])?, curve(&curves[2])?];
@@ -121,7 +121,7 @@ mod tests {
 
     #[test]
     fn cameras_see_daylight_as_white() {
-        for name in Response::cameras() {
+        for (name, _) in Response::cameras() {
             for kelvin in [3200.0, 5000.0, 6500.0, 9000.0] {
                 let camera = Response::camera(name, kelvin).unwrap().unwrap();
                 let light = daylight(kelvin).unwrap();
@@ -140,7 +140,7 @@ mod tests {
     /// Colours of the patches come out as the observer sees them, within what a matrix can do for a camera.
     #[test]
     fn cameras_see_the_patches_nearly_as_the_observer_does() {
-        for name in Response::cameras() {
+        for (name, _) in Response::cameras() {
             let camera = Response::camera(name, 6500.0).unwrap().unwrap();
             let mut error = 0.0;
             for patch in &PATCHES {
