@@ -2,11 +2,20 @@
 
 use super::Compiler;
 use std::{path::Path, sync::Arc};
-use steradian_core::material::{FluorescentMaterial, Model};
+use steradian_core::{
+    Scene,
+    light::{Light, LightContext},
+    material::{FluorescentMaterial, Model},
+};
 use steradian_image::read_regular;
-use steradian_math::spectra::{
-    BispectralTable, ColorMode, LAMBDA_MAX, LAMBDA_MIN, Reradiation, Wavelengths,
-    role::{Color, Role},
+use steradian_math::{
+    Vec2, Vec3,
+    hash::HashRng,
+    spectra::{
+        BispectralTable, ColorMode, LAMBDA_MAX, LAMBDA_MIN, Reradiation, Wavelengths,
+        role::{Color, Role},
+    },
+    warp,
 };
 use steradian_scene::{Node, SpectrumValue};
 use steradian_texture::SpectrumTexture;
@@ -62,6 +71,58 @@ impl Compiler<'_> {
         let quantum_yield = self.float(node, "quantum_yield", 1.0);
         Some(Reradiation::of_pigment(|l| at(&absorption, l), quantum_yield, |l| at(&emission, l)))
     }
+}
+
+/// Light samples by which the light of a scene is known.
+const LIGHT_SAMPLES: usize = 256;
+
+/// Has fluorescent materials draw wavelengths by the light that there is.
+pub(super) fn expect_lamps(mut scene: Scene) -> Scene {
+    let count = (LAMBDA_MAX - LAMBDA_MIN) as usize;
+    if !scene.is_fluorescent() {
+        return scene;
+    }
+    // Light that is stored shone before.
+    let mut timetable = None;
+    scene.change(|parts| timetable = parts.lights.timetable.take());
+    let (mut light, mut rng, bounds) = (vec![0.0f32; count], HashRng::new(1), scene.bounds());
+    let is_placed = !bounds.is_empty() && bounds.diagonal().is_finite();
+    for _ in 0..LIGHT_SAMPLES {
+        let mut number = || rng.next_f32();
+        let within = Vec3::new(number(), number(), number());
+        let p = if is_placed { bounds.min + bounds.diagonal() * within } else { within };
+        let (ctx, u) = (LightContext { p, n: Vec3::ZERO }, Vec2::new(number(), number()));
+        let (choice, w) = (number(), warp::uniform_sphere(Vec2::new(number(), number())));
+        let lights = scene.lights();
+        let chosen = lights.choose(&ctx, choice).map(|(light, _)| light);
+        // Each light counts by the shape of its spectrum: one far away is not lost beside one near by.
+        let mut add = |of: &dyn Fn(&Wavelengths) -> f32| {
+            let at =
+                |bin: usize| of(&Wavelengths::at([0.125, 0.375, 0.625, 0.875].map(|p| LAMBDA_MIN + bin as f32 + p)));
+            let found: Vec<f32> = (0..count).map(at).collect();
+            let most = found.iter().copied().fold(0.0, f32::max);
+            if most > 0.0 && most.is_finite() {
+                light.iter_mut().zip(found).for_each(|(sum, v)| *sum += v / most);
+            }
+        };
+        if let Some(light) = chosen {
+            add(&|lambda| lights.sample(light, &ctx, u, lambda, scene.textures()).map_or(0.0, |s| s.radiance.mean()));
+        }
+        for &environment in &lights.environments {
+            if let Light::Environment(e) = &lights.lights[environment as usize] {
+                add(&|lambda| e.radiance(p, w, lambda).mean());
+            }
+        }
+    }
+    scene.changed(|parts| {
+        parts.lights.timetable = timetable;
+        for material in &mut parts.materials {
+            if let Model::Fluorescent(m) = &mut material.model {
+                let of = |l: f32| light[((l - LAMBDA_MIN) as usize).min(count - 1)];
+                Arc::make_mut(&mut m.reradiation).expect(of);
+            }
+        }
+    })
 }
 
 fn read(path: &Path) -> Result<BispectralTable, String> {

@@ -112,3 +112,29 @@ fn what_cannot_be_is_refused() {
         assert!(refusal.contains("changes its wavelength"), "{refusal}");
     }
 }
+
+/// A lamp of a narrow spectrum is found by wavelengths that are drawn for it: a ball under an even sky of two
+/// nanometres, of which by chance one in sixty wavelengths would be, has the product of matrix and spectrum, and the
+/// pixels of 64 samples each spread little about it.
+#[test]
+fn narrow_lamps_are_found() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let sky = |l: f32| if (l - 400.0).abs() <= 1.0 { 40.0 } else { 0.0 };
+    let (absorbed, emitted) = (|l: f32| 0.7 * bell(l, 410.0, 60.0), |l: f32| bell(l, 530.0, 30.0));
+    let all: f64 = (360..830).map(|l| f64::from(emitted(l as f32 + 0.5))).sum();
+    // The table of the sky is linear between values 2 nm apart: a triangle of 2 nm.
+    let expected = |l: f32| {
+        let shifted = f64::from(absorbed(400.0) * emitted(l) * 400.0 / l) * 0.8 / all * 40.0 * 2.0;
+        shifted as f32
+    };
+    let expected = REC709.rgb_from_xyz() * cie::to_xyz(expected);
+    let pigment =
+        format!("reflectance: 0, quantum_yield: 0.8, absorption: {}, emission: {}", table(absorbed), table(emitted));
+    let scene = scene(folder.path(), &pigment, &table(sky)).expect("a scene");
+    let picture = render(&scene, &Quality { spp: Some(64), ..Quality::default() }).expect("a picture");
+    let green = picture.channel("G").expect("green");
+    let mean = green.iter().map(|v| f64::from(*v)).sum::<f64>() / green.len() as f64;
+    let spread = (green.iter().map(|v| (f64::from(*v) - mean).powi(2)).sum::<f64>() / green.len() as f64).sqrt();
+    assert!((mean / expected.y - 1.0).abs() < 0.05, "{mean}, not {}", expected.y);
+    assert!(spread < 0.2 * mean, "{spread} of {mean}");
+}

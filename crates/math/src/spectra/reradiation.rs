@@ -13,6 +13,17 @@ pub struct Reradiation {
     /// For each wavelength of light that leaves the sums over those that it comes from; the last is what all bring, of
     /// irradiance of one per nanometre.
     sums: Vec<f32>,
+    /// The light that there is, where that is known.
+    light: Option<Light>,
+}
+
+/// Light by which wavelengths are drawn.
+#[derive(Clone, Debug)]
+struct Light {
+    /// By wavelength, in any unit.
+    values: Vec<f32>,
+    /// As [`Reradiation::sums`], of irradiance like this.
+    sums: Vec<f32>,
 }
 
 /// A wavelength from a bin's place.
@@ -32,7 +43,7 @@ impl Reradiation {
                 sum as f32
             }));
         }
-        Self { sums }
+        Self { sums, light: None }
     }
 
     /// Of one pigment: the part of photons that it absorbs by wavelength, how many of these leave again, and the shape
@@ -52,10 +63,44 @@ impl Reradiation {
         self.sums[Self::row(out) * BINS + BINS - 1]
     }
 
-    /// A wavelength that light comes from which leaves at another, by a number in `[0, 1)`: its density is that of the
-    /// row, so that it counts by [`Reradiation::total`].
-    pub fn sample(&self, out: f32, u: f32) -> f32 {
-        let sums = &self.sums[Self::row(out) * BINS..][..BINS];
+    /// Draws half of the wavelengths by the light that there is as well, by wavelength and in any unit: lamps of narrow
+    /// spectra are found then.
+    pub fn expect(&mut self, light: impl Fn(f32) -> f32) {
+        let values: Vec<f32> = (0..BINS).map(|bin| light(middle(bin))).collect();
+        let most = values.iter().copied().fold(0.0, f32::max);
+        if !(most > 0.0 && most.is_finite()) {
+            return;
+        }
+        let values: Vec<f32> = values.into_iter().map(|v| if v > 0.0 { v / most } else { 0.0 }).collect();
+        let mut sums = Vec::with_capacity(self.sums.len());
+        for row in self.sums.chunks_exact(BINS) {
+            let (mut before, mut sum) = (0.0f32, 0.0f64);
+            sums.extend(row.iter().zip(&values).map(|(until, light)| {
+                sum += f64::from(until - before) * f64::from(*light);
+                before = *until;
+                sum as f32
+            }));
+        }
+        self.light = Some(Light { values, sums });
+    }
+
+    /// A wavelength that light comes from which leaves at another, by a number in `[0, 1)`, and what it counts by: what
+    /// leaves, over the density of the wavelength.
+    pub fn sample(&self, out: f32, u: f32) -> (f32, f32) {
+        let (row, total) = (Self::row(out), self.total(out));
+        let Some(light) = self.light.as_ref().filter(|l| l.sums[row * BINS + BINS - 1] > 0.0) else {
+            return (Self::drawn(&self.sums, row, u), total);
+        };
+        // Half of them by the matrix alone, so that none counts by more than twice its total.
+        let from =
+            if u < 0.5 { Self::drawn(&self.sums, row, 2.0 * u) } else { Self::drawn(&light.sums, row, 2.0 * u - 1.0) };
+        let by_light = light.values[Self::row(from)] / light.sums[row * BINS + BINS - 1];
+        (from, 2.0 / (1.0 / total + by_light))
+    }
+
+    /// A wavelength by the sums of a row.
+    fn drawn(sums: &[f32], row: usize, u: f32) -> f32 {
+        let sums = &sums[row * BINS..][..BINS];
         let target = u * sums[BINS - 1];
         let bin = sums.partition_point(|s| *s <= target).min(BINS - 1);
         let before = if bin > 0 { sums[bin - 1] } else { 0.0 };
@@ -79,10 +124,10 @@ impl Reradiation {
     pub fn shift(&self, lambda: &mut Wavelengths, u: f32) -> Spectrum {
         let mut lane = 0;
         let factors = lambda.lambda.map(|out| {
-            let u = (u + 0.25 * lane as f32).fract();
-            lambda.lambda[lane] = self.sample(out, u);
+            let (from, factor) = self.sample(out, (u + 0.25 * lane as f32).fract());
+            lambda.lambda[lane] = from;
             lane += 1;
-            self.total(out)
+            factor
         });
         Spectrum::new(factors)
     }
@@ -178,10 +223,32 @@ mod tests {
         assert!((energy / expected - 1.0).abs() < 0.01, "{energy}, not {expected}");
     }
 
-    /// The mean over samples of light that depends on the wavelength is the row's integral of it.
+    /// The mean over samples of light that depends on the wavelength is the row's integral of it, whatever light is
+    /// expected; and that of a narrow lamp which is expected comes in equal parts.
     #[test]
     fn samples_bring_what_the_matrix_does() {
-        let matrix = pigment();
+        let mut matrix = pigment();
+        brings_what_it_does(&matrix);
+        matrix.expect(|l| 1.0 - (l - 500.0) * 0.001);
+        brings_what_it_does(&matrix);
+        let lamp = |l: f32| if (404.0..406.0).contains(&l) { 3.0 } else { 0.0 };
+        matrix.expect(lamp);
+        brings_what_it_does(&matrix);
+        let values: Vec<f64> = (0..4000)
+            .map(|k| {
+                let (from, factor) = matrix.sample(520.0, (k as f32 + 0.5) / 4000.0);
+                f64::from(factor * lamp(from))
+            })
+            .collect();
+        let mean = values.iter().sum::<f64>() / 4000.0;
+        let row = 0.8 * 0.9 / (25.0 * std::f64::consts::PI.sqrt());
+        let expected = row * (-0.25f64).exp() * (405.0 / 520.5) * 3.0 * 2.0;
+        assert!((mean / expected - 1.0).abs() < 0.01, "{mean}, not {expected}");
+        let deviation = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / 4000.0).sqrt();
+        assert!(deviation < 1.1 * mean, "{deviation} of {mean}");
+    }
+
+    fn brings_what_it_does(matrix: &Reradiation) {
         let light = |l: f32| 1.0 + 0.01 * (l - 400.0);
         let n = 20_000;
         let sampled: f64 = (0..n)
