@@ -8,7 +8,7 @@ use crate::{
 use steradian_math::{Spectrum, Vec2, Vec3};
 
 /// The surface of a medium that light enters to leave it elsewhere: reflection at a dielectric, and a lobe of its own,
-/// [`Lobe::SUBSURFACE`], for what is not reflected there.
+/// [`Lobe::SUBSURFACE`](crate::Lobe::SUBSURFACE), for what is not reflected there.
 #[derive(Clone, Copy, Debug)]
 pub struct Entry {
     /// What reflects; its transmittance is a factor on what enters.
