@@ -76,8 +76,8 @@ impl Compiler<'_> {
 /// Light samples by which the light of a scene is known.
 const LIGHT_SAMPLES: usize = 256;
 
-/// Has fluorescent materials draw wavelengths by the light that there is.
-pub(super) fn expect_lamps(mut scene: Scene) -> Scene {
+/// Has fluorescent materials draw wavelengths by the light of the scene.
+pub(super) fn set_illuminants(mut scene: Scene) -> Scene {
     let count = (LAMBDA_MAX - LAMBDA_MIN) as usize;
     if !scene.is_fluorescent() {
         return scene;
@@ -119,7 +119,7 @@ pub(super) fn expect_lamps(mut scene: Scene) -> Scene {
         for material in &mut parts.materials {
             if let Model::Fluorescent(m) = &mut material.model {
                 let of = |l: f32| light[((l - LAMBDA_MIN) as usize).min(count - 1)];
-                Arc::make_mut(&mut m.reradiation).expect(of);
+                Arc::make_mut(&mut m.reradiation).set_illuminant(of);
             }
         }
     })

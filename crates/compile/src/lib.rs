@@ -315,7 +315,7 @@ impl Compiler<'_> {
         if parts.has_media() {
             self.choose_for_media(&mut parts.settings);
         }
-        (Some(fluorescent::expect_lamps(Scene::new(parts))), build_time)
+        (Some(fluorescent::set_illuminants(Scene::new(parts))), build_time)
     }
 
     /// In a scene with media the integrator is one that renders them, if the user chose none.

@@ -31,13 +31,10 @@ fn lit(mode: ColorMode, scale: f32, celestial: impl FnOnce() -> Option<Celestial
 }
 
 impl Compiler<'_> {
-    /// The sky and the sun, each where its scale leaves something of it.
+    /// The clear sky by tables, and its sun.
     pub(super) fn sky(&mut self, node: &Node) -> Vec<Light> {
         let node = &*self.within_ranges(node);
-        let Some(place) = self.light_place(node) else { return Vec::new() };
-        let (Some(sun), Some(up)) = (self.sun_direction(node, &place), place.vector(Vec3::Z).try_normalize()) else {
-            return Vec::new();
-        };
+        let Some([up, sun]) = self.up_and_sun(node) else { return Vec::new() };
         if sun.dot(up) < 0.0 {
             let message = "the sun is below the horizon at this place and time; this sky is black";
             self.diagnostics.warn(&self.desc.sources, node.span, message);
@@ -50,20 +47,14 @@ impl Compiler<'_> {
             limb_darkening: self.bool(node, "limb_darkening", true),
             coarse_rgb: self.choice(node, "sun_rgb", false, &[("exact", false), ("mitsuba", true)]),
         };
-        let scale = self.float(node, "scale", 1.0);
-        let (of_sky, of_sun) = (self.float(node, "sky_scale", 1.0), self.float(node, "sun_scale", 1.0));
-        let sky = lit(self.mode, scale * of_sky, || Some(Celestial::Sky(Box::new(SkyDome::new(&air)))));
-        let sun = lit(self.mode, scale * of_sun, || Some(Celestial::Sun(Box::new(SunDisc::new(&air, &look)))));
-        [sky, sun].into_iter().flatten().collect()
+        let sky = || Some(Celestial::Sky(Box::new(SkyDome::new(&air))));
+        self.dome_and_sun(node, sky, || Some(Celestial::Sun(Box::new(SunDisc::new(&air, &look)))))
     }
 
-    /// The sky and the sun of simulated air, each where its scale leaves something of it.
+    /// The sky of simulated air, and its sun.
     pub(super) fn atmosphere(&mut self, node: &Node) -> Vec<Light> {
         let node = &*self.within_ranges(node);
-        let Some(place) = self.light_place(node) else { return Vec::new() };
-        let (Some(sun), Some(up)) = (self.sun_direction(node, &place), place.vector(Vec3::Z).try_normalize()) else {
-            return Vec::new();
-        };
+        let Some([up, sun]) = self.up_and_sun(node) else { return Vec::new() };
         if sun.dot(up) < NIGHT.to_radians().sin() {
             let message =
                 format!("the sun is lower than {NIGHT}° at this place and time; stars and airglow are not in this sky");
@@ -76,27 +67,44 @@ impl Compiler<'_> {
             }
             (albedo, _) => albedo,
         };
-        let mut number = |name, default| f64::from(self.float(node, name, default));
+        let clear = Contents::CLEAR;
+        let mut number = |name, default: f64| f64::from(self.float(node, name, default));
         let contents = Contents {
-            pressure: number("pressure", 1013.25),
-            ozone: number("ozone", 300.0),
-            aerosol: number("aerosol", 0.1),
-            angstrom: number("angstrom", 1.3),
-            aerosol_albedo: number("aerosol_albedo", 0.95) as f32,
-            aerosol_height: number("aerosol_height", 1500.0),
-            g: number("g", 0.7) as f32,
+            pressure: number("pressure", clear.pressure),
+            ozone: number("ozone", clear.ozone),
+            aerosol: number("aerosol", clear.aerosol),
+            angstrom: number("angstrom", clear.angstrom),
+            aerosol_albedo: number("aerosol_albedo", clear.aerosol_albedo.into()) as f32,
+            aerosol_height: number("aerosol_height", clear.aerosol_height),
+            g: number("g", clear.g.into()) as f32,
         };
         let altitude = self.float(node, "altitude", 0.0);
         let multiple = self.choice(node, "scattering", true, &[("multiple", true), ("single", false)]);
         let air = Air { contents, albedo, altitude, multiple, up, sun, mode: self.mode };
         let (aperture, darkening) = (self.float(node, "sun_aperture", 0.5358), self.bool(node, "limb_darkening", true));
+        let sky = || Some(Celestial::Air(Box::new(AirDome::new(&air))));
+        let sun = || AirSun::new(&air, aperture, darkening).map(|sun| Celestial::AirSun(Box::new(sun)));
+        self.dome_and_sun(node, sky, sun)
+    }
+
+    /// The unit vectors to the zenith and to the sun in the world; `None` after an error.
+    fn up_and_sun(&mut self, node: &Node) -> Option<[Vec3; 2]> {
+        let place = self.light_place(node)?;
+        let sun = self.sun_direction(node, &place)?;
+        Some([place.vector(Vec3::Z).try_normalize()?, sun])
+    }
+
+    /// The lights of a sky, each where its scale leaves something of it.
+    fn dome_and_sun(
+        &mut self,
+        node: &Node,
+        sky: impl FnOnce() -> Option<Celestial>,
+        sun: impl FnOnce() -> Option<Celestial>,
+    ) -> Vec<Light> {
         let scale = self.float(node, "scale", 1.0);
         let (of_sky, of_sun) = (self.float(node, "sky_scale", 1.0), self.float(node, "sun_scale", 1.0));
-        let sky = lit(self.mode, scale * of_sky, || Some(Celestial::Air(Box::new(AirDome::new(&air)))));
-        let sun = lit(self.mode, scale * of_sun, || {
-            AirSun::new(&air, aperture, darkening).map(|s| Celestial::AirSun(Box::new(s)))
-        });
-        [sky, sun].into_iter().flatten().collect()
+        let lights = [lit(self.mode, scale * of_sky, sky), lit(self.mode, scale * of_sun, sun)];
+        lights.into_iter().flatten().collect()
     }
 
     /// The unit vector to the sun in the world; `None` after an error.

@@ -8,7 +8,7 @@ use steradian_core::{
 };
 use steradian_engine::PathContext;
 use steradian_math::{Frame, Ray, Spectrum, Vec2, Vec3, warp};
-use steradian_transport::{NoGuide, PathState, attenuation, glow, power_heuristic};
+use steradian_transport::{NoGuide, PathState, attenuation, power_heuristic, volume_emission};
 
 /// What a receiver takes. Its medium is that of the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,7 +93,7 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
             false => None,
         };
         let direct = sampled.map_or(Spectrum::ZERO, |s| self.of_light(receiver, p, &s, context));
-        let direct = direct + self.of_glow(receiver, p, context);
+        let direct = direct + self.of_volume(receiver, p, context);
         let u = context.sampler.get_2d(dimension::at(0, dimension::DIRECTION));
         let w = match receiver {
             Receiver::Plane(..) => Frame::from_z(n).to_world(warp::cosine_hemisphere(u)),
@@ -112,14 +112,14 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
         direct + Self { depth: one_more }.along(path_state, None::<&NoGuide>, context, Spectrum::ZERO) * total
     }
 
-    /// Light of a medium that glows.
-    fn of_glow(&self, receiver: &Receiver, p: Vec3, context: &mut PathContext<'_, '_>) -> Spectrum {
-        if !MEDIA || context.scene.lamps().is_empty() {
+    /// Light of an emissive medium.
+    fn of_volume(&self, receiver: &Receiver, p: Vec3, context: &mut PathContext<'_, '_>) -> Spectrum {
+        if !MEDIA || context.scene.emissive_volumes().is_empty() {
             return Spectrum::ZERO;
         }
         let (time, medium) = (context.lambda.time, context.scene.camera().medium);
         let leave = |w: Vec3| (Ray { time, ..Ray::new(p, w) }, medium);
-        glow::arriving(p, 0, leave, context).map_or(Spectrum::ZERO, |s| {
+        volume_emission::arriving(p, 0, leave, context).map_or(Spectrum::ZERO, |s| {
             let weight = receiver.weight(s.wi);
             s.radiance * (weight * power_heuristic(s.pdf, weight / receiver.total()) / s.pdf)
         })

@@ -40,31 +40,32 @@ const OF_SHAPES: &[Parameter] = &[
     file("file", "none", FILE_FIRST),
 ];
 
-const LATITUDE: Parameter =
-    number("latitude", (-90.0, 90.0), "35.6894", "north of the equator").unit("degrees").refused();
-const LONGITUDE: Parameter =
-    number("longitude", (-360.0, 360.0), "139.6917", "east of Greenwich").unit("degrees").refused();
-const TIMEZONE: Parameter =
-    number("timezone", (-24.0, 24.0), "9", "what local time is ahead of universal time by").unit("h").refused();
-const YEAR: Parameter =
-    integer("year", (1.0, 9999.0), "2010", "year; the sun is within half a minute of arc from 1999 to 2015").refused();
-const MONTH: Parameter = integer("month", (1.0, 12.0), "7", "month").refused();
-const DAY: Parameter = integer("day", (1.0, 31.0), "10", "day of the month").refused();
-const HOUR: Parameter = number("hour", (0.0, 24.0), "15", "local time").unit("h").refused();
-const MINUTE: Parameter = number("minute", (0.0, 60.0), "0", "what is added to the hour").unit("min").refused();
-const SECOND: Parameter = number("second", (0.0, 60.0), "0", "what is added to the minute").unit("s").refused();
-const SUN_DIRECTION: Parameter =
-    vector("sun_direction", "none", "the way to the sun, in the world, instead of place and time");
-const SUN_SCALE: Parameter =
-    number("sun_scale", (0.0, f64::INFINITY), "1", "factor on the sun; 0 leaves it out").refused();
-const SKY_SCALE: Parameter =
-    number("sky_scale", (0.0, f64::INFINITY), "1", "factor on the sky; 0 leaves it out").refused();
-const SUN_APERTURE: Parameter =
-    number("sun_aperture", (0.01, 89.0), "0.5358", "whole angle of the sun's disc; its light stays the same")
-        .unit("degrees")
-        .refused();
-const SCALE_OF_BOTH: Parameter = number("scale", (0.0, f64::INFINITY), "1", "factor on both").refused();
-const TURN: Parameter = transform("to_world", "identity", "turns it; of its own, +z is up, +x north and +y east");
+/// Of skies with a sun.
+const SUN: Group = Group {
+    name: "sun",
+    doc: "where the sun of a sky is, how bright both are, and where its up is",
+    parameters: &[
+        number("latitude", (-90.0, 90.0), "35.6894", "north of the equator").unit("degrees").refused(),
+        number("longitude", (-360.0, 360.0), "139.6917", "east of Greenwich").unit("degrees").refused(),
+        number("timezone", (-24.0, 24.0), "9", "what local time is ahead of universal time by").unit("h").refused(),
+        integer("year", (1.0, 9999.0), "2010", "year; the sun is within half a minute of arc from 1999 to 2015")
+            .refused(),
+        integer("month", (1.0, 12.0), "7", "month").refused(),
+        integer("day", (1.0, 31.0), "10", "day of the month").refused(),
+        number("hour", (0.0, 24.0), "15", "local time").unit("h").refused(),
+        number("minute", (0.0, 60.0), "0", "what is added to the hour").unit("min").refused(),
+        number("second", (0.0, 60.0), "0", "what is added to the minute").unit("s").refused(),
+        vector("sun_direction", "none", "the way to the sun, in the world, instead of place and time"),
+        number("sun_scale", (0.0, f64::INFINITY), "1", "factor on the sun; 0 leaves it out").refused(),
+        number("sky_scale", (0.0, f64::INFINITY), "1", "factor on the sky; 0 leaves it out").refused(),
+        number("sun_aperture", (0.01, 89.0), "0.5358", "whole angle of the sun's disc; its light stays the same")
+            .unit("degrees")
+            .refused(),
+        number("scale", (0.0, f64::INFINITY), "1", "factor on both").refused(),
+        transform("to_world", "identity", "turns it; of its own, +z is up, +x north and +y east"),
+    ],
+    source: "",
+};
 const GROUND: Parameter =
     spectrum("albedo", (0.0, 1.0), "0.3", "reflectance of the ground, which lights the sky again").refused();
 
@@ -72,19 +73,6 @@ const GROUND: Parameter =
 const OF_SKY: &[Parameter] = &[
     number("turbidity", (1.0, 10.0), "3", "haze: 2 is an arctic sky, 3 a clear one, 10 a humid day").refused(),
     GROUND,
-    LATITUDE,
-    LONGITUDE,
-    TIMEZONE,
-    YEAR,
-    MONTH,
-    DAY,
-    HOUR,
-    MINUTE,
-    SECOND,
-    SUN_DIRECTION,
-    SUN_SCALE,
-    SKY_SCALE,
-    SUN_APERTURE,
     flag("limb_darkening", "true", "whether the sun's disc is darker at its edge, else it is even"),
     word(
         "sun_rgb",
@@ -92,8 +80,6 @@ const OF_SKY: &[Parameter] = &[
         "exact",
         "the sun's colour in RGB: the spectrum's, or the coarse sum of Mitsuba's RGB variants, brighter by 5 to 9 %",
     ),
-    SCALE_OF_BOTH,
-    TURN,
 ];
 
 /// Of the simulated air, in W/(m² sr nm).
@@ -115,22 +101,7 @@ const OF_ATMOSPHERE: &[Parameter] = &[
     number("g", (-0.9, 0.9), "0.7", "mean cosine of the angle that aerosols scatter by (Henyey, Greenstein)").refused(),
     GROUND,
     word("scattering", "multiple, single", "multiple", "whether light is scattered as often as it may be, or once"),
-    LATITUDE,
-    LONGITUDE,
-    TIMEZONE,
-    YEAR,
-    MONTH,
-    DAY,
-    HOUR,
-    MINUTE,
-    SECOND,
-    SUN_DIRECTION,
-    SUN_SCALE,
-    SKY_SCALE,
-    SUN_APERTURE,
     flag("limb_darkening", "true", "whether the sun's disc is darker at its edge"),
-    SCALE_OF_BOTH,
-    TURN,
 ];
 
 /// All lights.
@@ -246,7 +217,7 @@ pub const LIGHTS: &[Model] = &[
         kind: "sky",
         doc: "the clear sky and the sun, by place and time; black below the horizon, and at night",
         parameters: OF_SKY,
-        groups: &[&SCHEDULE],
+        groups: &[&SUN, &SCHEDULE],
         source: "Hosek, Wilkie, An analytic model for full spectral sky-dome radiance (2012), Adding a solar-radiance \
                  function to the Hošek-Wilkie skylight model (2013); Blanco-Muriel et al., Computing the solar vector \
                  (2001)",
@@ -256,7 +227,7 @@ pub const LIGHTS: &[Model] = &[
         doc: "the sky and the sun through simulated air, by place and time, in twilight too and from above; black \
               below the horizon",
         parameters: OF_ATMOSPHERE,
-        groups: &[&SCHEDULE],
+        groups: &[&SUN, &SCHEDULE],
         source: "Bodhaine et al., On Rayleigh optical depth calculations (1999); Serdyuchenko et al., High spectral \
                  resolution ozone absorption cross-sections (2014); ASTM G173; U.S. Standard Atmosphere (1976); \
                  Wiscombe, The delta-M method (1977); Nakajima, Tanaka, Algorithms for \

@@ -4,11 +4,12 @@
 use crate::{
     Depth, MAX_PASSES,
     flight::{self, Flight},
-    glow, live_max, nee,
+    live_max, nee,
     sink::{Sink, Step},
     state::PathState,
     tracking::Stretch,
     vertex::Vertex,
+    volume_emission,
 };
 use steradian_core::{material::Scattering, scene::Hit};
 use steradian_engine::{PathContext, dimension};
@@ -62,7 +63,7 @@ pub fn meet<'s, const MEDIA: bool>(
             let distance = hit.as_ref().map_or(f32::INFINITY, |h| h.t);
             let u = sampler.get_1d(path_state.dimension(dimension::FLIGHT));
             let lane = sampler.get_1d(path_state.dimension(dimension::LANE));
-            let weight = glow::weight(scene, medium, &path_state.origin, path_state.ray.direction);
+            let weight = volume_emission::weight(scene, medium, &path_state.origin, path_state.ray.direction);
             let flight = match &scattering.field {
                 None => {
                     if scattering.glow.is_some() {

@@ -7,7 +7,6 @@ pub mod attenuation;
 mod differential_tests;
 pub mod flight;
 mod follow;
-pub mod glow;
 mod guide;
 pub mod nee;
 pub mod roulette;
@@ -16,6 +15,7 @@ mod state;
 pub mod subsurface;
 pub mod tracking;
 mod vertex;
+pub mod volume_emission;
 mod walk;
 
 pub use follow::{Arrival, arrive, escape, meet};

@@ -1,12 +1,13 @@
 //! A path between two points that scatter.
 
 use crate::{
-    Depth, glow,
+    Depth,
     guide::{Guide, GuidedDirection},
     live_max, nee,
     roulette::{number, roulette},
     sink::{Segment, Sink},
     vertex::Vertex,
+    volume_emission,
 };
 use steradian_bsdf::{Bsdf, BsdfSample};
 use steradian_core::{
@@ -93,8 +94,8 @@ impl PathState {
     #[inline]
     pub fn direct<const MEDIA: bool>(&self, v: &Vertex<'_>, context: &mut PathContext<'_, '_>) -> Spectrum {
         let of_lights = self.of_lights::<MEDIA>(v, context);
-        if MEDIA && !context.scene.lamps().is_empty() {
-            return of_lights + self.beta * glow::direct(v, self.events, context);
+        if MEDIA && !context.scene.emissive_volumes().is_empty() {
+            return of_lights + self.beta * volume_emission::direct(v, self.events, context);
         }
         of_lights
     }
@@ -135,7 +136,7 @@ impl PathState {
             sink.add_direct(self.beta * light, v, wi, distance);
         }
         if MEDIA {
-            sink.add(self.beta * glow::direct(v, self.events, context));
+            sink.add(self.beta * volume_emission::direct(v, self.events, context));
         }
     }
 

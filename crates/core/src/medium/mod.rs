@@ -1,12 +1,12 @@
 //! Participating media: Beer–Lambert attenuation, scattering and emission.
 
 mod cells;
+mod emissive_volume;
 mod field;
-mod lamp;
 
 use cells::Cells;
+pub use emissive_volume::EmissiveVolume;
 pub use field::{Cloud, Field, Glow, GlowSource, Grid, Heat, Variation, into_cube};
-pub use lamp::Lamp;
 use std::sync::Arc;
 use steradian_math::{
     Spectrum, Vec2, Vec3, elementary,

@@ -4,7 +4,7 @@ use super::{Geometry, Parts, Shape};
 use crate::{
     camera::ViewFootprint,
     material::{self, Lambertian, Model, SurfaceDetail},
-    medium::{Lamp, Medium, into_cube},
+    medium::{EmissiveVolume, Medium, into_cube},
 };
 use steradian_math::Bounds3;
 
@@ -18,7 +18,7 @@ pub struct Facts {
     pub has_media: bool,
     pub is_see_through: bool,
     /// Media that give off light, where it may arrive straight.
-    pub lamps: Vec<Lamp>,
+    pub emissive_volumes: Vec<EmissiveVolume>,
     pub has_curves: bool,
     /// What goes below surfaces, if anything does.
     pub below_surfaces: Option<&'static str>,
@@ -54,7 +54,7 @@ impl Facts {
             is_fluorescent: materials.iter().any(|m| matches!(m.model, Model::Fluorescent(_))),
             has_media: parts.has_media(),
             is_see_through,
-            lamps: if is_see_through { lamps(parts) } else { Vec::new() },
+            emissive_volumes: if is_see_through { emissive_volumes(parts) } else { Vec::new() },
             below_surfaces: materials.iter().find_map(|m| m.model.below()),
             has_curves: geometries.iter().any(|g| g.shape.faces_rays()),
             constants: material::constants(materials, textures),
@@ -65,13 +65,16 @@ impl Facts {
 }
 
 /// The media that give off light within bounds.
-fn lamps(parts: &Parts) -> Vec<Lamp> {
+fn emissive_volumes(parts: &Parts) -> Vec<EmissiveVolume> {
     let cube = |index: u32, medium: &Medium| match &medium.field {
         Some(field) => Some(*field.cube()),
         None => into_cube(&filled(parts, index)),
     };
-    let glowing = (0..).zip(&parts.media).filter(|(_, m)| m.glow.is_some());
-    glowing.filter_map(|(index, m)| Lamp::new(index, m, &cube(index, m)?, parts.mode)).collect()
+    let emissive = (0..).zip(&parts.media).filter(|(_, m)| m.glow.is_some());
+    let mut found: Vec<_> = emissive.filter_map(|(i, m)| EmissiveVolume::new(i, m, &cube(i, m)?, parts.mode)).collect();
+    let total: f32 = found.iter().map(|(_, power)| power).sum();
+    found.iter_mut().for_each(|(volume, power)| volume.probability = *power / total);
+    found.into_iter().map(|(volume, _)| volume).collect()
 }
 
 /// The box around what a medium is within.

@@ -12,7 +12,7 @@ use crate::{
     footprint::RayDifferential,
     light::{LightGroups, Lights},
     material::{self, Lambertian, Material, Model, Needs, Scattering, SurfaceDetail, detail::Base},
-    medium::{Lamp, Medium},
+    medium::{EmissiveVolume, Medium},
     shape::{SurfacePoint, TriMesh},
 };
 use facts::{Facts, Kind};
@@ -197,10 +197,10 @@ impl Scene {
         self.facts.is_see_through
     }
 
-    /// Media that give off light which may arrive straight, within bounds.
+    /// Emissive media within bounds whose light may arrive straight.
     #[inline]
-    pub fn lamps(&self) -> &[Lamp] {
-        &self.facts.lamps
+    pub fn emissive_volumes(&self) -> &[EmissiveVolume] {
+        &self.facts.emissive_volumes
     }
 
     /// Whether light enters any material to leave it elsewhere.

@@ -202,17 +202,8 @@ fn nights_and_the_ground_are_black() {
 
 /// Simulated air with the sun at a height, turned so that `up` is up.
 fn simulated(mode: ColorMode, altitude: f32, height: f32, up: Vec3) -> Air {
-    let contents = Contents {
-        pressure: 1013.25,
-        ozone: 300.0,
-        aerosol: 0.1,
-        angstrom: 1.3,
-        aerosol_albedo: 0.95,
-        aerosol_height: 1500.0,
-        g: 0.7,
-    };
     let sun = Frame::from_z(up).to_world(toward(height, 30.0));
-    Air { contents, albedo: Color::constant(0.3), altitude, multiple: true, up, sun, mode }
+    Air { contents: Contents::CLEAR, albedo: Color::constant(0.3), altitude, multiple: true, up, sun, mode }
 }
 
 /// Samples of simulated air follow their densities, by day, in twilight and from above; so do those of its sun.

@@ -13,13 +13,13 @@ pub struct Reradiation {
     /// For each wavelength of light that leaves the sums over those that it comes from; the last is what all bring, of
     /// irradiance of one per nanometre.
     sums: Vec<f32>,
-    /// The light that there is, where that is known.
-    light: Option<Light>,
+    /// The illuminant by which half of the wavelengths are drawn, where one is set.
+    illuminant: Option<Illuminant>,
 }
 
 /// Light by which wavelengths are drawn.
 #[derive(Clone, Debug)]
-struct Light {
+struct Illuminant {
     /// By wavelength, in any unit.
     values: Vec<f32>,
     /// As [`Reradiation::sums`], of irradiance like this.
@@ -43,7 +43,7 @@ impl Reradiation {
                 sum as f32
             }));
         }
-        Self { sums, light: None }
+        Self { sums, illuminant: None }
     }
 
     /// Of one pigment: the part of photons that it absorbs by wavelength, how many of these leave again, and the shape
@@ -63,9 +63,9 @@ impl Reradiation {
         self.sums[Self::row(out) * BINS + BINS - 1]
     }
 
-    /// Draws half of the wavelengths by the light that there is as well, by wavelength and in any unit: lamps of narrow
-    /// spectra are found then.
-    pub fn expect(&mut self, light: impl Fn(f32) -> f32) {
+    /// Draws half of the wavelengths by the row times an illuminant, in any unit: lamps of narrow spectra are found
+    /// then.
+    pub fn set_illuminant(&mut self, light: impl Fn(f32) -> f32) {
         let values: Vec<f32> = (0..BINS).map(|bin| light(middle(bin))).collect();
         let most = values.iter().copied().fold(0.0, f32::max);
         if !(most > 0.0 && most.is_finite()) {
@@ -81,14 +81,14 @@ impl Reradiation {
                 sum as f32
             }));
         }
-        self.light = Some(Light { values, sums });
+        self.illuminant = Some(Illuminant { values, sums });
     }
 
     /// A wavelength that light comes from which leaves at another, by a number in `[0, 1)`, and what it counts by: what
     /// leaves, over the density of the wavelength.
     pub fn sample(&self, out: f32, u: f32) -> (f32, f32) {
         let (row, total) = (Self::row(out), self.total(out));
-        let Some(light) = self.light.as_ref().filter(|l| l.sums[row * BINS + BINS - 1] > 0.0) else {
+        let Some(light) = self.illuminant.as_ref().filter(|l| l.sums[row * BINS + BINS - 1] > 0.0) else {
             return (Self::drawn(&self.sums, row, u), total);
         };
         // Half of them by the matrix alone, so that none counts by more than twice its total.
@@ -223,16 +223,16 @@ mod tests {
         assert!((energy / expected - 1.0).abs() < 0.01, "{energy}, not {expected}");
     }
 
-    /// The mean over samples of light that depends on the wavelength is the row's integral of it, whatever light is
-    /// expected; and that of a narrow lamp which is expected comes in equal parts.
+    /// The mean over samples of light that depends on the wavelength is the row's integral of it, whatever the
+    /// illuminant; and that of a narrow lamp which is the illuminant comes in equal parts.
     #[test]
     fn samples_bring_what_the_matrix_does() {
         let mut matrix = pigment();
         brings_what_it_does(&matrix);
-        matrix.expect(|l| 1.0 - (l - 500.0) * 0.001);
+        matrix.set_illuminant(|l| 1.0 - (l - 500.0) * 0.001);
         brings_what_it_does(&matrix);
         let lamp = |l: f32| if (404.0..406.0).contains(&l) { 3.0 } else { 0.0 };
-        matrix.expect(lamp);
+        matrix.set_illuminant(lamp);
         brings_what_it_does(&matrix);
         let values: Vec<f64> = (0..4000)
             .map(|k| {

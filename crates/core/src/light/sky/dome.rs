@@ -2,6 +2,7 @@
 
 use super::{
     Atmosphere,
+    body::CelestialBody,
     cells::Cells,
     data::{self, SkyBand},
 };
@@ -58,9 +59,10 @@ impl SkyDome {
         });
         Self { up: frame.z, sun: air.sun, bands, mode: air.mode, cells }
     }
+}
 
-    /// Radiance from the direction `w`, W/(m² sr nm).
-    pub fn radiance(&self, w: Vec3, lambda: &Wavelengths) -> Spectrum {
+impl CelestialBody for SkyDome {
+    fn radiance(&self, w: Vec3, lambda: &Wavelengths) -> Spectrum {
         let cos_theta = w.dot(self.up);
         if self.bands.is_empty() || cos_theta < 0.0 {
             return Spectrum::ZERO;
@@ -73,21 +75,19 @@ impl SkyDome {
         }
     }
 
-    /// A direction, and its density per solid angle.
-    pub fn sample(&self, u: Vec2) -> (Vec3, f32) {
+    fn sample(&self, u: Vec2) -> (Vec3, f32) {
         self.cells.sample(u)
     }
 
-    /// The density of [`SkyDome::sample`].
-    pub fn pdf(&self, w: Vec3) -> f32 {
+    fn pdf(&self, w: Vec3) -> f32 {
         self.cells.pdf(w)
     }
 
-    pub(super) fn fluence(&self) -> f32 {
+    fn fluence(&self) -> f32 {
         self.cells.fluence()
     }
 
-    pub(super) fn bytes(&self) -> usize {
+    fn bytes(&self) -> usize {
         size_of_val(&self.bands[..]) + self.cells.bytes()
     }
 }

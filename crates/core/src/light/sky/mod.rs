@@ -4,6 +4,7 @@
 //! Radiances are in W/(m² sr nm), and black below the horizon. Beside it stand the sky and the sun of simulated air.
 
 mod air;
+mod body;
 mod cells;
 mod data;
 mod disc;
@@ -16,6 +17,7 @@ pub use dome::SkyDome;
 pub use position::Moment;
 pub use sun::{SunDisc, SunLook};
 
+use body::CelestialBody;
 use steradian_math::{
     Spectrum, Vec2, Vec3,
     spectra::{ColorMode, Wavelengths, role::Color},
@@ -57,37 +59,32 @@ pub enum Celestial {
 }
 
 impl Celestial {
+    #[inline]
+    fn body(&self) -> &dyn CelestialBody {
+        match self {
+            Self::Sky(dome) => &**dome,
+            Self::Sun(disc) => &**disc,
+            Self::Air(dome) => &**dome,
+            Self::AirSun(disc) => &**disc,
+        }
+    }
+
     /// Radiance from the direction `w`.
     #[inline]
     pub(super) fn radiance(&self, w: Vec3, lambda: &Wavelengths) -> Spectrum {
-        match self {
-            Self::Sky(dome) => dome.radiance(w, lambda),
-            Self::Sun(disc) => disc.radiance(w, lambda),
-            Self::Air(dome) => dome.radiance(w, lambda),
-            Self::AirSun(disc) => disc.radiance(w, lambda),
-        }
+        self.body().radiance(w, lambda)
     }
 
     /// A direction and its density per solid angle. All light is found so.
     #[inline]
     pub(super) fn sample(&self, u: Vec2) -> (Vec3, f32) {
-        match self {
-            Self::Sky(dome) => dome.sample(u),
-            Self::Sun(disc) => disc.sample(u),
-            Self::Air(dome) => dome.sample(u),
-            Self::AirSun(disc) => disc.sample(u),
-        }
+        self.body().sample(u)
     }
 
     /// The density of [`Celestial::sample`].
     #[inline]
     pub(super) fn pdf(&self, w: Vec3) -> f32 {
-        match self {
-            Self::Sky(dome) => dome.pdf(w),
-            Self::Sun(disc) => disc.pdf(w),
-            Self::Air(dome) => dome.pdf(w),
-            Self::AirSun(disc) => disc.pdf(w),
-        }
+        self.body().pdf(w)
     }
 
     /// Estimate of the irradiance of a surface, as luminance: all of the sun's on one that faces it, and half of what
@@ -101,21 +98,11 @@ impl Celestial {
 
     /// The luminance of what comes from all directions together: `∫ Y dω`.
     pub fn fluence(&self) -> f32 {
-        match self {
-            Self::Sky(dome) => dome.fluence(),
-            Self::Sun(disc) => disc.fluence(),
-            Self::Air(dome) => dome.fluence(),
-            Self::AirSun(disc) => disc.fluence(),
-        }
+        self.body().fluence()
     }
 
     /// Bytes of its tables.
     pub(super) fn bytes(&self) -> usize {
-        match self {
-            Self::Sky(dome) => dome.bytes(),
-            Self::Sun(disc) => disc.bytes(),
-            Self::Air(dome) => dome.bytes(),
-            Self::AirSun(disc) => disc.bytes(),
-        }
+        self.body().bytes()
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{
     Atmosphere,
+    body::CelestialBody,
     data::{self, BANDS, LIMB, POWERS, SEGMENTS},
     disc::{Disc, polynomial},
 };
@@ -96,9 +97,10 @@ impl SunDisc {
     fn darkening(&self, b: usize, mu2: f32) -> f32 {
         polynomial(&self.limb[b], mu2.sqrt())
     }
+}
 
-    /// Radiance from the direction `w`, W/(m² sr nm).
-    pub fn radiance(&self, w: Vec3, lambda: &Wavelengths) -> Spectrum {
+impl CelestialBody for SunDisc {
+    fn radiance(&self, w: Vec3, lambda: &Wavelengths) -> Spectrum {
         let Some(mu2) = self.disc.mu2(w).filter(|_| self.is_up && w.dot(self.up) >= 0.0) else { return Spectrum::ZERO };
         let value = |b: usize| self.scale * self.even.map_or_else(|| self.band(b, w), |even| even[b]);
         let share = |b: usize| if self.even.is_some() { 1.0 } else { self.darkening(b, mu2) };
@@ -113,21 +115,19 @@ impl SunDisc {
         }
     }
 
-    /// A direction, and its density per solid angle.
-    pub fn sample(&self, u: Vec2) -> (Vec3, f32) {
+    fn sample(&self, u: Vec2) -> (Vec3, f32) {
         self.disc.sample(u)
     }
 
-    /// The density of [`SunDisc::sample`].
-    pub fn pdf(&self, w: Vec3) -> f32 {
+    fn pdf(&self, w: Vec3) -> f32 {
         self.disc.pdf(w)
     }
 
-    pub(super) fn fluence(&self) -> f32 {
+    fn fluence(&self) -> f32 {
         self.fluence
     }
 
-    pub(super) fn bytes(&self) -> usize {
+    fn bytes(&self) -> usize {
         size_of_val(&self.segments[..])
     }
 }

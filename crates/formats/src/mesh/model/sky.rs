@@ -3,7 +3,7 @@
 /// Columns of the picture; it has half as many rows.
 const COLUMNS: usize = 512;
 /// Where the sun stands, not of unit length: over the left shoulder of the camera.
-const SUN: [f32; 3] = [-0.45, 0.85, 0.65];
+pub(super) const SUN: [f64; 3] = [-0.45, 0.85, 0.65];
 /// Angles from the centre of the sun, in degrees, within which it has full radiance and beyond which it has none. It is
 /// wider than the real one, so that shadows are soft.
 const SUN_RADII: [f32; 2] = [3.0, 6.0];
@@ -17,7 +17,8 @@ const BELOW: [f32; 3] = [0.32, 0.32, 0.32];
 /// The sky as a PFM file (latitude and longitude, +y up, radiance in linear Rec.709).
 pub(super) fn pfm() -> Vec<u8> {
     let rows = COLUMNS / 2;
-    let length = SUN.map(|x| x * x).iter().sum::<f32>().sqrt();
+    let sun = SUN.map(|x| x as f32);
+    let length = sun.map(|x| x * x).iter().sum::<f32>().sqrt();
     let [inner, outer] = SUN_RADII.map(f32::to_radians);
     let mut texels = vec![[0.0_f32; 3]; COLUMNS * rows];
     let mut share_of_sun = vec![0.0_f32; texels.len()];
@@ -34,7 +35,7 @@ pub(super) fn pfm() -> Vec<u8> {
         for column in 0..COLUMNS {
             let (sin_phi, cos_phi) = (std::f32::consts::TAU * (column as f32 + 0.5) / COLUMNS as f32).sin_cos();
             let direction = [sin * sin_phi, cos, -sin * cos_phi];
-            let cos_sun = direction.iter().zip(SUN).map(|(d, s)| d * s / length).sum::<f32>();
+            let cos_sun = direction.iter().zip(sun).map(|(d, s)| d * s / length).sum::<f32>();
             let x = ((outer - cos_sun.clamp(-1.0, 1.0).acos()) / (outer - inner)).clamp(0.0, 1.0);
             let i = row * COLUMNS + column;
             share_of_sun[i] = x * x * (3.0 - 2.0 * x);

@@ -33,10 +33,6 @@ const LARGEST: f64 = 1e30;
 
 /// Words for skies with a sun, and the lights that these are.
 const SKIES: [(&str, &str); 2] = [("clear", "sky"), ("atmosphere", "atmosphere")];
-/// Azimuth of the sun of these, from the front to the left, and its height above the horizon: as in the picture that
-/// is there unless the user names another sky.
-const SUN_AZIMUTH: f64 = 34.695_153_531_233_97;
-const SUN_HEIGHT: f64 = 47.074_665_861_055_39;
 /// Factor on their light, so that by default the ground is as bright under them as under that picture.
 const SUN_SCALE: f64 = 2.85;
 
@@ -47,6 +43,13 @@ enum Sky {
     Picture(PathBuf),
     /// A kind of light, with the height of its sun in degrees.
     Sun(&'static str, f64),
+}
+
+/// Azimuth of the sun from the front to the right, and its height above the horizon, in radians: as in the picture that
+/// is there unless the user names another sky.
+fn usual_sun() -> [f64; 2] {
+    let [x, y, z] = sky::SUN;
+    [x.atan2(z), y.atan2(x.hypot(z))]
 }
 
 /// What the user says of a model's surroundings.
@@ -84,7 +87,7 @@ impl StageOptions {
         let sky = match word("sky") {
             None => None,
             Some(word) => Some(match SKIES.iter().find(|(name, _)| *name == word) {
-                Some((_, kind)) => Sky::Sun(kind, angle("sun", SUN_HEIGHT, 90.0)?),
+                Some((_, kind)) => Sky::Sun(kind, angle("sun", usual_sun()[1].to_degrees(), 90.0)?),
                 None => Sky::Picture(found(word).map_err(|e| format!("'sky': {e}"))?),
             }),
         };
@@ -185,7 +188,7 @@ fn add_sky(desc: &mut SceneDesc, stage: &StageOptions) {
     let mut sky = match &stage.sky {
         Some(Sky::Picture(file)) => picture(file.clone()),
         Some(Sky::Sun(kind, height)) => {
-            let (azimuth, height) = ((turn - SUN_AZIMUTH).to_radians(), height.to_radians());
+            let (azimuth, height) = (turn.to_radians() + usual_sun()[0], height.to_radians());
             let sun = [azimuth.sin() * height.cos(), height.sin(), azimuth.cos() * height.cos()];
             // The sun is given in the world; the sky's own +z is up.
             let axes = DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y);

@@ -8,7 +8,7 @@ use super::{
     orders::{FEW, Orders, SPARSE, pass, passed},
     path::{Sunward, Way, horizon},
 };
-use crate::light::sky::cells::Cells;
+use crate::light::sky::{body::CelestialBody, cells::Cells};
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_PI_2, PI};
 use steradian_math::{
@@ -74,9 +74,10 @@ impl AirDome {
         });
         Self { frame, sun: air.sun, dip, g, table, bands, mode: air.mode, cells }
     }
+}
 
-    /// Radiance from the direction `w`, W/(m² sr nm).
-    pub fn radiance(&self, w: Vec3, lambda: &Wavelengths) -> Spectrum {
+impl CelestialBody for AirDome {
+    fn radiance(&self, w: Vec3, lambda: &Wavelengths) -> Spectrum {
         let Some(corners) = corners(self.frame.to_local(w), self.dip) else { return Spectrum::ZERO };
         let weights = weights(w.dot(self.sun), self.g);
         let value = |b: usize| mixed(&self.table, self.bands, &corners, &weights, b);
@@ -86,21 +87,19 @@ impl AirDome {
         }
     }
 
-    /// A direction, and its density per solid angle.
-    pub fn sample(&self, u: Vec2) -> (Vec3, f32) {
+    fn sample(&self, u: Vec2) -> (Vec3, f32) {
         self.cells.sample(u)
     }
 
-    /// The density of [`AirDome::sample`].
-    pub fn pdf(&self, w: Vec3) -> f32 {
+    fn pdf(&self, w: Vec3) -> f32 {
         self.cells.pdf(w)
     }
 
-    pub(in crate::light::sky) fn fluence(&self) -> f32 {
+    fn fluence(&self) -> f32 {
         self.cells.fluence()
     }
 
-    pub(in crate::light::sky) fn bytes(&self) -> usize {
+    fn bytes(&self) -> usize {
         size_of_val(&self.table[..]) + self.cells.bytes()
     }
 }

@@ -207,7 +207,7 @@ mod tests {
     /// 300 DU are 8.06·10¹⁸ molecules per cm², which at 600 nm absorb 5.0 to 5.1·10⁻²¹ cm² each.
     #[test]
     fn ozone_and_aerosols() {
-        let medium = Medium::new(&Contents { ozone: 300.0, aerosol: 0.2, angstrom: 1.3, ..Contents::TEST }, [0.0; 48]);
+        let medium = Medium::new(&Contents { ozone: 300.0, aerosol: 0.2, angstrom: 1.3, ..Contents::CLEAR }, [0.0; 48]);
         let at = |values: &Bands, nm: f32| {
             let lanes = data::at_wavelengths(&steradian_math::spectra::Wavelengths::at([nm; 4]), |b| values[b]);
             lanes.to_array()[0]
@@ -222,7 +222,7 @@ mod tests {
     /// Columns are one, and phase functions integrate to one with their mean cosines.
     #[test]
     fn all_is_normalised() {
-        let medium = Medium::new(&Contents::TEST, [0.0; 48]);
+        let medium = Medium::new(&Contents::CLEAR, [0.0; 48]);
         let (mut columns, n) = ([0.0; 3], 100_000);
         for i in 0..n {
             let d = medium.densities(TOP * (i as f64 + 0.5) / n as f64);

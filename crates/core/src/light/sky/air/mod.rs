@@ -41,9 +41,9 @@ pub struct Contents {
     pub g: f32,
 }
 
-#[cfg(test)]
 impl Contents {
-    const TEST: Self = Self {
+    /// Clear air at sea level, as a scene has it that says nothing else.
+    pub const CLEAR: Self = Self {
         pressure: 1013.25,
         ozone: 300.0,
         aerosol: 0.1,

@@ -142,7 +142,7 @@ mod tests {
     use super::{super::Contents, *};
 
     fn earth() -> Medium {
-        Medium::new(&Contents::TEST, [0.0; 48])
+        Medium::new(&Contents::CLEAR, [0.0; 48])
     }
 
     fn slant(medium: &Medium, zenith: f64) -> f64 {

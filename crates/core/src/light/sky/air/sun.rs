@@ -7,6 +7,7 @@ use super::{
     path::{Way, horizon},
 };
 use crate::light::sky::{
+    body::CelestialBody,
     data::LIMB,
     disc::{Disc, polynomial},
 };
@@ -106,9 +107,10 @@ impl AirSun {
         let at = |row: usize| self.rgb[row].iter().rev().fold(Vec3::ZERO, |sum, c| sum * mu + *c);
         at(row) * (1.0 - t) + at(row + 1) * t
     }
+}
 
-    /// Radiance from the direction `w`, W/(m² sr nm).
-    pub fn radiance(&self, w: Vec3, lambda: &Wavelengths) -> Spectrum {
+impl CelestialBody for AirSun {
+    fn radiance(&self, w: Vec3, lambda: &Wavelengths) -> Spectrum {
         let Some(mu2) = self.disc.mu2(w) else { return Spectrum::ZERO };
         let Some((row, t)) = self.place(w) else { return Spectrum::ZERO };
         match self.mode {
@@ -123,21 +125,19 @@ impl AirSun {
         }
     }
 
-    /// A direction, and its density per solid angle.
-    pub fn sample(&self, u: Vec2) -> (Vec3, f32) {
+    fn sample(&self, u: Vec2) -> (Vec3, f32) {
         self.disc.sample(u)
     }
 
-    /// The density of [`AirSun::sample`].
-    pub fn pdf(&self, w: Vec3) -> f32 {
+    fn pdf(&self, w: Vec3) -> f32 {
         self.disc.pdf(w)
     }
 
-    pub(in crate::light::sky) fn fluence(&self) -> f32 {
+    fn fluence(&self) -> f32 {
         self.fluence
     }
 
-    pub(in crate::light::sky) fn bytes(&self) -> usize {
+    fn bytes(&self) -> usize {
         size_of_val(&self.rows[..]) + size_of_val(&self.rgb[..])
     }
 }

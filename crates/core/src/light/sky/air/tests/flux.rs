@@ -12,7 +12,7 @@ fn flat(contents: Contents, ground: f32) -> Medium {
     medium
 }
 
-const CLEAN: Contents = Contents { ozone: 0.0, aerosol: 0.0, ..Contents::TEST };
+const CLEAN: Contents = Contents { ozone: 0.0, aerosol: 0.0, ..Contents::CLEAR };
 
 /// Light that is scattered once, of layers whatever their heights: `p μ₀/(μ₀ − μ) (e^(−τ/μ₀) − e^(−τ/μ))`.
 #[test]

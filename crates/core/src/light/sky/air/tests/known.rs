@@ -4,7 +4,7 @@ use super::{
     super::{AirDome, AirSun},
     *,
 };
-use crate::light::sky::{Atmosphere, SkyDome};
+use crate::light::sky::{Atmosphere, SkyDome, body::CelestialBody};
 use steradian_math::{
     Vec2,
     color::luminance,
@@ -38,7 +38,7 @@ fn illuminance(dome: &AirDome) -> f64 {
 /// factor of two; at −18° nearly all of it is starlight and airglow, which are not here.
 #[test]
 fn twilight() {
-    let at = |sun: f64| illuminance(&AirDome::new(&rgb(Contents::TEST, sun)));
+    let at = |sun: f64| illuminance(&AirDome::new(&rgb(Contents::CLEAR, sun)));
     let (sunset, civil, nautical) = (at(-0.833), at(-6.0), at(-12.0));
     assert!((205.0..1170.0).contains(&sunset), "{sunset}");
     assert!((1.0..7.0).contains(&civil), "{civil}");
@@ -51,7 +51,7 @@ fn twilight() {
 #[test]
 fn the_blue_hour() {
     let blueness = |ozone: f64, sun: f64| {
-        let c = colour(&AirDome::new(&rgb(Contents { ozone, ..Contents::TEST }, sun)), Vec3::Z);
+        let c = colour(&AirDome::new(&rgb(Contents { ozone, ..Contents::CLEAR }, sun)), Vec3::Z);
         c.z / c.x
     };
     let (with, without) = (blueness(300.0, -5.0), blueness(0.0, -5.0));
@@ -63,7 +63,7 @@ fn the_blue_hour() {
 /// nm, which has other gases too, little of them at these wavelengths.
 #[test]
 fn direct_sunlight() {
-    let contents = Contents { ozone: 344.0, aerosol: 0.084 * 0.9f64.powf(1.3), ..Contents::TEST };
+    let contents = Contents { ozone: 344.0, aerosol: 0.084 * 0.9f64.powf(1.3), ..Contents::CLEAR };
     let air = air(contents, 90.0 - 48.19);
     let sun = AirSun::new(&air, 0.5358, false).unwrap();
     let solid_angle = 2.0 * std::f64::consts::PI * (1.0 - (0.2679f64).to_radians().cos());
@@ -86,7 +86,7 @@ fn direct_sunlight() {
 #[test]
 fn hosek_and_wilkie() {
     for sun in [30.0, 45.0, 60.0] {
-        let air = rgb(Contents::TEST, sun);
+        let air = rgb(Contents::CLEAR, sun);
         let (turbidity, albedo) = (3.0, Color::constant(0.3));
         let other = SkyDome::new(&Atmosphere { turbidity, albedo, up: Vec3::Z, sun: air.sun, mode: ColorMode::Rgb });
         let other = luminance(Vec3::from(other.radiance(Vec3::Z, &RGB).to_rgb()));
@@ -98,7 +98,7 @@ fn hosek_and_wilkie() {
 /// The sun low down is red and dim, its lower edge most, and where part of it has set that part is black.
 #[test]
 fn sunsets() {
-    let sun = |height: f64| AirSun::new(&rgb(Contents::TEST, height), 0.5358, false);
+    let sun = |height: f64| AirSun::new(&rgb(Contents::CLEAR, height), 0.5358, false);
     let at = |s: &AirSun, height: f64| Vec3::from(s.radiance(toward(height, 0.0), &RGB).to_rgb());
     let (high, low) = (sun(50.0).unwrap(), sun(0.1).unwrap());
     let (top, bottom) = (at(&low, 0.3), at(&low, 0.02));
@@ -110,7 +110,7 @@ fn sunsets() {
     assert!(at(&set, 0.03).x > 0.0 && at(&set, -0.1) == Vec3::ZERO && set.fluence() < 0.1 * low.fluence());
     assert!(sun(-0.3).is_none());
     // From above, the horizon is lower.
-    let high_up = Air { altitude: 10_000.0, ..rgb(Contents::TEST, -1.0) };
+    let high_up = Air { altitude: 10_000.0, ..rgb(Contents::CLEAR, -1.0) };
     assert!(AirSun::new(&high_up, 0.5358, true).unwrap().fluence() > 0.0);
 }
 
@@ -118,7 +118,7 @@ fn sunsets() {
 /// 3.2° below it.
 #[test]
 fn from_above() {
-    let at = |altitude: f32| AirDome::new(&Air { altitude, ..rgb(Contents::TEST, 40.0) });
+    let at = |altitude: f32| AirDome::new(&Air { altitude, ..rgb(Contents::CLEAR, 40.0) });
     let (low, high) = (at(0.0), at(10_000.0));
     assert!(luminance(colour(&high, Vec3::Z)) < 0.4 * luminance(colour(&low, Vec3::Z)));
     assert!(colour(&high, toward(-3.1, 30.0)).y > 0.0 && colour(&high, toward(-3.3, 30.0)) == Vec3::ZERO);
@@ -130,7 +130,7 @@ fn from_above() {
 #[test]
 fn directions_between_those_of_the_table() {
     for sun in [40.0f64, 2.0, -4.0] {
-        let air = air(Contents::TEST, sun);
+        let air = air(Contents::CLEAR, sun);
         let medium = Medium::new(&air.contents, [0.3; BANDS]);
         let (eye, dome) = (Eye::new(&medium, f64::from(air.sun.z), true), AirDome::new(&air));
         for (to, azimuth) in [(0.4, 20.0), (2.3, 77.0), (9.0, 11.0), (31.0, 133.0), (77.0, 40.0)] {

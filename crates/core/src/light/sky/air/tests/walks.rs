@@ -166,7 +166,7 @@ pub(super) fn walked(medium: &Medium, band: usize, way: &Way, first: usize, walk
 #[test]
 fn several_orders() {
     let check = |dust: f64, sun: f64, tolerance: f64, ways: &[(f64, f64, usize)]| {
-        let medium = Medium::new(&Contents { aerosol: dust, ..Contents::TEST }, [0.3; BANDS]);
+        let medium = Medium::new(&Contents { aerosol: dust, ..Contents::CLEAR }, [0.3; BANDS]);
         let eye = Eye::new(&medium, sun.to_radians().sin(), true);
         for &(to, azimuth, band) in ways {
             let way = way(0.0, sun, to, azimuth);
@@ -188,7 +188,7 @@ fn several_orders() {
 /// Of the light that is scattered at least twice alone, by the zenith and near the horizon.
 #[test]
 fn second_and_higher_orders() {
-    let medium = Medium::new(&Contents { aerosol: 0.0, ..Contents::TEST }, [0.3; BANDS]);
+    let medium = Medium::new(&Contents { aerosol: 0.0, ..Contents::CLEAR }, [0.3; BANDS]);
     for (sun, to, azimuth) in [(60.0f64, 90.0, 0.0), (15.0, 8.0, 150.0)] {
         let way = way(0.0, sun, to, azimuth);
         let all = seen(&Eye::new(&medium, sun.to_radians().sin(), true), &medium, &way);
@@ -209,7 +209,7 @@ fn survey() {
     let number = |name: &str, or: f64| std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(or);
     let walks = number("WALKS", 200_000.0) as usize;
     for (dust, ground) in [(0.0, 0.3), (0.1, 0.3), (0.4, 0.3)] {
-        let medium = Medium::new(&Contents { aerosol: dust, ..Contents::TEST }, [ground; BANDS]);
+        let medium = Medium::new(&Contents { aerosol: dust, ..Contents::CLEAR }, [ground; BANDS]);
         for sun in [60.0f64, 20.0, 5.0, 0.0, -3.0] {
             let clock = std::time::Instant::now();
             let eye = Eye::new(&medium, sun.to_radians().sin(), true);

@@ -1,4 +1,4 @@
-//! Where a medium glows, to look for its light: directions to points drawn by how much the cells of a box give off, and
+//! Light samples of emissive media: directions to points drawn by how much the cells of a box give off, and
 //! the density of a direction along its whole way through them (Villemin, Hery 2013, "Practical Illumination from
 //! Flames").
 
@@ -8,13 +8,13 @@ use steradian_math::{Ray, Vec3, hash::HashRng, spectra::ColorMode, transform::Af
 /// Points at which a cell is looked at.
 const POINTS: usize = 16;
 
-/// The parts of a box that give off light.
+/// An emissive medium as a light that can be sampled.
 #[derive(Clone, Debug)]
-pub struct Lamp {
+pub struct EmissiveVolume {
     /// Index of the medium.
     pub medium: u32,
-    /// What all of it gives off, as luminance times volume.
-    pub power: f32,
+    /// The probability with which it is chosen among those of a scene.
+    pub probability: f32,
     cells: Cells,
     world_from_cube: Affine,
     /// For each cell the probability of it and all before it.
@@ -23,10 +23,10 @@ pub struct Lamp {
     density: Vec<f32>,
 }
 
-impl Lamp {
-    /// Of a medium, by its index, in a box that a map takes to the unit cube; `None` where it gives off nothing, or the
-    /// box has no volume.
-    pub fn new(index: u32, medium: &Medium, cube_from_world: &Affine, mode: ColorMode) -> Option<Self> {
+impl EmissiveVolume {
+    /// Of a medium, by its index, in a box that a map takes to the unit cube, and what it gives off: luminance times
+    /// volume, in proportion to which one is chosen. `None` where that is nothing, or the box has no volume.
+    pub fn new(index: u32, medium: &Medium, cube_from_world: &Affine, mode: ColorMode) -> Option<(Self, f32)> {
         let world_from_cube = cube_from_world.inverse();
         let axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| world_from_cube.vector(axis));
         let volume = axes[0].cross(axes[1]).dot(axes[2]).abs();
@@ -58,7 +58,8 @@ impl Lamp {
             sum
         });
         let cells = Cells { cube_from_world: *cube_from_world, count };
-        Some(Self { medium: index, power, until: until.collect(), density, world_from_cube, cells })
+        let volume = Self { medium: index, probability: 1.0, until: until.collect(), density, world_from_cube, cells };
+        Some((volume, power))
     }
 
     /// Whether light is not looked for from a point: it is where the medium glows, so that scattering finds the light
@@ -77,7 +78,8 @@ impl Lamp {
         (self.world_from_cube.point(place) - p).try_normalize()
     }
 
-    /// The density per solid angle with which [`Lamp::sample`] gives a unit direction: `∫ p(x) r² dr` along it.
+    /// The density per solid angle with which [`EmissiveVolume::sample`] gives a unit direction: `∫ p(x) r² dr` along
+    /// it.
     pub fn pdf(&self, p: Vec3, w: Vec3) -> f32 {
         let mut sum = 0.0;
         self.cells.walk(&Ray::new(p, w), f32::INFINITY, |begin, end, cell| {
