@@ -25,7 +25,7 @@ import { Overlay, regionOf } from './overlay';
 import { Pick } from './pick';
 import { CameraPanel, RenderPanel, type Side } from './panel';
 import { Path } from './path';
-import type { FrameMessage, Message, PageMessage, State } from './protocol';
+import type { FrameMessage, PageMessage, State } from './protocol';
 import { Socket } from './socket';
 import { Status } from './status';
 import { Toolbar } from './toolbar';
@@ -101,7 +101,7 @@ function start(): void {
   const toolbar = new Toolbar({
     fit: () => (view.placement.fit(), view.redraw()),
     actual: () => (view.placement.actual(), view.redraw()),
-    pause: () => state && send({ type: 'pause', on: !state.paused }),
+    pause: (on) => send({ type: 'pause', on }) && toolbar.setPaused(on),
     clearRegion: () => send({ type: 'region', pixels: null }),
     help: () => keys.toggle(),
     panel: () => toolbar.setPanel(document.body.classList.toggle('no-panel')),
@@ -165,7 +165,7 @@ function start(): void {
     message(message) {
       if (message.type === 'state') takeState(message);
       else if (message.type === 'frame') takeFrame(message);
-      else if (message.type === 'message') takeMessage(message);
+      else if (message.type === 'message') messages.add(message);
       else if (message.type === 'reference') compare.changedElsewhere();
     },
     tile(tile) {
@@ -177,6 +177,7 @@ function start(): void {
       isNew ||= connected;
       status.connected(connected, seconds);
     },
+    settled: () => state && takeFields(state),
   });
   const status = new Status(() => socket.retry());
   link.socket = socket;
@@ -187,18 +188,12 @@ function start(): void {
     document.title = `${next.scene.name} – Steradian`;
     view.film = { ...next.film };
     view.region = next.region;
-    if (!toolbar.region) overlay.region = next.region;
     look.update(next);
     compare.takeState(next);
     errors.takeState(next);
-    render.update(next);
-    mixer.update(next);
-    cameraPanel.update(next);
-    moving.state(next.generation, next.camera, isNew);
-    nodes.update(next, isNew);
+    if (isNew || socket.isSettled) takeFields(next);
     output.update(next);
     messages.scene(next.scene.messages);
-    toolbar.update(next);
     path.update(next);
     status.update(next, null);
     // After a lost connection the server knows nothing of the chosen layer.
@@ -207,12 +202,16 @@ function start(): void {
     view.redraw();
   }
 
-  function takeMessage(message: Message): void {
-    messages.add(message);
-    if (message.severity !== 'error' || state === null) return;
-    // What was refused does not hold.
+  /** Shows what holds where it can be changed. A state that doesn't know yet of what was changed here would undo it. */
+  function takeFields(state: State): void {
+    if (!toolbar.region) overlay.region = state.region;
     render.update(state);
     mixer.update(state);
+    cameraPanel.update(state);
+    moving.state(state.generation, state.camera, isNew);
+    nodes.update(state, isNew);
+    toolbar.update(state);
+    overlay.place();
   }
 
   function takeFrame(frame: FrameMessage): void {

@@ -7,9 +7,6 @@ import { length, sub } from './vector';
 /** Milliseconds after which a picture that didn't come is no longer waited for. */
 const PATIENCE = 4000;
 
-/** Milliseconds after sending a camera in which states of another one are taken for older. */
-const LATE = 500;
-
 export class Moving {
   private isDirty = false;
   private queued = 0;
@@ -17,7 +14,6 @@ export class Moving {
   private sentGeneration = 0;
   private generation = 0;
   private stopTimer = 0;
-  private postedAt = -LATE;
   private isMoving = false;
   private nextFov: number | null = null;
 
@@ -51,7 +47,6 @@ export class Moving {
     clearTimeout(this.stopTimer);
     this.isMoving = this.isDirty = false;
     this.sentAt = this.nextFov = null;
-    this.postedAt = -LATE;
   }
 
   /** A picture came. */
@@ -63,15 +58,13 @@ export class Moving {
     }
   }
 
-  /** The server's state came: takes its camera, unless this page is moving it. */
+  /** What holds now: takes its camera, unless this page is moving it. */
   state(generation: number, state: CameraState, isNew: boolean): void {
     if (isNew) this.generation = generation;
     const { camera } = this;
     const off = length(sub(state.eye, camera.eye)) + length(sub(state.target, camera.target));
     const isOther = off > 1e-4 * camera.distance;
-    // States on their way while the camera was sent are older than it.
-    const isLate = performance.now() - this.postedAt < LATE;
-    if (isNew || (!this.isMoving && (!state.moved || (isOther && !isLate)))) camera.adopt(state);
+    if (isNew || (!this.isMoving && (!state.moved || isOther))) camera.adopt(state);
   }
 
   /** Another angle of view, in degrees. */
@@ -92,7 +85,6 @@ export class Moving {
 
   private post(moving: boolean): void {
     const { eye, target, up } = this.camera;
-    this.postedAt = performance.now();
     if (moving) {
       this.isDirty = false;
       this.sentAt = performance.now();

@@ -99,6 +99,8 @@ export class Nodes {
   /** The edit of a slider that is held, until it is sent. */
   private held: PageMessage | null = null;
   private sentAt = -PATIENCE;
+  /** Edits that were sent. */
+  private edits = 0;
 
   constructor(private readonly send: (message: PageMessage) => boolean) {
     this.element = section('Scene', false, h('div', { class: 'buttons' }, this.undo, this.redo, this.filter), this.list);
@@ -119,9 +121,13 @@ export class Nodes {
   private async load(): Promise<void> {
     if (!this.wants || !(this.element as HTMLDetailsElement).open) return;
     this.wants = false;
+    const { edits } = this;
     try {
       const response = await fetch('./api/nodes');
-      if (response.ok) this.show((await response.json()) as SceneNode[]);
+      const nodes = (await response.json()) as SceneNode[];
+      // Nodes without the last edit would undo it.
+      if (edits !== this.edits) this.wants = true;
+      else if (response.ok) this.show(nodes);
     } catch {
       this.wants = true;
     }
@@ -159,11 +165,13 @@ export class Nodes {
     }
     this.held = null;
     this.wants = true;
+    this.edits++;
     this.send({ type: 'edit', node, parameter, value });
   }
 
   private sendHeld(): void {
     if (this.held === null || performance.now() - this.sentAt < PATIENCE) return;
+    this.edits++;
     this.send(this.held);
     this.held = null;
     this.sentAt = performance.now();

@@ -106,7 +106,9 @@ export type ServerMessage =
   | ({ type: 'state' } & State)
   | ({ type: 'frame' } & FrameMessage)
   | ({ type: 'message' } & Message)
-  | { type: 'reference' };
+  | { type: 'reference' }
+  /** A request was carried out, and the state with it told, or refused. */
+  | { type: 'answered' };
 
 export type PageMessage =
   | { type: 'camera'; eye: Vec3; target: Vec3; up: Vec3; fov?: number; moving: boolean }

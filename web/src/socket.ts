@@ -7,6 +7,8 @@ export interface Listeners {
   tile(tile: Tile): void;
   /** `seconds` until the next try, or `null` when connected. */
   status(connected: boolean, seconds: number | null): void;
+  /** All that was asked for is answered. */
+  settled(): void;
 }
 
 const FIRST_PAUSE = 0.5;
@@ -16,15 +18,23 @@ export class Socket {
   private socket: WebSocket | null = null;
   private pause = FIRST_PAUSE;
   private timer = 0;
+  /** Requests without an answer yet. */
+  private asked = 0;
 
   constructor(private readonly listeners: Listeners) {
     this.connect();
     addEventListener('online', () => this.retry());
   }
 
+  /** Whether the last state knows of all that was asked for. */
+  get isSettled(): boolean {
+    return this.asked === 0;
+  }
+
   /** Sends, or forgets it when there is no connection: the state that comes after connecting tells what holds. */
   send(message: PageMessage): boolean {
     if (this.socket?.readyState !== WebSocket.OPEN) return false;
+    this.asked++;
     this.socket.send(JSON.stringify(message));
     return true;
   }
@@ -36,6 +46,11 @@ export class Socket {
     this.connect();
   }
 
+  private take(message: ServerMessage): void {
+    if (message.type !== 'answered') this.listeners.message(message);
+    else if (--this.asked === 0) this.listeners.settled();
+  }
+
   private connect(): void {
     this.timer = 0;
     const url = new URL('./api/socket', location.href);
@@ -44,6 +59,7 @@ export class Socket {
     socket.binaryType = 'arraybuffer';
     socket.onopen = () => {
       this.pause = FIRST_PAUSE;
+      this.asked = 0;
       this.listeners.status(true, null);
     };
     socket.onmessage = ({ data }) => {
@@ -51,7 +67,7 @@ export class Socket {
         const tile = parseTile(data);
         if (tile) this.listeners.tile(tile);
       } else {
-        this.listeners.message(JSON.parse(data as string) as ServerMessage);
+        this.take(JSON.parse(data as string) as ServerMessage);
       }
     };
     socket.onclose = () => {

@@ -7,7 +7,7 @@ import { themeButton } from './theme';
 export interface ToolbarActions {
   fit(): void;
   actual(): void;
-  pause(): void;
+  pause(on: boolean): void;
   clearRegion(): void;
   help(): void;
   panel(): void;
@@ -29,7 +29,9 @@ export class Toolbar {
     this.regionButton = button('Region', 'Render only what you frame (R)', () => this.setRegion(!this.region), { 'aria-pressed': 'false' });
     this.clearButton = button('Whole', 'Render the whole picture again', actions.clearRegion);
     this.clearButton.hidden = true;
-    this.pauseButton = button('Pause', 'Pause or go on (P)', actions.pause, { 'aria-pressed': 'false' });
+    this.pauseButton = button('Pause', 'Pause or go on (P)', () => actions.pause(this.pauseButton.ariaPressed !== 'true'), {
+      'aria-pressed': 'false',
+    });
     this.panelButton = button('Panel', 'Show or hide the panel (N)', actions.panel, { 'aria-expanded': 'true' });
     this.element = h(
       'div',
@@ -48,7 +50,11 @@ export class Toolbar {
 
   update(state: State): void {
     this.clearButton.hidden = state.region === null;
-    this.pauseButton.setAttribute('aria-pressed', String(state.paused));
+    this.setPaused(state.paused);
+  }
+
+  setPaused(on: boolean): void {
+    this.pauseButton.setAttribute('aria-pressed', String(on));
   }
 
   setRegion(on: boolean): void {

@@ -40,6 +40,8 @@ export class Mock {
   samples = 64;
   /** Why settings are refused, where they are. */
   refuses: string | null = null;
+  /** What is waited for before a request is carried out. */
+  delay: Promise<void> | null = null;
   /** The light of groups by their names, sent where they are asked for. */
   groups: [string, Shade][] = [];
   /** Where the point of a pixel is, as channels. */
@@ -57,7 +59,7 @@ export class Mock {
     this.ws.on('connection', (socket) => {
       this.sockets.add(socket);
       socket.on('close', () => this.sockets.delete(socket));
-      socket.on('message', (data) => this.take(JSON.parse(String(data)) as PageMessage));
+      socket.on('message', (data) => void this.carryOut(JSON.parse(String(data)) as PageMessage, socket));
       socket.send(this.stateText());
       this.frame({}, [socket]);
     });
@@ -179,8 +181,14 @@ export class Mock {
     return JSON.stringify({ type: 'state', ...this.state });
   }
 
-  private take(message: PageMessage): void {
+  private async carryOut(message: PageMessage, socket: WebSocket): Promise<void> {
     this.received.push(message);
+    if (this.delay) await this.delay;
+    this.take(message);
+    socket.send(JSON.stringify({ type: 'answered' }));
+  }
+
+  private take(message: PageMessage): void {
     const { state } = this;
     if (message.type === 'camera') {
       const { eye, target, up, fov } = message;

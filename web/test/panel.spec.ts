@@ -101,6 +101,66 @@ test('nodes are edited by kind of parameter, undone and redone', async ({ mock, 
   await expect.poll(() => sent(mock, 'undo')).toHaveLength(2);
 });
 
+/** What can be waited for until it is let go. */
+function gate(): { opened: Promise<void>; open: () => void } {
+  let open = () => {};
+  const opened = new Promise<void>((resolve) => (open = resolve));
+  return { opened, open };
+}
+
+test('a state on its way does not undo what was changed meanwhile', async ({ mock, ready }) => {
+  const requests = gate();
+  mock.delay = requests.opened;
+  await ready.getByLabel('Width in pixels').fill('48');
+  await ready.getByLabel('Width in pixels').press('Enter');
+  await expect.poll(() => sent(mock, 'settings')).toHaveLength(1);
+  // Another page renames the scene.
+  mock.change({ scene: { ...mock.state.scene, name: 'balls' } });
+  await expect(ready).toHaveTitle(/^balls/);
+  await ready.getByLabel('Height in pixels').fill('32');
+  await ready.getByLabel('Height in pixels').press('Enter');
+  await ready.getByRole('button', { name: 'Pause' }).click();
+  await ready.getByRole('button', { name: 'Pause' }).click();
+  requests.open();
+  await expect(ready.locator('.status-facts')).toContainText('48 × 32');
+  await expect.poll(() => sent(mock, 'pause').map((p) => p.on)).toEqual([true, false]);
+  await expect(ready.getByRole('button', { name: 'Pause' })).toHaveAttribute('aria-pressed', 'false');
+  // What another page chooses is shown again.
+  mock.change({ film: { width: 64, height: 64 } });
+  await expect(ready.getByLabel('Width in pixels')).toHaveValue('64');
+});
+
+test('nodes on their way do not undo what was edited meanwhile', async ({ mock, ready }) => {
+  await open(ready, 'Scene');
+  await ready.locator('.node', { hasText: 'red glass' }).locator('> summary').click();
+  const [requests, nodes] = [gate(), gate()];
+  mock.delay = requests.opened;
+  let isAsked = false;
+  await ready.route(/api\/nodes/, async (route) => {
+    const response = await route.fetch();
+    isAsked = true;
+    await nodes.opened;
+    await route.fulfill({ response });
+  });
+  mock.change({ undo: 7 });
+  await expect.poll(() => isAsked).toBe(true);
+  await ready.getByLabel('red glass: tint, red').fill('0.1');
+  await ready.getByLabel('red glass: tint, red').press('Enter');
+  const arrived = ready.waitForResponse(/api\/nodes/);
+  nodes.open();
+  await (await arrived).finished();
+  // The page knows it, too.
+  await ready.evaluate(() => new Promise((resolve) => setTimeout(resolve)));
+  // Nor are others asked for that cannot know of it.
+  isAsked = false;
+  mock.change({ undo: 8 });
+  await ready.getByLabel('red glass: tint, green').fill('0.6');
+  await ready.getByLabel('red glass: tint, green').press('Enter');
+  expect(isAsked).toBe(false);
+  requests.open();
+  await expect.poll(() => sent(mock, 'edit').map((e) => e.value)).toEqual(['[0.1, 0.2, 0.1]', '[0.1, 0.6, 0.1]']);
+});
+
 test('a slider that is held sends values as pictures come, and the last one to stay, so that one undo takes it back', async ({
   mock,
   ready,

@@ -23,6 +23,8 @@ use std::{
 };
 use tokio::sync::{oneshot, watch};
 
+/// Ends the answer to a request.
+const ANSWERED: &str = r#"{"type":"answered"}"#;
 /// Pages at once.
 const MOST_SOCKETS: usize = 64;
 /// Bytes of a request.
@@ -76,20 +78,14 @@ async fn serve(mut socket: WebSocket, app: &App) {
         let sent = tokio::select! {
             biased;
             come = socket.recv() => match come {
-                Some(Ok(message)) => answer(&mut socket, app, message).await,
+                Some(Ok(message)) => answer(&mut socket, app, &mut states, message).await,
                 Some(Err(e)) => {
                     (app.log)(&format!("a page's connection ended: {e}"));
                     return;
                 }
                 None => return,
             },
-            Ok(()) = states.changed() => {
-                let state = states.borrow_and_update().to_string();
-                if state.is_empty() {
-                    continue;
-                }
-                send(&mut socket, Message::Text(state.into())).await
-            }
+            Ok(()) = states.changed() => tell_state(&mut socket, &mut states).await,
             Ok(message) = messages.recv() => send(&mut socket, Message::Text(message.into())).await,
             Ok(()) = frames.changed() => show(&mut socket, &mut frames).await,
             else => return,
@@ -105,6 +101,12 @@ async fn send(socket: &mut WebSocket, message: Message) -> Option<()> {
     tokio::time::timeout(PATIENCE, socket.send(message)).await.ok()?.ok()
 }
 
+/// Sends the newest state, where there is one.
+async fn tell_state(socket: &mut WebSocket, states: &mut watch::Receiver<Arc<str>>) -> Option<()> {
+    let state = states.borrow_and_update().to_string();
+    if state.is_empty() { Some(()) } else { send(socket, Message::Text(state.into())).await }
+}
+
 /// Sends the newest frame.
 async fn show(socket: &mut WebSocket, frames: &mut watch::Receiver<Arc<Frame>>) -> Option<()> {
     let frame = Arc::clone(&frames.borrow_and_update());
@@ -117,25 +119,34 @@ async fn show(socket: &mut WebSocket, frames: &mut watch::Receiver<Arc<Frame>>) 
     Some(())
 }
 
-/// Carries out what a page asks for, and tells it what is wrong.
-async fn answer(socket: &mut WebSocket, app: &App, message: Message) -> Option<()> {
+/// Carries out what a page asks for. It is told what is wrong or the state with the change, then that this was all.
+async fn answer(
+    socket: &mut WebSocket,
+    app: &App,
+    states: &mut watch::Receiver<Arc<str>>,
+    message: Message,
+) -> Option<()> {
     let text = match message {
         Message::Text(text) => text,
         Message::Binary(_) => return tell(socket, app, "requests are texts".into()).await,
         Message::Ping(_) | Message::Pong(_) => return Some(()),
         Message::Close(_) => return None,
     };
-    let request = match serde_json::from_str::<Request>(&text) {
-        Ok(request) => request,
-        Err(e) => return tell(socket, app, format!("the request cannot be read: {e}")).await,
+    let refused = match serde_json::from_str::<Request>(&text) {
+        Ok(request) => {
+            let (reply, answer) = oneshot::channel();
+            app.viewer.send(Task::Page(request, reply));
+            answer.await.ok()?.err()
+        }
+        Err(e) => Some(format!("the request cannot be read: {e}")),
     };
-    let (reply, answer) = oneshot::channel();
-    app.viewer.send(Task::Page(request, reply));
-    match answer.await {
-        Ok(Ok(())) => Some(()),
-        Ok(Err(why)) => tell(socket, app, why).await,
-        Err(_) => None,
+    if let Some(why) = refused {
+        tell(socket, app, why).await?;
     }
+    if states.has_changed().ok()? {
+        tell_state(socket, states).await?;
+    }
+    send(socket, Message::Text(ANSWERED.into())).await
 }
 
 async fn tell(socket: &mut WebSocket, app: &App, text: String) -> Option<()> {

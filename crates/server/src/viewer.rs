@@ -49,7 +49,7 @@ type Question = Box<dyn FnOnce(&Document, &Look) + Send>;
 
 /// What the thread is asked.
 pub enum Task {
-    /// By a page, with an answer for it: what is wrong.
+    /// By a page, with an answer for it: what is wrong. Pages are told the state with the change first.
     Page(Request, oneshot::Sender<Result<(), String>>),
     /// Another scene.
     Open(Box<Source>, oneshot::Sender<Result<(), Vec<String>>>),
@@ -135,6 +135,7 @@ pub fn start(source: Source, settings: SettingsChange, library: Library) -> Resu
         denoising: 0.0,
         job: None,
         tasks: from_pages,
+        answers: Vec::new(),
         interrupt: Arc::clone(&interrupt),
         frame,
         state,
@@ -197,6 +198,8 @@ pub struct Viewer {
     /// The render under way.
     pub job: Option<Job>,
     tasks: Receiver<Task>,
+    /// What pages are to be answered once the state is told.
+    answers: Vec<(oneshot::Sender<Result<(), String>>, Result<(), String>)>,
     interrupt: Arc<AtomicBool>,
     frame: watch::Sender<Arc<Frame>>,
     state: watch::Sender<Arc<str>>,
@@ -231,6 +234,13 @@ impl Viewer {
         let mut reach = if self.generation == 0 { Reach::Scene } else { Reach::Nothing };
         loop {
             if reach > Reach::Nothing {
+                self.tell_state(reach);
+            }
+            for (answer, done) in self.answers.drain(..) {
+                // Its page may be gone.
+                let _ = answer.send(done);
+            }
+            if reach > Reach::Nothing {
                 self.show_change(reach);
             }
             let is_idle = self.look.paused || self.job.as_ref().is_none_or(Job::is_done);
@@ -264,7 +274,7 @@ impl Viewer {
             Task::Page(request, answer) => {
                 let done = self.request(request);
                 let reach = *done.as_ref().unwrap_or(&Reach::Nothing);
-                let _ = answer.send(done.map(|_| ()));
+                self.answers.push((answer, done.map(|_| ())));
                 reach
             }
             Task::Open(source, answer) => {
@@ -339,8 +349,8 @@ impl Viewer {
         Ok(())
     }
 
-    /// Shows what has changed: the state, a preview, and the beginning of a render.
-    fn show_change(&mut self, reach: Reach) {
+    /// Tells pages what has changed.
+    fn tell_state(&mut self, reach: Reach) {
         if reach >= Reach::Picture {
             self.generation += 1;
             self.job = None;
@@ -349,6 +359,10 @@ impl Viewer {
         }
         let state = state::of(self.generation, &self.document, &self.look, &self.scene, &self.library);
         self.state.send_replace(state);
+    }
+
+    /// Shows what has changed: a preview, and the beginning of a render.
+    fn show_change(&mut self, reach: Reach) {
         if reach < Reach::Picture {
             self.publish();
             return;

@@ -2409,8 +2409,6 @@ var Mixer = class {
 // src/moving.ts
 /** Milliseconds after which a picture that didn't come is no longer waited for. */
 var PATIENCE$1 = 4e3;
-/** Milliseconds after sending a camera in which states of another one are taken for older. */
-var LATE = 500;
 var Moving = class {
 	camera;
 	send;
@@ -2420,7 +2418,6 @@ var Moving = class {
 	sentGeneration = 0;
 	generation = 0;
 	stopTimer = 0;
-	postedAt = -500;
 	isMoving = false;
 	nextFov = null;
 	constructor(camera, send) {
@@ -2449,7 +2446,6 @@ var Moving = class {
 		clearTimeout(this.stopTimer);
 		this.isMoving = this.isDirty = false;
 		this.sentAt = this.nextFov = null;
-		this.postedAt = -500;
 	}
 	/** A picture came. */
 	frame(generation) {
@@ -2459,13 +2455,12 @@ var Moving = class {
 			if (this.isDirty) this.schedule();
 		}
 	}
-	/** The server's state came: takes its camera, unless this page is moving it. */
+	/** What holds now: takes its camera, unless this page is moving it. */
 	state(generation, state, isNew) {
 		if (isNew) this.generation = generation;
 		const { camera } = this;
 		const isOther = length(sub(state.eye, camera.eye)) + length(sub(state.target, camera.target)) > 1e-4 * camera.distance;
-		const isLate = performance.now() - this.postedAt < LATE;
-		if (isNew || !this.isMoving && (!state.moved || isOther && !isLate)) camera.adopt(state);
+		if (isNew || !this.isMoving && (!state.moved || isOther)) camera.adopt(state);
 	}
 	/** Another angle of view, in degrees. */
 	fov(degrees) {
@@ -2482,7 +2477,6 @@ var Moving = class {
 	}
 	post(moving) {
 		const { eye, target, up } = this.camera;
-		this.postedAt = performance.now();
 		if (moving) {
 			this.isDirty = false;
 			this.sentAt = performance.now();
@@ -3051,6 +3045,8 @@ var Nodes = class {
 	/** The edit of a slider that is held, until it is sent. */
 	held = null;
 	sentAt = -2e3;
+	/** Edits that were sent. */
+	edits = 0;
 	constructor(send) {
 		this.send = send;
 		this.element = section("Scene", false, h("div", { class: "buttons" }, this.undo, this.redo, this.filter), this.list);
@@ -3069,9 +3065,12 @@ var Nodes = class {
 	async load() {
 		if (!this.wants || !this.element.open) return;
 		this.wants = false;
+		const { edits } = this;
 		try {
 			const response = await fetch("./api/nodes");
-			if (response.ok) this.show(await response.json());
+			const nodes = await response.json();
+			if (edits !== this.edits) this.wants = true;
+			else if (response.ok) this.show(nodes);
 		} catch {
 			this.wants = true;
 		}
@@ -3107,6 +3106,7 @@ var Nodes = class {
 		}
 		this.held = null;
 		this.wants = true;
+		this.edits++;
 		this.send({
 			type: "edit",
 			node,
@@ -3116,6 +3116,7 @@ var Nodes = class {
 	}
 	sendHeld() {
 		if (this.held === null || performance.now() - this.sentAt < PATIENCE) return;
+		this.edits++;
 		this.send(this.held);
 		this.held = null;
 		this.sentAt = performance.now();
@@ -3794,14 +3795,21 @@ var Socket = class {
 	socket = null;
 	pause = FIRST_PAUSE;
 	timer = 0;
+	/** Requests without an answer yet. */
+	asked = 0;
 	constructor(listeners) {
 		this.listeners = listeners;
 		this.connect();
 		addEventListener("online", () => this.retry());
 	}
+	/** Whether the last state knows of all that was asked for. */
+	get isSettled() {
+		return this.asked === 0;
+	}
 	/** Sends, or forgets it when there is no connection: the state that comes after connecting tells what holds. */
 	send(message) {
 		if (this.socket?.readyState !== WebSocket.OPEN) return false;
+		this.asked++;
 		this.socket.send(JSON.stringify(message));
 		return true;
 	}
@@ -3811,6 +3819,10 @@ var Socket = class {
 		clearTimeout(this.timer);
 		this.connect();
 	}
+	take(message) {
+		if (message.type !== "answered") this.listeners.message(message);
+		else if (--this.asked === 0) this.listeners.settled();
+	}
 	connect() {
 		this.timer = 0;
 		const url = new URL("./api/socket", location.href);
@@ -3819,13 +3831,14 @@ var Socket = class {
 		socket.binaryType = "arraybuffer";
 		socket.onopen = () => {
 			this.pause = FIRST_PAUSE;
+			this.asked = 0;
 			this.listeners.status(true, null);
 		};
 		socket.onmessage = ({ data }) => {
 			if (data instanceof ArrayBuffer) {
 				const tile = parseTile(data);
 				if (tile) this.listeners.tile(tile);
-			} else this.listeners.message(JSON.parse(data));
+			} else this.take(JSON.parse(data));
 		};
 		socket.onclose = () => {
 			this.listeners.status(false, this.pause);
@@ -3952,7 +3965,7 @@ var Toolbar = class {
 		this.regionButton = button("Region", "Render only what you frame (R)", () => this.setRegion(!this.region), { "aria-pressed": "false" });
 		this.clearButton = button("Whole", "Render the whole picture again", actions.clearRegion);
 		this.clearButton.hidden = true;
-		this.pauseButton = button("Pause", "Pause or go on (P)", actions.pause, { "aria-pressed": "false" });
+		this.pauseButton = button("Pause", "Pause or go on (P)", () => actions.pause(this.pauseButton.ariaPressed !== "true"), { "aria-pressed": "false" });
 		this.panelButton = button("Panel", "Show or hide the panel (N)", actions.panel, { "aria-expanded": "true" });
 		this.element = h("div", {
 			class: "toolbar",
@@ -3962,7 +3975,10 @@ var Toolbar = class {
 	}
 	update(state) {
 		this.clearButton.hidden = state.region === null;
-		this.pauseButton.setAttribute("aria-pressed", String(state.paused));
+		this.setPaused(state.paused);
+	}
+	setPaused(on) {
+		this.pauseButton.setAttribute("aria-pressed", String(on));
 	}
 	setRegion(on) {
 		this.region = on;
@@ -4432,10 +4448,10 @@ function start() {
 	const toolbar = new Toolbar({
 		fit: () => (view.placement.fit(), view.redraw()),
 		actual: () => (view.placement.actual(), view.redraw()),
-		pause: () => state && send({
+		pause: (on) => send({
 			type: "pause",
-			on: !state.paused
-		}),
+			on
+		}) && toolbar.setPaused(on),
 		clearRegion: () => send({
 			type: "region",
 			pixels: null
@@ -4502,7 +4518,7 @@ function start() {
 		message(message) {
 			if (message.type === "state") takeState(message);
 			else if (message.type === "frame") takeFrame(message);
-			else if (message.type === "message") takeMessage(message);
+			else if (message.type === "message") messages.add(message);
 			else if (message.type === "reference") compare.changedElsewhere();
 		},
 		tile(tile) {
@@ -4513,7 +4529,8 @@ function start() {
 		status(connected, seconds) {
 			isNew ||= connected;
 			status.connected(connected, seconds);
-		}
+		},
+		settled: () => state && takeFields(state)
 	});
 	const status = new Status(() => socket.retry());
 	link.socket = socket;
@@ -4523,18 +4540,12 @@ function start() {
 		document.title = `${next.scene.name} – Steradian`;
 		view.film = { ...next.film };
 		view.region = next.region;
-		if (!toolbar.region) overlay.region = next.region;
 		look.update(next);
 		compare.takeState(next);
 		errors.takeState(next);
-		render.update(next);
-		mixer.update(next);
-		cameraPanel.update(next);
-		moving.state(next.generation, next.camera, isNew);
-		nodes.update(next, isNew);
+		if (isNew || socket.isSettled) takeFields(next);
 		output.update(next);
 		messages.scene(next.scene.messages);
-		toolbar.update(next);
 		path.update(next);
 		status.update(next, null);
 		if (isNew && !first && view.layer !== "picture" && !next.layers.includes(view.layer)) send({
@@ -4544,11 +4555,16 @@ function start() {
 		isNew = false;
 		view.redraw();
 	}
-	function takeMessage(message) {
-		messages.add(message);
-		if (message.severity !== "error" || state === null) return;
+	/** Shows what holds where it can be changed. A state that doesn't know yet of what was changed here would undo it. */
+	function takeFields(state) {
+		if (!toolbar.region) overlay.region = state.region;
 		render.update(state);
 		mixer.update(state);
+		cameraPanel.update(state);
+		moving.state(state.generation, state.camera, isNew);
+		nodes.update(state, isNew);
+		toolbar.update(state);
+		overlay.place();
 	}
 	function takeFrame(frame) {
 		view.frame(frame);

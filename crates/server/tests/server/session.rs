@@ -1,6 +1,6 @@
 //! What a page sees and does: pictures as the library makes them, cameras, settings, edits, files.
 
-use crate::client::{Server, camera, served};
+use crate::client::{self, Server, camera, served};
 use serde_json::json;
 use steradian::{
     CompileOptions, Quality, Viewpoint,
@@ -338,4 +338,32 @@ fn places_of_shapes_are_edited() {
     let saved = steradian::load(folder.path().join("b.steradian"), &Default::default()).desc;
     let up = Transform::translate(DVec3::Y);
     assert!(saved.shapes.iter().all(|s| s.world_from_object == up) && saved.instances[0].world_from_group == up);
+}
+
+/// Each request is answered once, after the state that knows of it; what is refused, too.
+#[test]
+fn answers_come_after_the_state_that_knows_of_them() {
+    let server = Server::of(BOX);
+    let mut page = server.page();
+    let answered = |page: &mut client::Page| page.until("an answer", |v| v["type"] == "answered");
+    for spp in 5..15 {
+        page.send(json!({"type": "settings", "spp": spp}));
+    }
+    for spp in 5..15 {
+        answered(&mut page);
+        assert!(page.state["settings"]["spp"].as_u64() >= Some(spp), "{spp}: {}", page.state["settings"]);
+    }
+    for on in [true, false] {
+        page.send(json!({"type": "pause", "on": on}));
+        answered(&mut page);
+        assert_eq!(page.state["paused"], on);
+    }
+    page.send(json!({"type": "layers", "names": ["albedo"]}));
+    answered(&mut page);
+    assert_eq!(page.state["layers"], json!(["albedo"]));
+    for refused in [json!({"type": "undo"}), json!({"type": "quit"})] {
+        page.refusal(refused);
+        answered(&mut page);
+        assert_eq!(page.state["settings"]["spp"], 14);
+    }
 }
