@@ -47,14 +47,17 @@ const SHOW_EVERY: [f64; 2] = [0.12, 1.0];
 /// A question about the scene as it is.
 type Question = Box<dyn FnOnce(&Document, &Look) + Send>;
 
+/// What came of a request: what is wrong with it, where something is.
+type Done = Result<(), String>;
+
 /// What the thread is asked.
 pub enum Task {
     /// By a page, with an answer for it: what is wrong. Pages are told the state with the change first.
-    Page(Request, oneshot::Sender<Result<(), String>>),
+    Page(Request, oneshot::Sender<Done>),
     /// Another scene.
     Open(Box<Source>, oneshot::Sender<Result<(), Vec<String>>>),
     /// An environment map, by its name and bytes.
-    Environment(String, Arc<[u8]>, oneshot::Sender<Result<(), String>>),
+    Environment(String, Arc<[u8]>, oneshot::Sender<Done>),
     /// Something about the scene as it is.
     Ask(Question),
 }
@@ -199,7 +202,7 @@ pub struct Viewer {
     pub job: Option<Job>,
     tasks: Receiver<Task>,
     /// What pages are to be answered once the state is told.
-    answers: Vec<(oneshot::Sender<Result<(), String>>, Result<(), String>)>,
+    answers: Vec<(oneshot::Sender<Done>, Done)>,
     interrupt: Arc<AtomicBool>,
     frame: watch::Sender<Arc<Frame>>,
     state: watch::Sender<Arc<str>>,
