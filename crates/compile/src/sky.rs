@@ -94,7 +94,7 @@ impl Compiler<'_> {
         Some([place.vector(Vec3::Z).try_normalize()?, sun])
     }
 
-    /// The lights of a sky, each where its scale leaves something of it.
+    /// The lights of a sky, each where its scale leaves something of it; none after an error, for they take long.
     fn dome_and_sun(
         &mut self,
         node: &Node,
@@ -103,6 +103,9 @@ impl Compiler<'_> {
     ) -> Vec<Light> {
         let scale = self.float(node, "scale", 1.0);
         let (of_sky, of_sun) = (self.float(node, "sky_scale", 1.0), self.float(node, "sun_scale", 1.0));
+        if self.diagnostics.has_errors() {
+            return Vec::new();
+        }
         let lights = [lit(self.mode, scale * of_sky, sky), lit(self.mode, scale * of_sun, sun)];
         lights.into_iter().flatten().collect()
     }

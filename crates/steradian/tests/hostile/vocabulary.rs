@@ -132,6 +132,8 @@ fn scene_of(family: Family, kind: &str, format: Format) -> (SceneDesc, NodeId) {
         (Family::Texture, "image") | (Family::Light, "goniometric" | "projection") => {
             _ = node.set("file", PathBuf::from("i.pfm"), None)
         }
+        // Light that is scattered again takes half a second to find: one format in three has it.
+        (Family::Light, "atmosphere") if format != Format::Native => _ = node.set("scattering", "single", None),
         (Family::Texture, "mesh_attribute") => _ = node.set("name", "color", None),
         (Family::Material, "mask") => _ = node.set("material", diffuse, None),
         (Family::Material, "two_sided") => _ = node.set("front", diffuse, None),
