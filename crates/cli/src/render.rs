@@ -198,6 +198,11 @@ impl<'a> Job<'a> {
         if !args.aov.is_empty() && !kinds.contains(&FileKind::Exr) {
             return Err(Failure::bad_input("layers (--aov) are kept by .exr files only; give one with -o"));
         }
+        if args.frames.is_none() && quality.layers.contains(&Layer::Motion) {
+            return Err(Failure::bad_input(
+                "the layer 'motion' tells what has moved since the frame before: it takes --frames A..B",
+            ));
+        }
         args.files.write_options().map_err(Failure::bad_input)?;
         let is_toned = args.files.tonemap.is_some() || args.files.exposure.is_some();
         if is_toned && !kinds.iter().any(|kind| kind.is_display()) {
