@@ -87,19 +87,23 @@ fn frames_of_an_animation_are_pictures_by_number() {
     place.refuse(2, &["render", "--frames", "0..1"], &["gltf"]);
 }
 
+/// [`SLIDE`] 4 units before a camera with an angle of view of 90°.
+pub fn seen_slide() -> String {
+    let floats = [-1.0_f32, -1.0, 0.0, 1.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 3.0, 1.0];
+    let camera = r#""cameras": [{"type": "perspective", "perspective": {"yfov": 1.5707963, "znear": 0.01}}], "meshes""#;
+    SLIDE
+        .replace("BYTES", &base64(&floats.map(f32::to_le_bytes).concat()))
+        .replace(r#""nodes": [0]"#, r#""nodes": [0, 1]"#)
+        .replace(r#"{"mesh": 0}"#, r#"{"mesh": 0}, {"camera": 0, "translation": [0, 0, 4]}"#)
+        .replace(r#""meshes""#, camera)
+}
+
 /// What the layer of motion shows of a triangle that becomes three times as high within a second: at height y it has
 /// come from y (1 − 2/3n) in a frame of 1/n s, the last one, as a camera 4 units before it sees it.
 #[test]
 fn motion_of_an_animation_is_its_speed() {
     let place = Place::new();
-    let floats = [-1.0_f32, -1.0, 0.0, 1.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 3.0, 1.0];
-    let camera = r#""cameras": [{"type": "perspective", "perspective": {"yfov": 1.5707963, "znear": 0.01}}], "meshes""#;
-    let slide = SLIDE
-        .replace("BYTES", &base64(&floats.map(f32::to_le_bytes).concat()))
-        .replace(r#""nodes": [0]"#, r#""nodes": [0, 1]"#)
-        .replace(r#"{"mesh": 0}"#, r#"{"mesh": 0}, {"camera": 0, "translation": [0, 0, 4]}"#)
-        .replace(r#""meshes""#, camera);
-    place.file("s.gltf", &slide);
+    place.file("s.gltf", &seen_slide());
     for rate in [2_u16, 5, 24] {
         let (frames, fps) = (format!("0..{rate}"), rate.to_string());
         let render = ["render", "s.gltf", "--frames", &frames, "--fps", &fps, "--size", "48x36", "--spp", "1", "-q"];
