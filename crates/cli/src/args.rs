@@ -109,6 +109,9 @@ pub struct RenderArgs {
     /// layer raw, and the layers that guided. For path, volpath, direct, whitted, ao, raycast and bdpt
     #[arg(long, value_name = "NAME", value_enum, num_args = 0..=1, require_equals = true, help_heading = "Quality")]
     pub denoise: Option<Option<Denoiser>>,
+    /// Denoise frames (--frames) with what those before saw, by nlm; each takes a seed of its own
+    #[arg(long, requires = "denoise", requires = "frames", help_heading = "Quality")]
+    pub temporal: bool,
     /// The library of Open Image Denoise 2, or a folder that has it; --denoise then uses it
     #[arg(long, value_name = "PATH", requires = "denoise", help_heading = "Quality")]
     pub oidn: Option<PathBuf>,

@@ -15,7 +15,8 @@ const MOST_FRAMED: u32 = 17;
 /// Digits of a frame's number.
 const DIGITS: usize = 4;
 
-/// Renders each frame as if its moment were given by `-D at=…`. Methods that go on from the frame before do so.
+/// Renders each frame as if its moment were given by `-D at=…`. Methods and denoisers that go on from the frame before
+/// do so.
 pub fn run(args: &RenderArgs, frames: Frames, terminal: Terminal) -> Outcome {
     let Some(scene) = args.scene.as_deref().filter(|scene| is_gltf(scene)) else {
         return Err(Failure::bad_input("--frames takes a scene with animations, which .gltf and .glb files have"));
@@ -28,7 +29,7 @@ pub fn run(args: &RenderArgs, frames: Frames, terminal: Terminal) -> Outcome {
     }
     let outputs = if args.output.is_empty() { output::default_names(scene) } else { args.output.clone() };
     let seconds = |frame: u32| f64::from(frame) / args.fps;
-    let mut history = None;
+    let mut before = render::Before::default();
     let framing = framing(scene, args, frames);
     for frame in frames.first..=frames.last {
         let mut one = args.clone();
@@ -36,7 +37,7 @@ pub fn run(args: &RenderArgs, frames: Frames, terminal: Terminal) -> Outcome {
         one.frame = frame;
         one.scene_options.framing = framing;
         one.scene_options.define.push(("at".into(), seconds(frame).to_string()));
-        let code = render::run_after(&one, terminal, &mut history)?;
+        let code = render::run_after(&one, terminal, &mut before)?;
         if code != failure::DONE {
             return Ok(code);
         }

@@ -27,6 +27,7 @@ use std::{
 };
 use steradian::{
     ColorMode, History, Inputs, Layer, LeftOut, Quality, Render, Scene, Session,
+    denoise::{self, Sequence},
     image::{FileKind, Image, WriteOptions},
     integrators::{Doubt, SCALES},
     radiosity,
@@ -39,27 +40,58 @@ const DEFAULT_SCENE: &str = "builtin:cornell-box";
 
 /// Renders, saves, reports.
 pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
-    run_after(args, terminal, &mut None)
+    run_after(args, terminal, &mut Before::default())
 }
 
-/// As [`run`], after another picture of a sequence; `history` is what that left, and then what this one leaves.
-pub fn run_after(args: &RenderArgs, terminal: Terminal, history: &mut Option<History>) -> Outcome {
+/// What a picture of a sequence leaves to the next one.
+#[derive(Debug, Default)]
+pub struct Before {
+    /// What its method left.
+    history: Option<History>,
+    /// What its denoiser knows, and how many frames that has seen.
+    denoiser: Option<(Sequence, u64)>,
+}
+
+impl Before {
+    /// Begins a picture, which is to be denoised with those before where it `is_temporal`: their noise is to differ.
+    fn begin(&mut self, is_temporal: bool, render: &mut Render) -> Result<(), Failure> {
+        if is_temporal && self.denoiser.is_none() {
+            self.denoiser = Some((Sequence::new().map_err(|e| Failure::failed(e.to_string()))?, 0));
+        }
+        let frames = self.denoiser.as_ref().map_or(0, |(_, frames)| *frames);
+        render.plan.sampler.seed = render.plan.sampler.seed.wrapping_add(frames);
+        Ok(())
+    }
+
+    /// A picture without its noise, by a filter, or with what is known of those before.
+    fn denoised(&mut self, noisy: &Image, filter: &Filter) -> Result<denoise::Outcome, steradian::Error> {
+        match &mut self.denoiser {
+            Some((sequence, frames)) => {
+                *frames += 1;
+                sequence.picture(noisy)
+            }
+            None => filter.picture(noisy, None),
+        }
+    }
+}
+
+/// As [`run`], after another picture of a sequence; `before` is what that left, and then what this one leaves.
+pub fn run_after(args: &RenderArgs, terminal: Terminal, before: &mut Before) -> Outcome {
     let mut job = Job::new(args, terminal)?;
     let Opening { ready, write_options, fingerprint, lit } = job.open()?;
     let scene = &ready.scene;
     job.place_outputs(&ready)?;
-    let Planned { render, spp, pixels, planned } = job.plan(scene)?;
+    let Planned { mut render, spp, pixels, planned } = job.plan(scene)?;
     let filter = |name| Filter::new(name, args.oidn.as_deref(), 1.0, args.scene_options.threads);
     let filter = args.denoise.map(filter).transpose()?;
+    before.begin(args.temporal, &mut render)?;
     let integrator = job.quality.integrator_name(scene);
     let signals = Signals::watch();
     let (width, height) = (scene.film().crop.width(), scene.film().crop.height());
     terminal.say(&format!("rendering {} with {integrator}, {width} x {height}", job.name));
     let solution = job.solution.as_deref().zip(lit);
     let mut session = solving::session(scene, &render, solution, &signals, terminal)?;
-    if let Some(history) = &*history {
-        session.follow(history);
-    }
+    before.history.iter().for_each(|history| session.follow(history));
     let keeper = args.resume.as_deref().zip(fingerprint).map(|(path, fingerprint)| {
         let options = open::compile_options(&args.scene_options, job.quality.spp);
         Keeper { path, recipe: Recipe::new(scene, fingerprint, &options, &render), terminal }
@@ -104,7 +136,7 @@ pub fn run_after(args: &RenderArgs, terminal: Terminal, history: &mut Option<His
     let saving = Instant::now();
     let mut made = making.picture(&*session);
     if let Some(filter) = &filter {
-        let denoised = filter.picture(&made.picture, None).map_err(|e| Failure::failed(e.to_string()))?;
+        let denoised = before.denoised(&made.picture, filter).map_err(|e| Failure::failed(e.to_string()))?;
         filter.tell(saving.elapsed().as_secs_f64(), terminal);
         made.picture = denoised.picture;
     }
@@ -116,7 +148,7 @@ pub fn run_after(args: &RenderArgs, terminal: Terminal, history: &mut Option<His
             }
             failure
         })?;
-    *history = session.take_history();
+    before.history = session.take_history();
     let missing_light = steradian::missing_light(&render, scene, &session.film());
     let times = [ready.load, ready.build, saving.elapsed()];
     let mut report = making.report(&*session, &made, times, stop);
@@ -197,6 +229,15 @@ impl<'a> Job<'a> {
         let quality = quality(args);
         if !args.aov.is_empty() && !kinds.contains(&FileKind::Exr) {
             return Err(Failure::bad_input("layers (--aov) are kept by .exr files only; give one with -o"));
+        }
+        let is_nlm = matches!(args.denoise, Some(None | Some(Denoiser::Nlm))) && args.oidn.is_none();
+        if args.temporal && !is_nlm {
+            return Err(Failure::bad_input("--temporal is of the denoiser nlm"));
+        }
+        if args.frames.is_none() && quality.layers.contains(&Layer::Motion) {
+            return Err(Failure::bad_input(
+                "the layer 'motion' tells what has moved since the frame before: it takes --frames A..B",
+            ));
         }
         args.files.write_options().map_err(Failure::bad_input)?;
         let is_toned = args.files.tonemap.is_some() || args.files.exposure.is_some();
@@ -488,6 +529,7 @@ fn quality(args: &RenderArgs) -> Quality {
         }
     }
     let needed = args.transparent.then_some(Layer::Alpha).into_iter();
+    let needed = needed.chain(args.temporal.then_some(Layer::Motion));
     let is_oidn = args.oidn.is_some() || args.denoise == Some(Some(Denoiser::Oidn));
     for layer in needed.chain(guides(is_oidn).iter().copied().filter(|_| args.denoise.is_some())) {
         if !layers.contains(&layer) {

@@ -247,7 +247,8 @@ pub fn sensor(text: &str) -> Result<Sensor, String> {
     if sensor.full_well > 0.0 { Ok(sensor) } else { Err("'full_well' is needed, such as full_well=50000".into()) }
 }
 
-/// Layers by name, `all` for every one but the light of groups of lights, which changes how paths are made.
+/// Layers by name, `all` for every one but the light of groups of lights, which changes how paths are made, what is
+/// seen through mirrors, and motion, which takes a frame before.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layers(pub Vec<Layer>);
 
@@ -258,12 +259,9 @@ impl FromStr for Layers {
         let mut layers = Vec::new();
         let known = Layer::ALL.iter().map(|l| l.name()).chain(["all"]);
         for name in text.split(',').map(str::trim).filter(|n| !n.is_empty()) {
-            if ["motion", "motionvector", "vector"].contains(&name) {
-                return Err("there is no layer of motion vectors yet".into());
-            }
             match known_name(name, "layer", known.clone())? {
                 "all" => {
-                    let needs_more = |l: &Layer| *l == Layer::LightGroups || l.sees_through();
+                    let needs_more = |l: &Layer| matches!(l, Layer::LightGroups | Layer::Motion) || l.sees_through();
                     layers.extend(Layer::ALL.into_iter().filter(|l| !needs_more(l)));
                 }
                 name => layers.extend(Layer::named(name)),
@@ -391,9 +389,9 @@ mod tests {
         assert!(integrator("pahts").is_err_and(|e| e.contains("did you mean 'path'?")));
         assert_eq!("normal,depth".parse(), Ok(Layers(vec![Layer::Normal, Layer::Depth])));
         let all: Layers = "all".parse().unwrap();
-        assert!(all.0.len() + 3 == Layer::ALL.len() && !all.0.contains(&Layer::LightGroups));
+        assert!(all.0.len() + 4 == Layer::ALL.len() && !all.0.contains(&Layer::LightGroups));
         assert!("normals".parse::<Layers>().is_err_and(|e| e.contains("did you mean 'normal'?")));
-        assert!("motion".parse::<Layers>().is_err_and(|e| e.contains("motion vectors")));
+        assert_eq!("motion".parse(), Ok(Layers(vec![Layer::Motion])));
         assert_eq!("relmse=0.1".parse(), Ok(Threshold { metric: "relmse", limit: 0.1 }));
         assert!("relmse=x".parse::<Threshold>().is_err() && "relms=1".parse::<Threshold>().is_err());
         assert!(definition("=x").is_err() && definition("x").is_err());

@@ -1,7 +1,11 @@
 //! Auxiliary layers: what a camera ray sees first.
 
 use steradian_bsdf::{Bsdf, TransportMode};
-use steradian_core::{ColorMode, Scene, film::FirstHit, scene::Interaction};
+use steradian_core::{
+    ColorMode, Scene,
+    film::FirstHit,
+    scene::{Interaction, Moved},
+};
 use steradian_math::{
     Frame, Ray, Spectrum, Vec2, Vec3,
     spectra::{Wavelengths, role},
@@ -15,11 +19,21 @@ const SETS: usize = 4;
 const MIRRORS: usize = 16;
 
 /// The first surface that scatters, along a camera ray; where it `sees_through`, with what mirrors and smooth glass
-/// show.
-pub fn first_hit(scene: &Scene, ray: Ray, lambda: &Wavelengths, sees_through: bool) -> FirstHit {
+/// show; with its motion since the frame `before`. Nothing is said to move where that is not known.
+pub fn first_hit(
+    scene: &Scene,
+    ray: Ray,
+    lambda: &Wavelengths,
+    sees_through: bool,
+    before: Option<&Scene>,
+) -> FirstHit {
     let forward = scene.camera().forward();
     let eye = ray.origin;
-    let Some((i, albedo, frame)) = next_hit(scene, ray, lambda) else { return FirstHit::default() };
+    let motion = |moved: Option<Moved>| moved.map_or([0.0; 3], |m| m.pixels.extend(m.depth).to_array());
+    let Some((i, albedo, frame)) = next_hit(scene, ray, lambda) else {
+        let moved = before.and_then(|before| scene.far_moved_since(before, &ray));
+        return FirstHit { motion: motion(moved), ..FirstHit::default() };
+    };
     let geometry = &scene.geometries()[i.geometry as usize];
     let to = i.surface.p - eye;
     let ng = i.surface.n;
@@ -28,6 +42,7 @@ pub fn first_hit(scene: &Scene, ray: Ray, lambda: &Wavelengths, sees_through: bo
         normal: frame.z.to_array(),
         geometric_normal: if ng.dot(i.wo) < 0.0 { -ng } else { ng }.to_array(),
         position: i.surface.p.to_array(),
+        motion: motion(before.and_then(|before| scene.moved_since(before, &i))),
         depth: to.dot(forward),
         distance: to.length(),
         uv: i.surface.uv.to_array(),

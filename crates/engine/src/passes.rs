@@ -8,7 +8,9 @@
 use crate::{
     Control, Counters, Doubt, FIRST_LOOK, History, Plan, Session, cpu_time, dimension,
     estimate::Sum,
-    first_hit, sound,
+    first_hit,
+    session::Earlier,
+    sound,
     state::{Codec, In, Out, State},
 };
 use std::{
@@ -171,6 +173,8 @@ pub struct CameraSample {
 #[derive(Debug)]
 pub struct Passes<P> {
     scene: Arc<Scene>,
+    /// That of the frame before, where layers show how things have moved.
+    before: Option<Arc<Scene>>,
     plan: Plan,
     integrator: P,
     is_prepared: bool,
@@ -198,6 +202,7 @@ impl<P: Pass> Passes<P> {
         Self {
             total: plan.sampler.spp,
             scene,
+            before: None,
             plan,
             integrator,
             is_prepared: false,
@@ -250,10 +255,11 @@ impl<P: Pass> Passes<P> {
             return Some(());
         }
         let (crop, sees_through) = (self.scene.film().crop, self.plan.sees_through);
+        let before = self.before.as_deref();
         let (rows, _) = run.in_order(crop.height() as usize, |row, _| {
             let hit = |x| {
                 let (ray, lambda) = self.integrator.first_ray(run, [x, crop.y0 + row as u32], self.passes);
-                first_hit(run.scene, ray, &lambda, sees_through)
+                first_hit(run.scene, ray, &lambda, sees_through, before)
             };
             (crop.x0..crop.x1).map(hit).collect::<Vec<_>>()
         })?;
@@ -334,11 +340,20 @@ impl<P: Pass> Session for Passes<P> {
     }
 
     fn take_history(&mut self) -> Option<History> {
-        self.integrator.take_history(&self.scene)
+        let own = self.integrator.take_history(&self.scene);
+        match self.plan.motion {
+            true => Some(History(Arc::new(Earlier { scene: Arc::clone(&self.scene), own }))),
+            false => own,
+        }
     }
 
     fn follow(&mut self, history: &History) {
-        self.integrator.follow(history);
+        let earlier = Earlier::of(history, &self.scene).filter(|_| self.plan.motion);
+        self.before = earlier.as_ref().map(|earlier| Arc::clone(&earlier.scene));
+        match &earlier {
+            Some(earlier) => earlier.own.iter().for_each(|own| self.integrator.follow(own)),
+            None => self.integrator.follow(history),
+        }
     }
 
     fn notes(&self) -> Vec<String> {

@@ -17,6 +17,8 @@ pub struct Plan {
     pub features: bool,
     /// Whether what mirrors and smooth glass show is gathered with them.
     pub sees_through: bool,
+    /// Whether how things have moved since the frame before is gathered with them ([`crate::Session::follow`]).
+    pub motion: bool,
     /// Whether the things that cover pixels are counted for mattes.
     pub mattes: bool,
     /// Whether the light of each group of lights is kept for itself; by path tracers whose paths share nothing.
@@ -37,6 +39,7 @@ impl Plan {
             threads: 0,
             features: false,
             sees_through: false,
+            motion: false,
             mattes: false,
             by_light: false,
             transparent: false,

@@ -8,11 +8,29 @@ use std::{
     sync::Arc,
     time::Duration,
 };
-use steradian_core::film::Film;
+use steradian_core::{Scene, film::Film};
 
 /// What a picture of a sequence leaves to the next one. Only the method that made it knows what it is.
 #[derive(Clone, Debug)]
 pub struct History(pub Arc<dyn Any + Send + Sync>);
+
+/// What pictures with layers of motion ([`crate::Plan::motion`]) leave.
+#[derive(Debug)]
+pub(crate) struct Earlier {
+    /// What was to be seen.
+    pub scene: Arc<Scene>,
+    /// What the method itself leaves.
+    pub own: Option<History>,
+}
+
+impl Earlier {
+    /// That which a history is, if the next picture has as many pixels.
+    pub fn of(history: &History, scene: &Scene) -> Option<Arc<Self>> {
+        let earlier: Arc<Self> = Arc::clone(&history.0).downcast().ok()?;
+        let size = |scene: &Scene| [scene.film().width, scene.film().height];
+        (size(&earlier.scene) == size(scene)).then_some(earlier)
+    }
+}
 
 /// A way to compute a picture, under way: it advances in steps, tells of its progress, stops when asked, and can be
 /// saved and gone on with. What it computes does not depend on the number of threads, nor on the steps.

@@ -42,7 +42,7 @@ pub(crate) fn is_pixel(pixel: &Pixel) -> bool {
 /// Whether first hits can have these sums.
 pub(crate) fn are_hits(sums: &FirstHitSums) -> bool {
     let s = &sums.sum;
-    let vectors = [s.albedo, s.normal, s.geometric_normal, s.position];
+    let vectors = [s.albedo, s.normal, s.geometric_normal, s.position, s.motion];
     // Surfaces are counted by ones.
     let is_count = s.coverage >= 0.0 && s.coverage <= sums.samples as f32 && s.coverage.fract() == 0.0;
     is_count && vectors.as_flattened().iter().chain(&s.uv).chain(&[s.depth, s.distance]).all(|v| v.is_finite())

@@ -68,7 +68,7 @@ fields! {
     Pixel { sum, sum_squares, samples }
     FirstHit {
         albedo, normal, seen_albedo, seen_normal, geometric_normal,
-        position, depth, distance, uv, shape, material, coverage
+        position, motion, depth, distance, uv, shape, material, coverage
     }
     FirstHitSums { sum, samples }
     Hits { ids, counts }

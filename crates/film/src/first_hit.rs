@@ -19,6 +19,9 @@ pub struct FirstHit {
     pub depth: f32,
     /// Distance along the ray.
     pub distance: f32,
+    /// By how many pixels it has moved on the screen since the frame before, to the right and down, and by how much
+    /// away along the camera's axis.
+    pub motion: [f32; 3],
     /// Surface parameters.
     pub uv: [f32; 2],
     /// Index of the shape, counted from one; 0 for nothing.
@@ -56,6 +59,7 @@ impl FirstHitSums {
         add(&mut s.seen_normal, &hit.seen_normal);
         add(&mut s.geometric_normal, &hit.geometric_normal);
         add(&mut s.position, &hit.position);
+        add(&mut s.motion, &hit.motion);
         add(&mut s.uv, &hit.uv);
         add(std::slice::from_mut(&mut s.depth), &[hit.depth]);
         add(std::slice::from_mut(&mut s.distance), &[hit.distance]);
@@ -66,8 +70,8 @@ impl FirstHitSums {
         self.samples += 1;
     }
 
-    /// The averages: of albedo (held in [0, 1]), normals and coverage over all samples; of position, parameters and
-    /// distances over those that hit a surface. Distances are infinite where none does.
+    /// The averages: of albedo (held in [0, 1]), normals, motion and coverage over all samples; of position, parameters
+    /// and distances over those that hit a surface. Distances are infinite where none does.
     pub fn mean(&self) -> FirstHit {
         let s = &self.sum;
         let over_all = 1.0 / self.samples.max(1) as f32;
@@ -79,6 +83,7 @@ impl FirstHitSums {
             seen_albedo: s.seen_albedo.map(|v| (v * over_all).clamp(0.0, 1.0)),
             seen_normal: s.seen_normal.map(|v| v * over_all),
             geometric_normal: s.geometric_normal.map(|v| v * over_all),
+            motion: s.motion.map(|v| v * over_all),
             position: s.position.map(|v| v * over_hits),
             uv: s.uv.map(|v| v * over_hits),
             depth: distance(s.depth),

@@ -21,6 +21,8 @@ pub enum Layer {
     Position,
     /// Distance along the camera's axis.
     Depth,
+    /// How what is seen has moved on the screen since the frame before.
+    Motion,
     /// Surface parameters.
     Uv,
     /// Shape and material numbers.
@@ -39,7 +41,7 @@ pub enum Layer {
 
 impl Layer {
     /// All layers.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Albedo,
         Self::Normal,
         Self::DenoiseAlbedo,
@@ -47,6 +49,7 @@ impl Layer {
         Self::GeometricNormal,
         Self::Position,
         Self::Depth,
+        Self::Motion,
         Self::Uv,
         Self::Ids,
         Self::Variance,
@@ -66,6 +69,7 @@ impl Layer {
             Self::GeometricNormal => "geometric_normal",
             Self::Position => "position",
             Self::Depth => "depth",
+            Self::Motion => "motion",
             Self::Uv => "uv",
             Self::Ids => "ids",
             Self::Variance => "variance",
@@ -86,6 +90,7 @@ impl Layer {
             Self::GeometricNormal => "Ng",
             Self::Position => "P",
             Self::Depth => "Z",
+            Self::Motion => "motion",
             Self::Uv => "uv",
             Self::Ids => "object_id",
             Self::Variance => "variance",
@@ -111,6 +116,10 @@ impl Layer {
             Self::Position => "world position of the first surface: P.X P.Y P.Z",
             Self::Depth => {
                 "distance along the camera's axis (Z) and along the ray (depth.Z); infinite where nothing is hit"
+            }
+            Self::Motion => {
+                "pixels it has moved since the frame before, right and down, and how much away: motion.X .Y .Z; with \
+                 --frames; not among 'all'"
             }
             Self::Uv => "surface parameters: uv.U uv.V",
             Self::Ids => "numbers of shape and material from one, zero for nothing: object_id.Y material_id.Y",
@@ -192,6 +201,9 @@ pub fn develop(film: &Film, layers: &[Layer], names: &Names) -> Image {
                 push(&mut image, "Z", of(&|h| h.depth));
                 push(&mut image, "depth.Z", of(&|h| h.distance));
             }
+            Layer::Motion => ["X", "Y", "Z"].iter().enumerate().for_each(|(c, n)| {
+                push(&mut image, &format!("motion.{n}"), of(&|h| h.motion[c]));
+            }),
             Layer::Uv => ["U", "V"].iter().enumerate().for_each(|(c, n)| {
                 push(&mut image, &format!("uv.{n}"), of(&|h| h.uv[c]));
             }),

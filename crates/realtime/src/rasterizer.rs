@@ -162,7 +162,7 @@ impl Rasterizer {
         counters.by_group.resize(groups, Spectrum::ZERO);
         counters.stop = Stop::by(&run.control.cancel);
         let mut radiance = shader.radiance(&ray, seen, at, &mut lambda, counters);
-        if self.transparent && first_hit(scene, ray, &lambda, false).coverage == 0.0 {
+        if self.transparent && first_hit(scene, ray, &lambda, false, None).coverage == 0.0 {
             radiance = Spectrum::ZERO;
             counters.by_group.fill(radiance);
         }

@@ -25,7 +25,10 @@ impl Pass for Sprinkled {
                 counters.rays += 1;
                 counters.samples += 1;
                 // As many rays as pixels: each stands for the area of one.
-                Splat { at, rgb: Vec3::from_array(first_hit(run.scene, ray, &run.wavelengths(&sampler), false).albedo) }
+                Splat {
+                    at,
+                    rgb: Vec3::from_array(first_hit(run.scene, ray, &run.wavelengths(&sampler), false, None).albedo),
+                }
             };
             (0..spec.width).map(splat).collect::<Vec<_>>()
         })?;

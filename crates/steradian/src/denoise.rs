@@ -4,7 +4,7 @@ use crate::{Error, Layer};
 pub use steradian_denoise::oidn::Oidn;
 use steradian_denoise::{
     Image as Values, atrous,
-    nlm::{Denoised, Picture, Settings, denoise, denoise_halves},
+    nlm::{self, Denoised, Picture, Settings, denoise, denoise_halves},
 };
 use steradian_image::{Channel, Image, Value};
 use steradian_math::Vec3;
@@ -51,18 +51,12 @@ impl Guided {
     /// With albedo and normal first of the layers asked for.
     fn of(image: &Image, guides: &[Layer]) -> Result<Self, Error> {
         let size = [image.width() as u32, image.height() as u32];
-        let values = |name: &str, [x, y, z]: [&str; 3]| {
-            let plane = |suffix| image.channel(&format!("{name}.{suffix}"));
-            let (x, y, z) = (plane(x)?, plane(y)?, plane(z)?);
-            let pixels = x.iter().zip(y).zip(z).map(|((x, y), z)| Vec3::new(*x, *y, *z)).collect();
-            Values::new(size[0], size[1], pixels).ok()
-        };
-        let rgb = |name: &str| values(name, ["R", "G", "B"]);
+        let rgb = |name: &str| values(image, name, ["R", "G", "B"]);
         // One sample tells no variance; its layer is zero.
         let tells_variance = !matches!(image.metadata.get("samplesPerPixel"), Some(Value::Int(1)));
         let variance = rgb(RAW[1]).or_else(|| rgb(Layer::Variance.prefix())).filter(|_| tells_variance);
         let first = |layers: [Layer; 3], axes: [&str; 3]| {
-            let found = layers.into_iter().find_map(|layer| Some((layer, values(layer.prefix(), axes)?)));
+            let found = layers.into_iter().find_map(|layer| Some((layer, values(image, layer.prefix(), axes)?)));
             found.map_or((None, None), |(layer, values)| (Some(layer), Some(values)))
         };
         let (albedo_layer, albedo) = first([guides[0], GUIDES[0], OIDN_GUIDES[0]], ["R", "G", "B"]);
@@ -116,6 +110,44 @@ pub fn picture(image: &Image, half: Option<&Image>, strength: f32) -> Result<Out
         }
     };
     outcome(image, &guided, (radiance, not_finite, error), &GUIDES, "non-local means")
+}
+
+/// Denoises the frames of an animation by non-local means, each with what those before saw
+/// ([`steradian_denoise::nlm::Sequence`]).
+#[derive(Clone, Debug)]
+pub struct Sequence(nlm::Sequence);
+
+impl Sequence {
+    /// Before the first frame.
+    ///
+    /// # Errors
+    /// None with the settings that there are.
+    pub fn new() -> Result<Self, Error> {
+        Ok(Self(nlm::Sequence::new(Settings::default())?))
+    }
+
+    /// Denoises the next frame with those of [`GUIDES`] that it has, and [`Layer::Motion`], from its layer `raw` where
+    /// it was denoised before. A frame without motion, or of another size than the one before, begins anew. Frames are
+    /// to err independently: each needs a seed of its own.
+    ///
+    /// # Errors
+    /// For pictures without colours.
+    pub fn picture(&mut self, image: &Image) -> Result<Outcome, Error> {
+        let guided = Guided::of(image, &GUIDES)?;
+        let [width, height] = guided.radiance.size();
+        let unknown = || Values::filled(width, height, Vec3::NAN);
+        let motion = values(image, Layer::Motion.prefix(), ["X", "Y", "Z"]).unwrap_or_else(unknown);
+        let Denoised { radiance, not_finite } = self.0.frame(&guided.picture(), &motion)?;
+        outcome(image, &guided, (radiance, not_finite, None), &GUIDES, "non-local means, with frames before")
+    }
+}
+
+/// Three channels of a layer, where it has them.
+fn values(image: &Image, name: &str, [x, y, z]: [&str; 3]) -> Option<Values<Vec3>> {
+    let plane = |suffix| image.channel(&format!("{name}.{suffix}"));
+    let (x, y, z) = (plane(x)?, plane(y)?, plane(z)?);
+    let pixels = x.iter().zip(y).zip(z).map(|((x, y), z)| Vec3::new(*x, *y, *z)).collect();
+    Values::new(image.width() as u32, image.height() as u32, pixels).ok()
 }
 
 /// Denoises a picture at once, for previews, by an à-trous wavelet filter ([`steradian_denoise::atrous`]), with those

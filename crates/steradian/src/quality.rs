@@ -227,6 +227,7 @@ impl Quality {
             sampler,
             threads: self.threads,
             features: self.layers.iter().any(|l| l.needs_features()),
+            motion: self.layers.contains(&Layer::Motion),
             sees_through: self.layers.iter().any(|l| l.sees_through()),
             mattes: self.layers.contains(&Layer::Cryptomatte),
             by_light: self.layers.contains(&Layer::LightGroups),

@@ -13,7 +13,7 @@ use std::{
 use steradian_image::open_regular;
 use steradian_scene::{Node, SceneDesc, Value};
 
-const MAGIC: &[u8; 16] = b"Steradian state4";
+const MAGIC: &[u8; 16] = b"Steradian state5";
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 const HASH: u64 = blake3::OUT_LEN as u64;
 /// Longest text of the settings, bytes.

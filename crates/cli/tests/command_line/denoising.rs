@@ -144,3 +144,45 @@ fn what_cannot_be_denoised_is_refused() {
     place.refuse(2, &["denoise", "a.exr"], &["--output"]);
     place.refuse(2, &["denoise", "none.exr", "-o", "n.exr"], &["none.exr"]);
 }
+
+/// With `--temporal`, frames of an animation are denoised with those before: the first as a picture of its own, the
+/// next ones with samples of a seed of their own; what was noisy stays a layer. Each by itself where that is not asked
+/// for.
+#[test]
+fn frames_are_denoised_with_those_before() {
+    let place = Place::new();
+    place.file("s.gltf", &crate::exchange::seen_slide());
+    let size = ["--size", "40x30", "--spp", "4", "-q", "--denoise"];
+    let frames = |more: &[&str]| {
+        place.succeed(&[&["render", "s.gltf", "--frames", "2..4", "--fps", "8"][..], &size, more].concat());
+    };
+    frames(&["--temporal", "-o", "t.exr"]);
+    frames(&["--temporal", "--threads", "1", "-o", "one.exr"]);
+    frames(&["-o", "alone.exr"]);
+    let single = |frame: u32, seed: u32| {
+        let (at, seed) = (format!("at={}", f64::from(frame) / 8.0), seed.to_string());
+        let command = ["render", "s.gltf", "-D", &at, "--seed", &seed, "-o", "single.exr"];
+        place.succeed(&[&command[..], &size].concat());
+        place.picture("single.exr")
+    };
+    let rgb = |picture: &Image, layer: &str| {
+        ["R", "G", "B"].map(|c| picture.channel(&format!("{layer}{c}")).map(<[f32]>::to_vec))
+    };
+    for frame in 2..=4 {
+        let of = |name: &str| place.picture(&format!("{name}.{frame:04}.exr"));
+        let (together, alone) = (of("t"), of("alone"));
+        assert!(rgb(&together, "") == rgb(&of("one"), ""), "{frame}: as on one thread");
+        assert!(rgb(&alone, "") == rgb(&single(frame, 0), ""), "{frame}: by itself");
+        let seeded = single(frame, frame - 2);
+        assert!(rgb(&together, "raw.") == rgb(&seeded, "raw."), "{frame}: samples of the frame");
+        assert_eq!(rgb(&together, "") == rgb(&seeded, ""), frame == 2, "{frame}");
+        assert!(together.channel("motion.X").is_some() && alone.channel("motion.X").is_none());
+    }
+    for (more, why) in [
+        (&["--denoise"][..], "--frames"),
+        (&["--frames", "0..1"], "--denoise"),
+        (&["--frames", "0..1", "--denoise=atrous"], "nlm"),
+    ] {
+        place.refuse(2, &[&["render", "s.gltf", "--temporal"][..], more].concat(), &[why]);
+    }
+}

@@ -87,6 +87,45 @@ fn frames_of_an_animation_are_pictures_by_number() {
     place.refuse(2, &["render", "--frames", "0..1"], &["gltf"]);
 }
 
+/// [`SLIDE`] 4 units before a camera with an angle of view of 90°.
+pub fn seen_slide() -> String {
+    let floats = [-1.0_f32, -1.0, 0.0, 1.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 3.0, 1.0];
+    let camera = r#""cameras": [{"type": "perspective", "perspective": {"yfov": 1.5707963, "znear": 0.01}}], "meshes""#;
+    SLIDE
+        .replace("BYTES", &base64(&floats.map(f32::to_le_bytes).concat()))
+        .replace(r#""nodes": [0]"#, r#""nodes": [0, 1]"#)
+        .replace(r#"{"mesh": 0}"#, r#"{"mesh": 0}, {"camera": 0, "translation": [0, 0, 4]}"#)
+        .replace(r#""meshes""#, camera)
+}
+
+/// What the layer of motion shows of a triangle that becomes three times as high within a second: at height y it has
+/// come from y (1 − 2/3n) in a frame of 1/n s, the last one, as a camera 4 units before it sees it.
+#[test]
+fn motion_of_an_animation_is_its_speed() {
+    let place = Place::new();
+    place.file("s.gltf", &seen_slide());
+    for rate in [2_u16, 5, 24] {
+        let (frames, fps) = (format!("0..{rate}"), rate.to_string());
+        let render = ["render", "s.gltf", "--frames", &frames, "--fps", &fps, "--size", "48x36", "--spp", "1", "-q"];
+        place.succeed(&[&render[..], &["--exr", "float", "--aov", "motion,position,ids", "-o", "f.exr"]].concat());
+        let picture = place.picture(&format!("f.{rate:04}.exr"));
+        let plane = |name: &str| picture.channel(name).unwrap();
+        let is_seen = |k: &usize| plane("object_id.Y")[*k] > 0.0 && plane("P.Z")[*k].abs() < 1e-3;
+        let seen: Vec<usize> = (0..48 * 36).filter(is_seen).collect();
+        for k in &seen {
+            // 18 pixels are as high as far.
+            let expected = -plane("P.Y")[*k] * 2.0 / (3.0 * f32::from(rate)) * 18.0 / 4.0;
+            let [x, y, z] = ["X", "Y", "Z"].map(|axis| plane(&format!("motion.{axis}"))[*k]);
+            assert!((y - expected).abs() < 1e-3 && x.abs() < 1e-3 && z.abs() < 1e-3, "{x} {y} {z} for {expected}");
+        }
+        assert!(seen.len() > 100, "{}", seen.len());
+        assert!(place.picture("f.0000.exr").channel("motion.Y").unwrap().iter().all(|m| *m == 0.0));
+    }
+    place.refuse(2, &["render", "s.gltf", "--aov", "motion", "-o", "f.exr"], &["motion", "--frames"]);
+    place.succeed(&["render", "s.gltf", "--frames", "0..0", "--size", "8x8", "--aov", "all", "-q", "-o", "all.exr"]);
+    assert!(place.picture("all.0000.exr").channel("motion.X").is_none());
+}
+
 fn base64(bytes: &[u8]) -> String {
     const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let digits = |c: &[u8]| {

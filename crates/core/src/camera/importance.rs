@@ -7,7 +7,7 @@
 use super::{Camera, Projection, swap_yz};
 use crate::film::FilmSpec;
 use std::f32::consts::{PI, TAU};
-use steradian_math::{Ray, Vec2, Vec3, warp};
+use steradian_math::{Ray, Vec2, Vec3, transform::Affine, warp};
 
 /// A point of the scene as the camera sees it.
 #[derive(Clone, Copy, Debug)]
@@ -71,9 +71,27 @@ impl Camera {
     /// moment of the exposure; `None` behind the camera, and where that is not known: of lenses of several elements
     /// and of meters.
     pub fn project(&self, film: &FilmSpec, p: Vec3, time: f32) -> Option<Vec2> {
-        let moved = self.motion.as_ref().and_then(|motion| motion.at(time));
-        let local = moved.unwrap_or(self.world_from_camera).inverse().point(p);
+        self.on_film(film, self.place_at(time).inverse().point(p), Vec2::ZERO).map(|(_, at)| at)
+    }
+
+    /// As [`Self::project`], of what is infinitely far away in a direction; `None` where rays are parallel, too.
+    pub fn project_direction(&self, film: &FilmSpec, direction: Vec3, time: f32) -> Option<Vec2> {
+        if matches!(self.projection, Projection::Orthographic) {
+            return None;
+        }
+        let local = self.place_at(time).inverse().vector(direction);
         self.on_film(film, local, Vec2::ZERO).map(|(_, at)| at)
+    }
+
+    /// How far a point of the world is from the eye along the axis of the view, at a moment of the exposure.
+    pub fn along_axis(&self, p: Vec3, time: f32) -> f32 {
+        let place = self.place_at(time);
+        place.inverse().point(p).z * place.vector(Vec3::Z).length()
+    }
+
+    /// Where the camera is at a moment of the exposure.
+    fn place_at(&self, time: f32) -> Affine {
+        self.motion.as_ref().and_then(|motion| motion.at(time)).unwrap_or(self.world_from_camera)
     }
 
     /// Through which point in camera space a point there is seen by a point of the lens, and where on the frame or

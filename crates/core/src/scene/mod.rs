@@ -1,6 +1,7 @@
 //! The immutable scene: geometry, materials, textures, lights, media, camera and film, and the queries on them.
 
 mod differentials;
+mod earlier;
 mod facts;
 mod parts;
 mod tables;
@@ -15,6 +16,7 @@ use crate::{
     medium::{EmissiveVolume, Medium},
     shape::{SurfacePoint, TriMesh},
 };
+pub use earlier::Moved;
 use facts::{Facts, Kind};
 pub use parts::{Geometry, Parts, Placement, Settings};
 use std::{collections::BTreeMap, sync::Arc};

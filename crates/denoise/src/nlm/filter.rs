@@ -50,6 +50,21 @@ impl Estimate {
         }
     }
 
+    /// Width and height in pixels.
+    pub fn size(&self) -> [usize; 2] {
+        self.size
+    }
+
+    /// The value of a pixel's channel, and its variance.
+    pub fn channel(&self, channel: usize, place: usize) -> (f32, f32) {
+        (self.value[channel].at(place), self.variance[channel].at(place))
+    }
+
+    /// How much a pixel counts for others.
+    pub fn count(&self, place: usize) -> f32 {
+        self.weight.at(place)
+    }
+
     /// The value of a pixel.
     pub fn at(&self, place: usize) -> Vec3 {
         Vec3::from_array(self.value.each_ref().map(|plane| plane.at(place)))

@@ -9,12 +9,14 @@
 //! rare bright path would else be alike to all; pairs of pixels of a patch count as much as their surfaces are alike,
 //! so that patches across an edge are compared on their own side of it; colours are divided by the albedo meanwhile; a
 //! second pass takes its weights from the outcome of the first; one filter is used instead of a choice among several.
+//! Frames of an animation are filtered with what those before saw by [`Sequence`].
 
 mod features;
 mod filter;
 mod local;
 mod picture;
 mod plane;
+mod sequence;
 mod settings;
 
 use steradian_accel::Lanes;
@@ -28,6 +30,7 @@ use features::Features;
 use filter::{Estimate, Pass};
 pub(crate) use local::calm_variance;
 pub use picture::Picture;
+pub use sequence::Sequence;
 pub use settings::Settings;
 
 /// How far patches of the second pass reach at most, in pixels.

@@ -4,4 +4,5 @@ mod halves;
 mod hostile;
 mod noise;
 mod scene;
+mod sequence;
 mod surfaces;

@@ -15,11 +15,12 @@ mod tile;
 mod work;
 
 use crate::{
-    Control, Counters, Doubt, FIRST_LOOK, GroupIntegrator, Integrator, OneByOne, Plan, Session, Stop,
+    Control, Counters, Doubt, FIRST_LOOK, GroupIntegrator, History, Integrator, OneByOne, Plan, Session, Stop,
     adaptive::{self, Need, Round},
     cpu_time,
     estimate::{FEWEST_FINDS, Sum},
     partition::{CELLS, TILE},
+    session::Earlier,
 };
 pub use scales::SCALES;
 use std::{
@@ -198,6 +199,17 @@ impl<G: GroupIntegrator> Session for Tiles<G> {
         self.frame.time
     }
 
+    fn take_history(&mut self) -> Option<History> {
+        let Frame { scene, plan, .. } = &self.frame;
+        plan.motion.then(|| History(Arc::new(Earlier { scene: Arc::clone(scene), own: None })))
+    }
+
+    fn follow(&mut self, history: &History) {
+        let Frame { scene, plan, before, .. } = &mut self.frame;
+        let earlier = Earlier::of(history, scene).filter(|_| plan.motion);
+        *before = earlier.map(|earlier| Arc::clone(&earlier.scene));
+    }
+
     fn film(&self) -> Film {
         self.frame.film()
     }
@@ -215,6 +227,8 @@ impl<G: GroupIntegrator> Session for Tiles<G> {
 #[derive(Debug)]
 struct Frame {
     scene: Arc<Scene>,
+    /// That of the frame before, where layers show how things have moved.
+    before: Option<Arc<Scene>>,
     /// Parts that light is kept apart in, groups of lights or these intervals of its arrival.
     parts: usize,
     bins: u32,
@@ -267,6 +281,7 @@ impl Frame {
         let (columns, rows) = (columns.len(), tiles.len() / columns.len().max(1));
         let mut frame = Self {
             scene,
+            before: None,
             parts,
             bins,
             plan,

@@ -291,7 +291,8 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
         if !(plan.features || plan.mattes || plan.transparent) {
             return (l, None);
         }
-        let hit = first_hit(scene, pixel_sample.ray, &pixel_sample.lambda, plan.sees_through);
+        let before = self.frame.before.as_deref();
+        let hit = first_hit(scene, pixel_sample.ray, &pixel_sample.lambda, plan.sees_through, before);
         let l = if plan.transparent && hit.coverage == 0.0 { Spectrum::ZERO } else { l };
         (l, (plan.features || plan.mattes).then_some(hit))
     }

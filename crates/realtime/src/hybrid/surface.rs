@@ -5,10 +5,10 @@ use crate::projection::Projected;
 use std::sync::Arc;
 use steradian_core::{
     Scene,
-    scene::{Hit, Interaction, Shape},
+    scene::{Hit, Interaction},
 };
 use steradian_engine::albedo;
-use steradian_math::{Vec2, Vec3, geometry::barycentric, spectra::Wavelengths, transform::Affine};
+use steradian_math::{Vec2, Vec3, spectra::Wavelengths};
 
 /// Albedos are taken for at least this, so that light over albedo is finite.
 const LEAST_ALBEDO: f32 = 1e-3;
@@ -91,7 +91,7 @@ pub struct Before {
 impl Before {
     /// Where on that frame the point of a surface was.
     pub fn place(&self, scene: &Scene, i: &Interaction) -> Option<Place> {
-        let p = self.position(scene, i);
+        let p = scene.position_in(&self.scene, i);
         let (clip, film) = (self.projected.clip(p), self.scene.film());
         let share = Vec2::new(clip.x, -clip.y) / clip.w * 0.5 + 0.5;
         let at = share * Vec2::new(film.width as f32, film.height as f32);
@@ -99,29 +99,49 @@ impl Before {
         let depth = self.projected.along_axis(p);
         (clip.w > 0.0 && at.is_finite() && depth > 0.0).then_some(Place { at, depth })
     }
-
-    /// Where the point was: points of meshes that have the same triangles are known by these, others by the place of
-    /// their group.
-    fn position(&self, scene: &Scene, i: &Interaction) -> Vec3 {
-        let place =
-            |of: &Scene| of.placements().get(i.id.instance as usize).map_or(Affine::IDENTITY, |p| p.world_from_group);
-        let local = place(scene).inverse().point(i.surface.p);
-        let corners = |of: &Scene| {
-            let Shape::Mesh(mesh) = &of.geometries().get(i.geometry as usize)?.shape else { return None };
-            ((i.id.prim as usize) < mesh.triangles.len()).then(|| mesh.corners(i.id.prim))
-        };
-        let local = match (corners(scene), corners(&self.scene)) {
-            (Some(now), Some(then)) if now != then => moved(local, now, then),
-            _ => local,
-        };
-        place(&self.scene).point(local)
-    }
 }
 
-/// A point in the plane of a triangle, at its barycentric coordinates in another triangle.
-fn moved(p: Vec3, now: [Vec3; 3], then: [Vec3; 3]) -> Vec3 {
-    match barycentric::triangle_3d(now.map(Vec3::as_dvec3), p.as_dvec3()) {
-        Some([a, b, c]) => then[0] * a as f32 + then[1] * b as f32 + then[2] * c as f32,
-        None => p,
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use steradian_math::{DVec3, Transform};
+    use steradian_scene::{Family, Node, SceneDesc, Shape};
+
+    /// A ball that is placed, before a camera in a place.
+    fn scene(eye: DVec3) -> Arc<Scene> {
+        let mut desc = SceneDesc::default();
+        let film = Node::new(Family::Film, "rgb", None).with("width", 48_i64).with("height", 32_i64);
+        desc.film = Some(desc.add(film));
+        let place = Transform::look_at(eye, DVec3::new(0.2, 0.1, 0.0), DVec3::Y).expect("a place");
+        let camera = Node::new(Family::Camera, "perspective", None).with("fov", 50.0).with("to_world", place);
+        desc.cameras = vec![desc.add(camera)];
+        let (shape, material) =
+            (Node::new(Family::Shape, "sphere", None), Node::new(Family::Material, "diffuse", None));
+        let (node, material) = (desc.add(shape), desc.add(material));
+        desc.shapes.push(Shape { material: Some(material), ..Shape::new(node) });
+        Arc::new(steradian_compile::compile(&desc, &Default::default()).scene.expect("a scene"))
+    }
+
+    /// Places on the frame before, by the projection to clip space, are those that the motion of layers tells.
+    #[test]
+    fn places_are_those_of_the_layer_of_motion() {
+        let [then, now] = [DVec3::new(0.0, 0.0, -3.5), DVec3::new(0.3, -0.2, -3.1)].map(scene);
+        let project = |scene: &Scene| Projected::new(scene, Vec2::splat(0.5)).expect("a projection");
+        let (projected, filters) = (project(&now), Filters::new().expect("filters"));
+        let before = Before { projected: project(&then), scene: then, filters };
+        let (mut count, mut largest) = (0, 0.0_f32);
+        for pixel in (0..32).flat_map(|y| (0..48).map(move |x| [x, y])) {
+            let ray = projected.ray(&now, pixel);
+            let Some(hit) = now.intersect(&ray) else { continue };
+            let i = now.interaction(&ray, &hit);
+            let place = before.place(&now, &i).expect("it was in front");
+            let moved = now.moved_since(&before.scene, &i).expect("it was in front");
+            let at = Vec2::new(pixel[0] as f32 + 0.5, pixel[1] as f32 + 0.5);
+            assert!((at - place.at - moved.pixels).length() < 1e-3, "{place:?} {moved:?} at {at}");
+            let deeper = projected.along_axis(i.surface.p) - place.depth;
+            assert!((deeper - moved.depth).abs() < 1e-4, "{place:?} {moved:?}");
+            (count, largest) = (count + 1, largest.max(moved.pixels.length()));
+        }
+        assert!(count > 200 && largest > 2.0, "{count} {largest}");
     }
 }
