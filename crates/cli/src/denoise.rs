@@ -115,7 +115,12 @@ fn tell(denoised: &denoise::Outcome, guides: &[Layer], terminal: Terminal) {
     if denoised.not_finite > 0 {
         terminal.warn(&format!("{} pixels were not finite, and are filled from their neighbours", denoised.not_finite));
     }
-    if let Some(error) = denoised.error {
+    tell_error(denoised.error, terminal);
+}
+
+/// Says how much error remains, where that is known.
+pub fn tell_error(error: Option<f64>, terminal: Terminal) {
+    if let Some(error) = error {
         terminal.say(&format!("estimated relative error of what remains: {:.2} %", 100.0 * error));
     }
 }

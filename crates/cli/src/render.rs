@@ -3,7 +3,7 @@
 use crate::{
     args::{Color, Denoiser, RenderArgs, SceneOptions},
     brightness,
-    denoise::{Filter, guides},
+    denoise::{self, Filter, guides},
     diagnostics::Counts,
     failure::{self, Failure, Outcome},
     memory,
@@ -103,10 +103,11 @@ pub fn run_after(args: &RenderArgs, terminal: Terminal, history: &mut Option<His
     }
     let saving = Instant::now();
     let mut made = making.picture(&*session);
+    if render.plan.halves && made.picture.channel("half_a.R").is_none() {
+        terminal.warn("the layer 'halves' is left out: it takes two samples of each pixel or more");
+    }
     if let Some(filter) = &filter {
-        let denoised = filter.picture(&made.picture, None).map_err(|e| Failure::failed(e.to_string()))?;
-        filter.tell(saving.elapsed().as_secs_f64(), terminal);
-        made.picture = denoised.picture;
+        made.denoise(filter, terminal)?;
     }
     let written =
         output::save(&job.outputs, &made.picture, &write_options, made.empty_pixels == 0).map_err(|mut failure| {
@@ -282,7 +283,9 @@ impl<'a> Job<'a> {
         let plan = &mut render.plan;
         let mattes = if plan.mattes { 16 } else { 0 };
         let groups = if plan.by_light { 3 * scene.light_groups().names.len() } else { 0 } + 3 * bins;
-        check_memory(scene, quality.layers.len() + mattes + groups)?;
+        // Sums of even number beside those of all, and two more pictures.
+        let halves = if plan.halves { 8 } else { 0 };
+        check_memory(scene, quality.layers.len() + mattes + groups + halves)?;
         let integrator = quality.integrator_name(scene);
         if let Some(what) = quality.cannot(scene) {
             let named = &scene.settings().integrator;
@@ -345,8 +348,22 @@ struct Made {
     spp: f64,
     error: Option<f64>,
     doubt: Option<Doubt>,
+    /// What remains of the error where the picture was denoised.
+    denoised_error: Option<f64>,
     /// By the edges of squares.
     of_means: Option<BTreeMap<u32, f64>>,
+}
+
+impl Made {
+    /// Removes the noise, and says how long that took and how much error remains.
+    fn denoise(&mut self, filter: &Filter, terminal: Terminal) -> Result<(), Failure> {
+        let start = Instant::now();
+        let denoised = filter.picture(&self.picture, None).map_err(|e| Failure::failed(e.to_string()))?;
+        filter.tell(start.elapsed().as_secs_f64(), terminal);
+        denoise::tell_error(denoised.error, terminal);
+        (self.picture, self.denoised_error) = (denoised.picture, denoised.error);
+        Ok(())
+    }
 }
 
 impl Making<'_> {
@@ -376,7 +393,7 @@ impl Making<'_> {
             of_means: of_means.as_ref(),
         };
         output::label(&mut picture, self.scene, &provenance);
-        Made { picture, empty_pixels, spp, error, doubt, of_means }
+        Made { picture, empty_pixels, spp, error, doubt, denoised_error: None, of_means }
     }
 
     /// The summary of a session, by the times of loading, building and saving; what else is known of the scene is left
@@ -403,6 +420,7 @@ impl Making<'_> {
             relative_error: made.error,
             unreliable: made.doubt.map(|d| d.to_string()),
             relative_error_of_means: made.of_means.clone(),
+            denoised_relative_error: made.denoised_error,
             missing_light: None,
             width: crop.width(),
             height: crop.height(),

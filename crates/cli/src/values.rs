@@ -247,7 +247,8 @@ pub fn sensor(text: &str) -> Result<Sensor, String> {
     if sensor.full_well > 0.0 { Ok(sensor) } else { Err("'full_well' is needed, such as full_well=50000".into()) }
 }
 
-/// Layers by name, `all` for every one but the light of groups of lights, which changes how paths are made.
+/// Layers by name, `all` for every one but the light of groups of lights and halves of samples, which change how paths
+/// are made, and those of what mirrors and smooth glass show.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layers(pub Vec<Layer>);
 
@@ -263,7 +264,7 @@ impl FromStr for Layers {
             }
             match known_name(name, "layer", known.clone())? {
                 "all" => {
-                    let needs_more = |l: &Layer| *l == Layer::LightGroups || l.sees_through();
+                    let needs_more = |l: &Layer| matches!(l, Layer::LightGroups | Layer::Halves) || l.sees_through();
                     layers.extend(Layer::ALL.into_iter().filter(|l| !needs_more(l)));
                 }
                 name => layers.extend(Layer::named(name)),
@@ -391,7 +392,7 @@ mod tests {
         assert!(integrator("pahts").is_err_and(|e| e.contains("did you mean 'path'?")));
         assert_eq!("normal,depth".parse(), Ok(Layers(vec![Layer::Normal, Layer::Depth])));
         let all: Layers = "all".parse().unwrap();
-        assert!(all.0.len() + 3 == Layer::ALL.len() && !all.0.contains(&Layer::LightGroups));
+        assert!(all.0.len() + 4 == Layer::ALL.len() && !all.0.contains(&Layer::LightGroups));
         assert!("normals".parse::<Layers>().is_err_and(|e| e.contains("did you mean 'normal'?")));
         assert!("motion".parse::<Layers>().is_err_and(|e| e.contains("motion vectors")));
         assert_eq!("relmse=0.1".parse(), Ok(Threshold { metric: "relmse", limit: 0.1 }));
