@@ -38,7 +38,7 @@ pub struct Outcome {
     /// Pixels whose radiance was not finite; their neighbours filled them.
     pub not_finite: usize,
     /// The relative error that remains, where halves or a second picture told it
-    /// ([`steradian_denoise::nlm::denoise_halves`]).
+    /// ([`steradian_denoise::nlm::denoise_halves`]). Detail that both lost is not in it, so it is a lower bound.
     pub error: Option<f64>,
 }
 

@@ -119,8 +119,10 @@ fn halves_err_independently() {
         let spread = products.iter().map(|p| (p / count - correlation).powi(2)).sum::<f64>();
         let deviation = (spread / (SEEDS * (SEEDS - 1)) as f64).sqrt();
         let ratio = squares[0] / squares[1];
-        println!("{integrator} {sampler}: correlation {correlation:.4} ± {deviation:.4}, variances {ratio:.3}");
-        assert!(deviation < 0.02 && correlation.abs() < 4.0 * deviation, "{integrator}: {correlation} ± {deviation}");
+        assert!(
+            deviation < 0.02 && correlation.abs() < 4.0 * deviation,
+            "{integrator}, {sampler}: {correlation} ± {deviation}"
+        );
         assert!((ratio - 1.0).abs() < 0.1, "{integrator} {sampler}: {squares:?}");
     }
 }
