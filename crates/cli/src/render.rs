@@ -106,9 +106,7 @@ pub fn run_after(args: &RenderArgs, terminal: Terminal, history: &mut Option<His
     if render.plan.halves && made.picture.channel("half_a.R").is_none() {
         terminal.warn("the layer 'halves' is left out: it takes two samples of each pixel or more");
     }
-    if let Some(filter) = &filter {
-        made.denoise(filter, terminal)?;
-    }
+    filter.as_ref().map_or(Ok(()), |filter| made.denoise(filter, terminal))?;
     let written =
         output::save(&job.outputs, &made.picture, &write_options, made.empty_pixels == 0).map_err(|mut failure| {
             if let (Some(keeper), Ok(())) = (&keeper, &kept) {

@@ -125,9 +125,7 @@ impl Layer {
             Self::LightGroups => {
                 "the light of each light or named group of them, whose sum is the picture: RGBA_NAME.R .G .B; not among 'all'"
             }
-            Self::Halves => {
-                "the picture by samples of even and of odd number, which err independently: half_a.R .G .B half_b.R .G .B; not among 'all'"
-            }
+            Self::Halves => "the picture by each half of its samples: half_a.R .G .B half_b.R .G .B; not among 'all'",
             Self::Cryptomatte => {
                 "Cryptomatte 1.2, six ranks: crypto_object00..02.rgba crypto_material00..02.rgba, with manifests"
             }

@@ -99,7 +99,7 @@ fn halves_err_independently() {
             .collect();
         let of = |name: &str| -> Vec<&[f32]> { pictures.iter().map(|p| p.channel(name).unwrap()).collect() };
         let (a, b) = (of("half_a.G"), of("half_b.G"));
-        // By seeds, since pixels of one seed may err alike: what the errors of the halves have in common, and their squares.
+        // By seeds, since pixels of one seed may err alike: products of the errors of both halves, and their squares.
         let (mut products, mut squares, mut count) = (vec![0.0; SEEDS as usize], [0.0; 2], 0.0);
         for at in 0..(SIZE * SIZE) as usize {
             let means = [&a, &b].map(|half| half.iter().map(|p| f64::from(p[at])).sum::<f64>() / SEEDS as f64);

@@ -40,8 +40,8 @@ fn renders_are_denoised() {
     assert_ne!(picture("strong.exr").channel("R"), after.channel("R"));
 }
 
-/// Halves of the samples guide each other, and tell the error that remains: to people, to programs, and in the file. The
-/// error told leaves out what is lost of detail, so it is the lower one.
+/// Halves of the samples guide each other, and tell the error that remains: to people, to programs, and in the file.
+/// The error told leaves out what is lost of detail, so it is the lower one.
 #[test]
 fn halves_tell_what_remains() {
     let place = Place::new();
