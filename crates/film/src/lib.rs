@@ -2,9 +2,9 @@
 //!
 //! A sample's radiance is exposed and turned into linear Rec.709 ([`FilmSpec::developed`]) and added to a pixel's sums
 //! ([`Pixel`]); contributions that land anywhere are splats of a pass ([`PassFilm`]). Beside the light, a film counts
-//! what camera rays see first ([`FirstHitSums`], [`MatteSums`]), the light of each group of lights ([`Film`]) and halves
-//! of samples ([`Half`]). [`develop`] makes a picture with layers of it. Sums are taken in an order that does not depend
-//! on threads.
+//! what camera rays see first ([`FirstHitSums`], [`MatteSums`]), the light of each group of lights ([`Film`]) and
+//! halves of samples ([`Half`]). [`develop`] makes a picture with layers of it. Sums are taken in an order that
+//! does not depend on threads.
 
 mod cryptomatte;
 mod film;
