@@ -106,7 +106,8 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(i64).range(-1..=i64::from(u32::MAX)), help_heading = "Quality")]
     pub max_depth: Option<i64>,
     /// Remove the noise when done, by nlm unless another denoiser is named; an .exr keeps the noisy picture as the
-    /// layer raw, and the layers that guided. For path, volpath, direct, whitted, ao, raycast and bdpt
+    /// layer raw, and the layers that guided. With --aov halves nlm estimates the error that remains. For path,
+    /// volpath, direct, whitted, ao, raycast and bdpt
     #[arg(long, value_name = "NAME", value_enum, num_args = 0..=1, require_equals = true, help_heading = "Quality")]
     pub denoise: Option<Option<Denoiser>>,
     /// Denoise frames (--frames) with what those before saw, by nlm; each takes a seed of its own
@@ -490,7 +491,8 @@ pub struct DenoiseArgs {
     #[arg(short, long = "output", value_name = "OUT", required = true)]
     pub output: Vec<PathBuf>,
     /// Another render of the same view with as many samples and another --seed: each tells which pixels of the other to
-    /// average, the result is the mean of both, and its error is estimated
+    /// average, the result is the mean of both, and its error is estimated. Without it the layer halves of the input
+    /// does so, where it has that
     #[arg(long, value_name = "OTHER.exr")]
     pub half: Option<PathBuf>,
     /// More removes more noise, and more detail [default: 1]

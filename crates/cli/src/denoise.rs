@@ -115,7 +115,15 @@ fn tell(denoised: &denoise::Outcome, guides: &[Layer], terminal: Terminal) {
     if denoised.not_finite > 0 {
         terminal.warn(&format!("{} pixels were not finite, and are filled from their neighbours", denoised.not_finite));
     }
-    if let Some(error) = denoised.error {
-        terminal.say(&format!("estimated relative error of what remains: {:.2} %", 100.0 * error));
+    tell_error(denoised.error, terminal);
+}
+
+/// Says how much error remains, where that is known: what halves have in common, such as lost detail, is not in it.
+pub fn tell_error(error: Option<f64>, terminal: Terminal) {
+    if let Some(error) = error {
+        let percent = 100.0 * error;
+        terminal.say(&format!(
+            "estimated relative error of what remains: at least {percent:.2} % (noise; lost detail is not seen)"
+        ));
     }
 }

@@ -3,7 +3,7 @@
 use crate::{
     args::{Color, Denoiser, RenderArgs, SceneOptions},
     brightness,
-    denoise::{Filter, guides},
+    denoise::{self, Filter, guides},
     diagnostics::Counts,
     failure::{self, Failure, Outcome},
     memory,
@@ -27,7 +27,7 @@ use std::{
 };
 use steradian::{
     ColorMode, History, Inputs, Layer, LeftOut, Quality, Render, Scene, Session,
-    denoise::{self, Sequence},
+    denoise::{Outcome as Denoised, Sequence},
     image::{FileKind, Image, WriteOptions},
     integrators::{Doubt, SCALES},
     radiosity,
@@ -64,7 +64,7 @@ impl Before {
     }
 
     /// A picture without its noise, by a filter, or with what is known of those before.
-    fn denoised(&mut self, noisy: &Image, filter: &Filter) -> Result<denoise::Outcome, steradian::Error> {
+    fn denoised(&mut self, noisy: &Image, filter: &Filter) -> Result<Denoised, steradian::Error> {
         match &mut self.denoiser {
             Some((sequence, frames)) => {
                 *frames += 1;
@@ -135,11 +135,13 @@ pub fn run_after(args: &RenderArgs, terminal: Terminal, before: &mut Before) -> 
     }
     let saving = Instant::now();
     let mut made = making.picture(&*session);
-    if let Some(filter) = &filter {
-        let denoised = before.denoised(&made.picture, filter).map_err(|e| Failure::failed(e.to_string()))?;
-        filter.tell(saving.elapsed().as_secs_f64(), terminal);
-        made.picture = denoised.picture;
+    if render.plan.halves && args.temporal {
+        terminal.warn("the error that remains is not estimated where frames are denoised with those before");
     }
+    if render.plan.halves && made.picture.channel("half_a.R").is_none() {
+        terminal.warn("the layer 'halves' is left out: it takes two samples of each pixel or more");
+    }
+    filter.as_ref().map_or(Ok(()), |filter| made.denoise(filter, before, terminal))?;
     let written =
         output::save(&job.outputs, &made.picture, &write_options, made.empty_pixels == 0).map_err(|mut failure| {
             if let (Some(keeper), Ok(())) = (&keeper, &kept) {
@@ -323,7 +325,9 @@ impl<'a> Job<'a> {
         let plan = &mut render.plan;
         let mattes = if plan.mattes { 16 } else { 0 };
         let groups = if plan.by_light { 3 * scene.light_groups().names.len() } else { 0 } + 3 * bins;
-        check_memory(scene, quality.layers.len() + mattes + groups)?;
+        // Sums of even number beside those of all, and two more pictures.
+        let halves = if plan.halves { 8 } else { 0 };
+        check_memory(scene, quality.layers.len() + mattes + groups + halves)?;
         let integrator = quality.integrator_name(scene);
         if let Some(what) = quality.cannot(scene) {
             let named = &scene.settings().integrator;
@@ -386,8 +390,22 @@ struct Made {
     spp: f64,
     error: Option<f64>,
     doubt: Option<Doubt>,
+    /// What remains of the error where the picture was denoised.
+    denoised_error: Option<f64>,
     /// By the edges of squares.
     of_means: Option<BTreeMap<u32, f64>>,
+}
+
+impl Made {
+    /// Removes the noise, and says how long that took and how much error remains.
+    fn denoise(&mut self, filter: &Filter, before: &mut Before, terminal: Terminal) -> Result<(), Failure> {
+        let start = Instant::now();
+        let denoised = before.denoised(&self.picture, filter).map_err(|e| Failure::failed(e.to_string()))?;
+        filter.tell(start.elapsed().as_secs_f64(), terminal);
+        denoise::tell_error(denoised.error, terminal);
+        (self.picture, self.denoised_error) = (denoised.picture, denoised.error);
+        Ok(())
+    }
 }
 
 impl Making<'_> {
@@ -417,7 +435,7 @@ impl Making<'_> {
             of_means: of_means.as_ref(),
         };
         output::label(&mut picture, self.scene, &provenance);
-        Made { picture, empty_pixels, spp, error, doubt, of_means }
+        Made { picture, empty_pixels, spp, error, doubt, denoised_error: None, of_means }
     }
 
     /// The summary of a session, by the times of loading, building and saving; what else is known of the scene is left
@@ -444,6 +462,7 @@ impl Making<'_> {
             relative_error: made.error,
             unreliable: made.doubt.map(|d| d.to_string()),
             relative_error_of_means: made.of_means.clone(),
+            denoised_relative_error: made.denoised_error,
             missing_light: None,
             width: crop.width(),
             height: crop.height(),

@@ -36,6 +36,9 @@ pub struct Report<'a> {
     /// The same of means over squares of pixels, by their edge, as it was measured: pixels that share paths err alike,
     /// so it may be more than that of a pixel over the edge.
     pub relative_error_of_means: Option<BTreeMap<u32, f64>>,
+    /// The relative error that remains after `--denoise`, by the difference of halves of the samples, which leaves out
+    /// lost detail: a lower bound. Null where nothing tells it.
+    pub denoised_relative_error: Option<f64>,
     /// The part of the light that the integrator cannot find (caustics of lights without size); null below a hundredth.
     pub missing_light: Option<f64>,
     /// Pixels of the picture.

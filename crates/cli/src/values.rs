@@ -247,8 +247,8 @@ pub fn sensor(text: &str) -> Result<Sensor, String> {
     if sensor.full_well > 0.0 { Ok(sensor) } else { Err("'full_well' is needed, such as full_well=50000".into()) }
 }
 
-/// Layers by name, `all` for every one but the light of groups of lights, which changes how paths are made, what is
-/// seen through mirrors, and motion, which takes a frame before.
+/// Layers by name, `all` for every one but the light of groups of lights and halves of samples, which change how paths
+/// are made, those of what mirrors and smooth glass show, and motion, which takes a frame before.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layers(pub Vec<Layer>);
 
@@ -261,7 +261,8 @@ impl FromStr for Layers {
         for name in text.split(',').map(str::trim).filter(|n| !n.is_empty()) {
             match known_name(name, "layer", known.clone())? {
                 "all" => {
-                    let needs_more = |l: &Layer| matches!(l, Layer::LightGroups | Layer::Motion) || l.sees_through();
+                    let needs_more =
+                        |l: &Layer| matches!(l, Layer::LightGroups | Layer::Halves | Layer::Motion) || l.sees_through();
                     layers.extend(Layer::ALL.into_iter().filter(|l| !needs_more(l)));
                 }
                 name => layers.extend(Layer::named(name)),

@@ -23,6 +23,8 @@ struct Block {
     /// The number of the sample, and how many bits such numbers have.
     number: Column<u32>,
     bits: Column<u32>,
+    /// [`Sampler::z_base`].
+    base: Column<u32>,
     // By `numbers`.
     seed: Column<u32>,
     index: Column<u32>,
@@ -42,6 +44,7 @@ impl Default for Block {
             y: numbers,
             number: numbers,
             bits: numbers,
+            base: numbers,
             seed: numbers,
             index: numbers,
             film: [columns; 2],
@@ -54,9 +57,9 @@ impl Default for Block {
 
 kernel! {
     /// The samplers, and places on the film.
-    fn numbers(b: &'a mut Block, base: u32) {
+    fn numbers(b: &'a mut Block) {
         for k in 0..WIDTH {
-            let (seed, index) = z_order(base, [b.x[k], b.y[k]], b.number[k], b.bits[k]);
+            let (seed, index) = z_order(b.base[k], [b.x[k], b.y[k]], b.number[k], b.bits[k]);
             (b.seed[k], b.index[k]) = (seed, index);
             let film = sobol_scramble(seed, dimension::FILM).point_2d(index.reverse_bits());
             (b.film[0][k], b.film[1][k]) = (film[0], film[1]);
@@ -81,7 +84,6 @@ kernel! {
 pub struct CameraRays {
     block: Box<Block>,
     lanes: Lanes,
-    base: u32,
     camera: Pinhole,
 }
 
@@ -89,7 +91,8 @@ impl CameraRays {
     /// Those of a scene; `None` where a sample takes more than places on the film and wavelengths.
     pub fn new(scene: &Scene, sampler: &Sampler) -> Option<Self> {
         let camera = scene.camera().pinhole(scene.film()).filter(|_| !scene.is_timed())?;
-        Some(Self { block: Box::default(), lanes: Lanes::best(), base: sampler.z_base()?, camera })
+        sampler.z_base()?;
+        Some(Self { block: Box::default(), lanes: Lanes::best(), camera })
     }
 
     /// Appends a sample of each pixel, given by sampler and number, with the weight that the film gives it.
@@ -104,8 +107,9 @@ impl CameraRays {
         for pixels in pixels.chunks(WIDTH) {
             for (k, (place, sampler, number)) in pixels.iter().enumerate() {
                 (b.x[k], b.y[k], b.number[k], b.bits[k]) = (place.x, place.y, *number, sampler.bits());
+                b.base[k] = sampler.z_base().unwrap_or_default();
             }
-            numbers(self.lanes, b, self.base);
+            numbers(self.lanes, b);
             for k in 0..pixels.len() {
                 let (offset, weight) = scene.film().filter.sample(Vec2::new(b.film[0][k], b.film[1][k]));
                 (b.offset[0][k], b.offset[1][k]) = (offset.x, offset.y);
@@ -144,7 +148,7 @@ mod tests {
             let scene = compile(&desc, &Options { mode: Some(mode), ..Options::default() }).scene.unwrap();
             let sampler = Sampler { kind: SamplerKind::ZSobol, spp: 6, seed: 3 };
             let pixels: Vec<_> = (0..75)
-                .map(|k| (Place::alone([k * 4, k % 40]), Sampler { spp: 1 + k % 20, ..sampler }, k * k))
+                .map(|k| (Place::alone([k * 4, k % 40]), Sampler { spp: 1 + k % 20, ..sampler }.half(k), k * k))
                 .collect();
             let (mut samples, mut weights) = (Vec::new(), Vec::new());
             let mut rays = CameraRays::new(&scene, &sampler).expect("a camera without lens");

@@ -24,7 +24,7 @@ use std::{
 };
 use steradian_core::{
     Scene,
-    film::{Film, FirstHitSums, MatteSums, PassFilm, Pixel},
+    film::{Film, FirstHitSums, Half, MatteSums, PassFilm, Pixel},
     sampler::{PixelSampler, Sampler},
 };
 use steradian_math::{Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
@@ -183,6 +183,8 @@ pub struct Passes<P> {
     mattes: Vec<MatteSums>,
     /// Sums of each group of lights, pixel by pixel.
     by_light: Vec<[f64; 3]>,
+    /// Sums of passes of even number, by pixels; empty where they are not kept.
+    even: Vec<[f64; 3]>,
     /// Samples per pixel of the whole render: those of the plan, or more.
     total: u32,
     /// Passes that are in the film.
@@ -210,6 +212,7 @@ impl<P: Pass> Passes<P> {
             features: vec![FirstHitSums::default(); if plan.features { n } else { 0 }],
             mattes: vec![MatteSums::default(); if plan.mattes { n } else { 0 }],
             by_light: vec![[0.0; 3]; if plan.by_light { n * groups } else { 0 }],
+            even: vec![[0.0; 3]; if plan.halves { n } else { 0 }],
             passes: 0,
             look: FIRST_LOOK,
             is_good_enough: false,
@@ -223,19 +226,28 @@ impl<P: Pass> Passes<P> {
         let (per_pass, threads) = (self.integrator.samples_per_pass().max(1), self.plan.threads());
         let sampler = Sampler { spp: self.plan.sampler.spp.div_ceil(per_pass), ..self.plan.sampler };
         let scene = Arc::clone(&self.scene);
-        let run = Run { scene: &scene, sampler, threads, control };
+        let mut run = Run { scene: &scene, sampler, threads, control };
         if !self.is_prepared {
             self.integrator.prepare(&run)?;
             self.is_prepared = true;
         }
         while self.samples() < samples && !self.is_good_enough {
+            let number = if self.plan.halves { self.passes / 2 } else { self.passes };
+            if self.plan.halves {
+                run.sampler = sampler.half(self.passes);
+            }
             let mut film = PassFilm::new(scene.film(), self.by_light.len() / self.pixels.len().max(1));
-            let done = self.integrator.pass(&run, self.passes, &mut film)?;
-            self.first_hits(&run)?;
+            let done = self.integrator.pass(&run, number, &mut film)?;
+            self.first_hits(&run, number)?;
             self.counters += &done;
             self.counters.nonfinite += film.nonfinite();
             for (pixel, sum) in self.pixels.iter_mut().zip(film.sums()) {
                 pixel.add_value(*sum);
+            }
+            if self.passes.is_multiple_of(2) {
+                for (even, sum) in self.even.iter_mut().zip(film.sums()) {
+                    *even = std::array::from_fn(|c| even[c] + sum[c]);
+                }
             }
             for (sum, light) in self.by_light.iter_mut().zip(film.by_light()) {
                 *sum = std::array::from_fn(|c| sum[c] + light[c]);
@@ -250,7 +262,7 @@ impl<P: Pass> Passes<P> {
     }
 
     /// Adds what the pass's camera rays see first.
-    fn first_hits(&mut self, run: &Run<'_>) -> Option<()> {
+    fn first_hits(&mut self, run: &Run<'_>, number: u32) -> Option<()> {
         if self.features.is_empty() && self.mattes.is_empty() {
             return Some(());
         }
@@ -258,7 +270,7 @@ impl<P: Pass> Passes<P> {
         let before = self.before.as_deref();
         let (rows, _) = run.in_order(crop.height() as usize, |row, _| {
             let hit = |x| {
-                let (ray, lambda) = self.integrator.first_ray(run, [x, crop.y0 + row as u32], self.passes);
+                let (ray, lambda) = self.integrator.first_ray(run, [x, crop.y0 + row as u32], number);
                 first_hit(run.scene, ray, &lambda, sees_through, before)
             };
             (crop.x0..crop.x1).map(hit).collect::<Vec<_>>()
@@ -278,7 +290,8 @@ impl<P: Pass> Passes<P> {
         self.pixels.pass(codec)?;
         self.features.pass(codec)?;
         self.mattes.pass(codec)?;
-        self.by_light.pass(codec)
+        self.by_light.pass(codec)?;
+        self.even.pass(codec)
     }
 }
 
@@ -371,6 +384,12 @@ impl<P: Pass> Session for Passes<P> {
             features: self.features.clone(),
             mattes: self.mattes.clone(),
             by_light: self.by_light.clone(),
+            halves: self
+                .even
+                .iter()
+                .zip(&self.pixels)
+                .map(|(sum, p)| Half::of(*sum, p.samples.div_ceil(2), p))
+                .collect(),
             bins: 0,
         }
     }
@@ -390,6 +409,7 @@ impl<P: Pass> Session for Passes<P> {
             && self.pixels.iter().all(|p| p.samples == passes && sound::is_pixel(p))
             && self.features.iter().all(|sums| sums.samples == passes && sound::are_hits(sums))
             && self.mattes.iter().all(|sums| sums.samples == passes && sound::are_mattes(sums))
+            && self.even.iter().flatten().all(|sum| sum.abs() <= f64::from(passes) * f64::from(f32::MAX))
             && self.by_light.iter().flatten().all(|sum| sum.abs() <= f64::from(passes) * f64::from(f32::MAX));
         if is_sound { Ok(()) } else { Err(Error::from(ErrorKind::InvalidData)) }
     }

@@ -23,6 +23,9 @@ pub struct Plan {
     pub mattes: bool,
     /// Whether the light of each group of lights is kept for itself; by path tracers whose paths share nothing.
     pub by_light: bool,
+    /// Whether halves of the samples are kept for themselves: those of even and of odd number, of two sequences of
+    /// random numbers that are independent of each other. By methods whose pixels err independently.
+    pub halves: bool,
     /// Whether samples whose camera rays meet no surface are black: what lies behind everything is not in the picture.
     pub transparent: bool,
     /// Whether cells that err more get more samples, where the first ones tell that it pays; `spp` is the mean then.
@@ -42,6 +45,7 @@ impl Plan {
             motion: false,
             mattes: false,
             by_light: false,
+            halves: false,
             transparent: false,
             adaptive: false,
             error: None,

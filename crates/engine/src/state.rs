@@ -6,7 +6,7 @@ use std::{
     io::{self, Read, Write},
     time::Duration,
 };
-use steradian_core::film::{FirstHit, FirstHitSums, Hits, MatteSums, Pixel};
+use steradian_core::film::{FirstHit, FirstHitSums, Half, Hits, MatteSums, Pixel};
 
 /// Turns bytes of values into bytes of a file, or those of a file into those of values.
 pub(crate) trait Codec {
@@ -65,6 +65,7 @@ numbers!(u32, u64, f32, f64);
 
 fields! {
     Counters { rays, samples, nonfinite }
+    Half { part, weight }
     Pixel { sum, sum_squares, samples }
     FirstHit {
         albedo, normal, seen_albedo, seen_normal, geometric_normal,

@@ -37,11 +37,13 @@ pub enum Layer {
     Cryptomatte,
     /// The picture by the light of each group of lights alone.
     LightGroups,
+    /// The picture by each half of the samples, which err independently of each other.
+    Halves,
 }
 
 impl Layer {
     /// All layers.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::Albedo,
         Self::Normal,
         Self::DenoiseAlbedo,
@@ -57,6 +59,7 @@ impl Layer {
         Self::Alpha,
         Self::Cryptomatte,
         Self::LightGroups,
+        Self::Halves,
     ];
 
     /// Its name on the command line.
@@ -77,6 +80,7 @@ impl Layer {
             Self::Alpha => "alpha",
             Self::Cryptomatte => "cryptomatte",
             Self::LightGroups => "light_groups",
+            Self::Halves => "halves",
         }
     }
 
@@ -98,6 +102,7 @@ impl Layer {
             Self::Alpha => "A",
             Self::Cryptomatte => "crypto_object00",
             Self::LightGroups => "RGBA",
+            Self::Halves => "half_a",
         }
     }
 
@@ -129,6 +134,7 @@ impl Layer {
             Self::LightGroups => {
                 "the light of each light or named group of them, whose sum is the picture: RGBA_NAME.R .G .B; not among 'all'"
             }
+            Self::Halves => "the picture by each half of its samples: half_a.R .G .B half_b.R .G .B; not among 'all'",
             Self::Cryptomatte => {
                 "Cryptomatte 1.2, six ranks: crypto_object00..02.rgba crypto_material00..02.rgba, with manifests"
             }
@@ -147,9 +153,12 @@ impl Layer {
 
     /// Whether it comes from the first hits of camera rays.
     pub fn needs_features(self) -> bool {
-        !matches!(self, Self::Variance | Self::Samples | Self::Cryptomatte | Self::LightGroups)
+        !matches!(self, Self::Variance | Self::Samples | Self::Cryptomatte | Self::LightGroups | Self::Halves)
     }
 }
+
+/// What the channels of [`Layer::Halves`] begin with.
+pub const HALVES: [&str; 2] = ["half_a", "half_b"];
 
 /// What layers call the things that they show.
 #[derive(Clone, Debug, Default)]
@@ -215,6 +224,7 @@ pub fn develop(film: &Film, layers: &[Layer], names: &Names) -> Image {
                 let v = film.pixels.iter().map(|p| held(p.variance_of_mean()[c])).collect();
                 push(&mut image, &format!("variance.{n}"), v);
             }),
+            Layer::Halves => halves(&mut image, film),
             Layer::LightGroups if film.bins > 0 => {}
             Layer::LightGroups => light_groups(&mut image, &names.light_groups, film),
             Layer::Cryptomatte if film.mattes.is_empty() => {}
@@ -256,6 +266,17 @@ fn light_groups(image: &mut Image, names: &[String], film: &Film) {
             name.push('_');
         }
         push_part(image, &name, film, (group, names.len()));
+    }
+}
+
+/// Adds both halves of the samples, where every pixel has both.
+fn halves(image: &mut Image, film: &Film) {
+    let means: Option<Vec<_>> = film.halves.iter().zip(&film.pixels).map(|(half, p)| half.means(p)).collect();
+    let Some(means) = means.filter(|means| !means.is_empty()) else { return };
+    for (half, name) in HALVES.into_iter().enumerate() {
+        for (c, n) in ["R", "G", "B"].iter().enumerate() {
+            push(image, &format!("{name}.{n}"), means.iter().map(|m| held(m[half][c])).collect());
+        }
     }
 }
 

@@ -2,13 +2,15 @@
 //!
 //! A sample's radiance is exposed and turned into linear Rec.709 ([`FilmSpec::developed`]) and added to a pixel's sums
 //! ([`Pixel`]); contributions that land anywhere are splats of a pass ([`PassFilm`]). Beside the light, a film counts
-//! what camera rays see first ([`FirstHitSums`], [`MatteSums`]) and the light of each group of lights ([`Film`]).
-//! [`develop`] makes a picture with layers of it. Sums are taken in an order that does not depend on threads.
+//! what camera rays see first ([`FirstHitSums`], [`MatteSums`]), the light of each group of lights ([`Film`]) and
+//! halves of samples ([`Half`]). [`develop`] makes a picture with layers of it. Sums are taken in an order that
+//! does not depend on threads.
 
 mod cryptomatte;
 mod film;
 pub mod filter;
 mod first_hit;
+mod half;
 mod layer;
 mod matte;
 mod pass;
@@ -19,7 +21,8 @@ mod spec;
 pub use film::Film;
 pub use filter::{Filter, FilterKind};
 pub use first_hit::{FirstHit, FirstHitSums};
-pub use layer::{Layer, Names, develop};
+pub use half::Half;
+pub use layer::{HALVES, Layer, Names, develop};
 pub use matte::{Hits, MatteSums};
 pub use pass::{PassFilm, Splat};
 pub use pixel::Pixel;

@@ -102,7 +102,7 @@ impl Shown {
         let mattes: Vec<MatteSums> = film.mattes[part(film.mattes.len())].to_vec();
         let (cx, cy) = (film.crop.x0 + i, film.crop.y0 + j);
         let crop = Crop { x0: cx, y0: cy, x1: cx + 1, y1: cy + 1 };
-        Some(Film { crop, pixels, features, mattes, by_light: Vec::new(), bins: 0 })
+        Some(Film { crop, pixels, features, mattes, by_light: Vec::new(), halves: Vec::new(), bins: 0 })
     }
 }
 

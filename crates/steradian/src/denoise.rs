@@ -6,13 +6,18 @@ use steradian_denoise::{
     Image as Values, atrous,
     nlm::{self, Denoised, Picture, Settings, denoise, denoise_halves},
 };
+use steradian_film::HALVES;
 use steradian_image::{Channel, Image, Value};
 use steradian_math::Vec3;
 
 /// The layer that keeps the noisy picture, and the one that keeps its variance.
 const RAW: [&str; 2] = ["raw", "raw_variance"];
+/// The axes of layers of colours.
+const RGB: [&str; 3] = ["R", "G", "B"];
+/// The attribute of the error that remains.
+const ERROR: &str = "steradian:denoised_relative_error";
 /// What tells of the noise of a render, and not of a picture without it.
-const OF_NOISE: [&str; 3] = ["steradian:relative_error", "steradian:unreliable", "steradian:error_scale_"];
+const OF_NOISE: [&str; 4] = [ERROR, "steradian:relative_error", "steradian:unreliable", "steradian:error_scale_"];
 
 /// The layers that guide denoising by non-local means. Of albedo and normal the layers of [`OIDN_GUIDES`] stand in, and
 /// the other way round.
@@ -32,7 +37,8 @@ pub struct Outcome {
     pub missing: Vec<Layer>,
     /// Pixels whose radiance was not finite; their neighbours filled them.
     pub not_finite: usize,
-    /// The relative error that remains, where a second picture told it.
+    /// The relative error that remains, where halves or a second picture told it
+    /// ([`steradian_denoise::nlm::denoise_halves`]). Detail that both lost is not in it, so it is a lower bound.
     pub error: Option<f64>,
 }
 
@@ -51,7 +57,7 @@ impl Guided {
     /// With albedo and normal first of the layers asked for.
     fn of(image: &Image, guides: &[Layer]) -> Result<Self, Error> {
         let size = [image.width() as u32, image.height() as u32];
-        let rgb = |name: &str| values(image, name, ["R", "G", "B"]);
+        let rgb = |name: &str| values(image, name, RGB);
         // One sample tells no variance; its layer is zero.
         let tells_variance = !matches!(image.metadata.get("samplesPerPixel"), Some(Value::Int(1)));
         let variance = rgb(RAW[1]).or_else(|| rgb(Layer::Variance.prefix())).filter(|_| tells_variance);
@@ -59,7 +65,7 @@ impl Guided {
             let found = layers.into_iter().find_map(|layer| Some((layer, values(image, layer.prefix(), axes)?)));
             found.map_or((None, None), |(layer, values)| (Some(layer), Some(values)))
         };
-        let (albedo_layer, albedo) = first([guides[0], GUIDES[0], OIDN_GUIDES[0]], ["R", "G", "B"]);
+        let (albedo_layer, albedo) = first([guides[0], GUIDES[0], OIDN_GUIDES[0]], RGB);
         let (normal_layer, normal) = first([guides[1], GUIDES[1], OIDN_GUIDES[1]], ["X", "Y", "Z"]);
         let depth = image.channel(Layer::Depth.prefix()).and_then(|z| Values::new(size[0], size[1], z.to_vec()).ok());
         let pixels = || Ok::<_, Error>(image.to_rgb()?.into_iter().map(Vec3::from_array).collect());
@@ -91,9 +97,44 @@ impl Guided {
     }
 }
 
+/// A layer of three channels, where a picture has it.
+fn values(image: &Image, name: &str, axes: [&str; 3]) -> Option<Values<Vec3>> {
+    let plane = |suffix| image.channel(&format!("{name}.{suffix}"));
+    let [x, y, z] = axes.map(plane);
+    let pixels = x?.iter().zip(y?).zip(z?).map(|((x, y), z)| Vec3::new(*x, *y, *z)).collect();
+    Values::new(image.width() as u32, image.height() as u32, pixels).ok()
+}
+
+/// A picture by each half of its samples.
+struct Halves {
+    radiance: [Values<Vec3>; 2],
+    /// That of either: twice the variance of the picture.
+    variance: Option<Values<Vec3>>,
+}
+
+impl Halves {
+    /// Those of a picture that has [`Layer::Halves`].
+    fn of(image: &Image, guided: &Guided) -> Option<Self> {
+        let [a, b] = HALVES.map(|name| values(image, name, RGB));
+        let mut variance = guided.variance.clone();
+        variance.iter_mut().flat_map(Values::values_mut).for_each(|v| *v *= 2.0);
+        Some(Self { radiance: [a?, b?], variance })
+    }
+
+    /// Both with the layers that guide the picture.
+    fn pictures<'a>(&'a self, guided: &'a Guided) -> [Picture<'a>; 2] {
+        self.radiance.each_ref().map(|radiance| Picture {
+            radiance,
+            variance: self.variance.as_ref(),
+            ..guided.picture()
+        })
+    }
+}
+
 /// Denoises a picture by non-local means ([`steradian_denoise::nlm`]), with those of [`GUIDES`] that it has; one that
 /// was denoised before, from its layer `raw`. `half` is another picture of the view with as many samples and another
-/// seed: the two guide each other, and the outcome is their mean. `strength` is 1 by default; more filters more.
+/// seed: the two guide each other, and the outcome is their mean. Without it, the halves of the picture's samples do so
+/// where it has [`Layer::Halves`]. `strength` is 1 by default; more filters more.
 ///
 /// # Errors
 /// For pictures without colours, of two sizes, and for a strength that is not above 0.
@@ -102,10 +143,16 @@ pub fn picture(image: &Image, half: Option<&Image>, strength: f32) -> Result<Out
     let settings = Settings { damping: default.damping * strength, ..default };
     let guided = Guided::of(image, &GUIDES)?;
     let half = half.map(|half| Guided::of(half, &GUIDES)).transpose()?;
-    let (Denoised { radiance, not_finite }, error) = match &half {
+    let halves = Halves::of(image, &guided).filter(|_| half.is_none());
+    let pair = match (&half, &halves) {
+        (Some(half), _) => Some([guided.picture(), half.picture()]),
+        (None, Some(halves)) => Some(halves.pictures(&guided)),
+        (None, None) => None,
+    };
+    let (Denoised { radiance, not_finite }, error) = match &pair {
         None => (denoise(&guided.picture(), &settings)?, None),
-        Some(half) => {
-            let (denoised, error) = denoise_halves([&guided.picture(), &half.picture()], &settings)?;
+        Some([a, b]) => {
+            let (denoised, error) = denoise_halves([a, b], &settings)?;
             (denoised, Some(error))
         }
     };
@@ -140,14 +187,6 @@ impl Sequence {
         let Denoised { radiance, not_finite } = self.0.frame(&guided.picture(), &motion)?;
         outcome(image, &guided, (radiance, not_finite, None), &GUIDES, "non-local means, with frames before")
     }
-}
-
-/// Three channels of a layer, where it has them.
-fn values(image: &Image, name: &str, [x, y, z]: [&str; 3]) -> Option<Values<Vec3>> {
-    let plane = |suffix| image.channel(&format!("{name}.{suffix}"));
-    let (x, y, z) = (plane(x)?, plane(y)?, plane(z)?);
-    let pixels = x.iter().zip(y).zip(z).map(|((x, y), z)| Vec3::new(*x, *y, *z)).collect();
-    Values::new(image.width() as u32, image.height() as u32, pixels).ok()
 }
 
 /// Denoises a picture at once, for previews, by an à-trous wavelet filter ([`steradian_denoise::atrous`]), with those
@@ -213,10 +252,13 @@ fn outcome(
     (picture.offset, picture.frame, picture.metadata) = (image.offset, image.frame, image.metadata.clone());
     picture.metadata.entries.retain(|(name, _)| !OF_NOISE.iter().any(|start| name.starts_with(start)));
     picture.metadata.set_text("steradian:denoised", method);
+    if let Some(error) = error {
+        picture.metadata.set(ERROR, Value::Float(error as f32));
+    }
     let pixels: Vec<[f32; 3]> = radiance.values().iter().map(|v| v.to_array()).collect();
-    picture.push_layer("", ["R", "G", "B"], &pixels)?;
+    picture.push_layer("", RGB, &pixels)?;
     let raw: Vec<[f32; 3]> = guided.radiance.values().iter().map(|v| v.to_array()).collect();
-    picture.push_layer(RAW[0], ["R", "G", "B"], &raw)?;
+    picture.push_layer(RAW[0], RGB, &raw)?;
     for Channel { name, data } in image.channels() {
         // Variance is that of the noisy picture.
         let name = match name.split_once('.') {

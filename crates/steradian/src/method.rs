@@ -51,6 +51,14 @@ impl Render {
         }
     }
 
+    /// Why there are no halves of samples that err independently: what a denoiser cannot take, and a single sample.
+    pub fn no_halves(&self, scene: &Scene) -> Option<String> {
+        if self.plan.sampler.spp < 2 {
+            return Some("the layer 'halves' with one sample per pixel; it takes two or more".into());
+        }
+        self.not_denoisable(scene).map(|why| format!("the layer 'halves': {why}"))
+    }
+
     /// Starts with an empty film.
     ///
     /// # Errors

@@ -231,11 +231,18 @@ impl Quality {
             sees_through: self.layers.iter().any(|l| l.sees_through()),
             mattes: self.layers.contains(&Layer::Cryptomatte),
             by_light: self.layers.contains(&Layer::LightGroups),
+            halves: self.layers.contains(&Layer::Halves),
             transparent: self.transparent,
             adaptive: self.adaptive,
             error: self.error,
         };
-        Ok(Render { method, plan })
+        let render = Render { method, plan };
+        if plan.halves
+            && let Some(what) = render.no_halves(scene)
+        {
+            return Err(Error::CannotRender { integrator: self.integrator_name(scene).into(), what });
+        }
+        Ok(render)
     }
 
     /// The file that keeps the solution of radiosity, where one is named.

@@ -157,6 +157,7 @@ impl Recipe {
             ("layers", format!("{} {}", plan.features, plan.sees_through)),
             ("mattes", plan.mattes.to_string()),
             ("light groups", plan.by_light.to_string()),
+            ("halves", plan.halves.to_string()),
             ("transparent background", plan.transparent.to_string()),
             ("adaptive", plan.adaptive.to_string()),
             ("error", format!("{:?}", plan.error)),

@@ -1,7 +1,7 @@
 //! `steradian denoise`, and `steradian render --denoise`.
 
 use crate::Place;
-use steradian::image::{Image, metrics::compare};
+use steradian::image::{Image, Value, metrics::compare};
 
 fn relative_error(picture: &Image, reference: &Image) -> f64 {
     compare(picture, reference).unwrap().rel_mse
@@ -38,6 +38,47 @@ fn renders_are_denoised() {
     assert_eq!(picture("again.exr").channels(), after.channels());
     place.succeed(&["denoise", "noisy.exr", "-o", "strong.exr", "--strength", "3"]);
     assert_ne!(picture("strong.exr").channel("R"), after.channel("R"));
+}
+
+/// Halves of the samples guide each other, and tell the error that remains: to people, to programs, and in the file.
+/// The error told leaves out what is lost of detail, so it is the lower one.
+#[test]
+fn halves_tell_what_remains() {
+    let place = Place::new();
+    let layers = ["--integrator", "path:reuse=1", "--aov", "albedo,normal,depth,variance,halves", "-o", "noisy.exr"];
+    place.succeed(&[&BOX[..], &["16"], &layers].concat());
+    place.succeed(&[&BOX[..], &["1k", "--seed", "9", "-o", "reference.exr"]].concat());
+    let said = place.succeed(&["denoise", "noisy.exr", "-o", "after.exr"]).stderr;
+    assert!(said.contains("estimated relative error of what remains"), "{said}");
+    let whole =
+        place.succeed(&[&BOX[..], &["16", "--denoise", "--aov", "halves", "--json", "-o", "whole.exr"]].concat());
+    let told = whole.json()["denoised_relative_error"].as_f64().unwrap();
+    let [noisy, after, whole, reference] =
+        ["noisy", "after", "whole", "reference"].map(|name| place.picture(&format!("{name}.exr")));
+    for channel in ["R", "G", "B", "half_a.G", "half_b.G"] {
+        assert_eq!(after.channel(channel), whole.channel(channel), "{channel}");
+    }
+    for picture in [&after, &whole] {
+        let kept = picture.metadata.get("steradian:denoised_relative_error");
+        assert!(matches!(kept, Some(Value::Float(e)) if (f64::from(*e) / told - 1.0).abs() < 1e-6), "{kept:?}");
+    }
+    let [before, error] = [&noisy, &after].map(|picture| relative_error(picture, &reference).sqrt());
+    assert!(error < 0.7 * before && (0.5..1.2).contains(&(told / error)), "{told} for {error} of {before}");
+    let plain = place.succeed(&[&BOX[..], &["4", "--denoise", "--json", "-o", "plain.exr"]].concat());
+    assert!(plain.json()["denoised_relative_error"].is_null() && !plain.stderr.contains("what remains"));
+}
+
+/// The layer of halves is refused where there are none, and left out where a render ends before it has both.
+#[test]
+fn halves_are_refused_where_there_are_none() {
+    let place = Place::new();
+    let line = ["render", "--size", "8x8", "-q", "--aov", "halves", "-o", "n.exr", "--integrator"];
+    for method in ["light", "vcm", "sppm", "raster", "radiosity", "transient"] {
+        place.refuse(2, &[&line[..], &[method, "--spp", "4"]].concat(), &["'halves'", &format!("'{method}'")]);
+    }
+    place.refuse(2, &[&line[..], &["path", "--spp", "1"]].concat(), &["'halves'", "two or more"]);
+    place.succeed(&[&line[..], &["bdpt", "--spp", "3", "--crop", "2,2,6,7"]].concat());
+    assert!(place.picture("n.exr").channel("half_b.B").is_some());
 }
 
 /// The quick filter, by both ways to it, with any number of threads.

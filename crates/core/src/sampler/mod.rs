@@ -14,7 +14,7 @@ mod tests;
 
 use steradian_math::{
     Vec2,
-    hash::{combine32, mix32, mix64, unit_f32},
+    hash::{combine32, combine64, mix32, mix64, unit_f32},
     sobol::Scramble,
 };
 
@@ -103,6 +103,13 @@ impl Sampler {
         PixelSampler { kind: self.kind, spp: self.spp.max(1), seed, index, reversed: index.reverse_bits() }
     }
 
+    /// The sampler of the half that a sample of a number belongs to, by whether that is even: two sequences that are
+    /// independent of each other, each of half as many samples. In its half the sample has the number `number / 2`.
+    #[must_use]
+    pub fn half(&self, number: u32) -> Self {
+        Self { spp: self.spp.div_ceil(2), seed: combine64(self.seed, HALF + u64::from(number % 2)), ..*self }
+    }
+
     /// What the first argument of [`z_order`] is for pixels; `None` for other points than those of `ZSobol`.
     pub fn z_base(&self) -> Option<u32> {
         (self.kind == SamplerKind::ZSobol).then(|| self.base(PIXEL))
@@ -137,6 +144,9 @@ impl Sampler {
         self.at(name.iter().fold(self.base(salt), |seed, n| combine32(seed, *n)), index)
     }
 }
+
+/// What the seed of the first half is hashed with; that of the other follows.
+const HALF: u64 = 0x9d8f_31c7_44b2_6e50;
 
 /// What the numbers of pixels are hashed with.
 const PIXEL: u32 = 0x5d4e_8a1b;

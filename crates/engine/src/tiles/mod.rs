@@ -33,7 +33,7 @@ use std::{
 };
 use steradian_core::{
     Scene,
-    film::{Crop, Film, FirstHitSums, MatteSums, Pixel},
+    film::{Crop, Film, FirstHitSums, Half, MatteSums, Pixel},
 };
 use tile::Tile;
 use work::Work;
@@ -410,12 +410,14 @@ impl Frame {
             features: vec![FirstHitSums::default(); if self.plan.features { n } else { 0 }],
             mattes: vec![MatteSums::default(); if self.plan.mattes { n } else { 0 }],
             by_light: vec![[0.0; 3]; n * self.parts],
+            halves: vec![Half::default(); if self.plan.halves { n } else { 0 }],
             bins: self.bins,
         };
         for tile in &self.tiles {
             let tile = lock(tile);
             let w = tile.area.width() as usize;
             let pixels: Vec<Pixel> = tile.film(self.round).collect();
+            let halves: Vec<Half> = tile.film_halves(self.round).collect();
             for (row, y) in (tile.area.y0..tile.area.y1).enumerate() {
                 let to = (y - crop.y0) as usize * crop.width() as usize + (tile.area.x0 - crop.x0) as usize;
                 film.pixels[to..to + w].copy_from_slice(&pixels[row * w..(row + 1) * w]);
@@ -425,6 +427,9 @@ impl Frame {
                 let row = row * w..(row + 1) * w;
                 if self.plan.features {
                     film.features[to..to + w].copy_from_slice(&tile.features[row.clone()]);
+                }
+                if self.plan.halves {
+                    film.halves[to..to + w].copy_from_slice(&halves[row.clone()]);
                 }
                 if self.plan.mattes {
                     film.mattes[to..to + w].copy_from_slice(&tile.mattes[row]);

@@ -14,14 +14,14 @@ pub const SCALES: [u32; 4] = [1, 4, 8, TILE];
 /// Most tiles that are looked at.
 const TILES: usize = 1024;
 
-/// What some of a pixel's samples sum up to.
+/// What some of a pixel's samples sum up to, those of even number or ticks.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Half {
+pub struct Even {
     pub sum: [f64; 3],
     pub samples: u32,
 }
 
-impl Half {
+impl Even {
     /// Adds a sample, as the film does.
     pub fn add(&mut self, value: steradian_math::Vec3) {
         self.samples += 1;
@@ -38,7 +38,7 @@ impl Frame {
         let whole: Vec<usize> = (0..self.tiles.len()).filter(|t| whole(&lock(&self.tiles[*t]).area)).collect();
         let every = whole.len().div_ceil(TILES).max(1);
         for tile in whole.into_iter().step_by(every) {
-            lock(&self.tiles[tile]).even = vec![Half::default(); (TILE * TILE) as usize];
+            lock(&self.tiles[tile]).even = vec![Even::default(); (TILE * TILE) as usize];
         }
     }
 

@@ -2,6 +2,7 @@
 
 use super::{
     Frame, lock,
+    scales::Even,
     tile::{Cell, Tile},
     work::RAYS,
 };
@@ -99,6 +100,7 @@ impl Frame {
                 && is_pixel(&past)
                 && even.samples <= now.samples
                 && is_pixel(&Pixel { sum: even.sum, samples: even.samples, ..Pixel::default() })
+                && are_sound_halves(tile, at)
                 && self.are_sound_layers(tile, at, all);
             if !is_sound {
                 return false;
@@ -137,4 +139,16 @@ impl Frame {
             && tile.mattes.get(at).is_none_or(|sums| paths.contains(&u64::from(sums.samples)) && are_mattes(sums))
             && lights.as_flattened().iter().all(|sum| sum.abs() <= largest)
     }
+}
+
+/// Whether the halves of a pixel's samples can be.
+fn are_sound_halves(tile: &Tile, at: usize) -> bool {
+    let largest = f64::from(f32::MAX);
+    let (now, past) = (tile.pixels[at].samples, tile.past_halves.get(at).copied().unwrap_or_default());
+    let is_sum = |even: &Even| {
+        even.samples == now.div_ceil(2) && even.sum.iter().all(|sum| sum.abs() <= f64::from(now) * largest)
+    };
+    tile.halves.get(at).is_none_or(is_sum)
+        && (0.0..=1.0).contains(&past.weight)
+        && past.part.iter().all(|part| part.abs() <= largest)
 }

@@ -2,7 +2,7 @@
 
 use super::{
     Frame, lock,
-    scales::{Half, SCALES},
+    scales::{Even, SCALES},
     tile::Cell,
 };
 use crate::{
@@ -10,12 +10,12 @@ use crate::{
     state::{Codec, In, Out, State, fields},
 };
 use std::io::{self, Error, ErrorKind, Read, Write};
-use steradian_core::film::Pixel;
+use steradian_core::film::{Half, Pixel};
 
 fields! {
     Round { number, start, end }
     Cell { target, rays, samples, variance, freedom }
-    Half { sum, samples }
+    Even { sum, samples }
 }
 
 impl Frame {
@@ -59,6 +59,11 @@ impl Frame {
             tile.features.pass(codec)?;
             tile.mattes.pass(codec)?;
             tile.by_light.pass(codec)?;
+            tile.halves.pass(codec)?;
+            if round.number > 0 {
+                tile.past_halves.resize(tile.halves.len(), Half::default());
+                tile.past_halves.pass(codec)?;
+            }
         }
         Ok(())
     }

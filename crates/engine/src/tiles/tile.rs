@@ -1,11 +1,11 @@
 //! A tile of the film: sums of the pixels over the round under way, and what the rounds before it came to.
 
-use super::{Plan, scales::Half, work::RAYS};
+use super::{Plan, scales::Even, work::RAYS};
 use crate::{
     adaptive::{FLOOR, Need, Round},
     partition::{CELLS, cell_of},
 };
-use steradian_core::film::{Crop, FirstHit, FirstHitSums, MatteSums, Pixel};
+use steradian_core::film::{Crop, FirstHit, FirstHitSums, Half, MatteSums, Pixel};
 use steradian_math::Vec3;
 
 /// A square of a tile that gets a number of samples of its own.
@@ -52,13 +52,17 @@ pub struct Tile {
     pub(super) past: Vec<Pixel>,
     /// What even ticks of the first round brought, by which the error of means over pixels is told; empty where it is
     /// not ([`super::scales`]).
-    pub(super) even: Vec<Half>,
+    pub(super) even: Vec<Even>,
     /// First hits, of all rounds.
     pub features: Vec<FirstHitSums>,
     /// What covers pixels, of all rounds.
     pub mattes: Vec<MatteSums>,
     /// Sums of each part of the light, pixel by pixel: of groups of lights, or intervals of its arrival.
     pub by_light: Vec<[f64; 3]>,
+    /// Samples of even number in the round under way, and the halves of the rounds before it, which are empty in the
+    /// first; both are empty where halves are not kept.
+    pub(super) halves: Vec<Even>,
+    pub(super) past_halves: Vec<Half>,
     /// By rows.
     pub cells: [Cell; (CELLS * CELLS) as usize],
 }
@@ -75,6 +79,8 @@ impl Tile {
             features: vec![FirstHitSums::default(); if plan.features { n } else { 0 }],
             mattes: vec![MatteSums::default(); if plan.mattes { n } else { 0 }],
             by_light: vec![[0.0; 3]; n * parts],
+            halves: vec![Even::default(); if plan.halves { n } else { 0 }],
+            past_halves: Vec::new(),
             cells: [Cell { target, ..Cell::default() }; (CELLS * CELLS) as usize],
         }
     }
@@ -82,6 +88,10 @@ impl Tile {
     /// Adds a sample that was taken in a tick to a pixel of the round under way; `false` where it is not finite and
     /// counts as black.
     pub fn add(&mut self, at: usize, value: Vec3, tick: u32) -> bool {
+        let number = self.pixels[at].samples;
+        if let Some(even) = self.halves.get_mut(at).filter(|_| number.is_multiple_of(2)) {
+            even.add(value);
+        }
         let is_finite = self.pixels[at].add(value);
         if let Some(even) = self.even.get_mut(at).filter(|_| tick.is_multiple_of(2)) {
             even.add(value);
@@ -110,11 +120,21 @@ impl Tile {
     pub fn film(&self, round: Round) -> impl Iterator<Item = Pixel> + '_ {
         self.pixels.iter().enumerate().map(move |(at, now)| match self.past.get(at) {
             None => *now,
-            Some(past) => {
-                let cell = &self.cells[self.cell_at(at)];
-                joined(past, now, round.weight(now.samples, cell.target))
-            }
+            Some(past) => joined(past, now, self.weight(at, round)),
         })
+    }
+
+    /// The halves of all rounds, by rows; none where they are not kept.
+    pub fn film_halves(&self, round: Round) -> impl Iterator<Item = Half> + '_ {
+        self.halves.iter().zip(&self.pixels).enumerate().map(move |(at, (even, pixel))| {
+            let now = Half::of(even.sum, even.samples, pixel);
+            self.past_halves.get(at).map_or(now, |past| past.joined(&now, self.weight(at, round)))
+        })
+    }
+
+    /// The weight of the round under way in a pixel, against those before it.
+    fn weight(&self, at: usize, round: Round) -> f64 {
+        round.weight(self.pixels[at].samples, self.cells[self.cell_at(at)].target)
     }
 
     /// The cell of the pixel that is stored at an index.
@@ -160,9 +180,11 @@ impl Tile {
 
     /// Ends a round that is complete: it becomes part of the past.
     pub fn close(&mut self, round: Round) {
+        self.past_halves = self.film_halves(round).collect();
         self.past = self.film(round).collect();
         self.even = Vec::new();
         self.pixels.fill(Pixel::default());
+        self.halves.fill(Even::default());
     }
 
     /// The square by which a pixel's mean leaves the line between its neighbours to both sides, if they lie in its

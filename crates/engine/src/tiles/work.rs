@@ -281,7 +281,11 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
     /// The sampler of one of the paths that a sample is the mean of, and its number.
     pub fn numbered(&self, sampler: Sampler, m: &Member, path: u32) -> (Sampler, u32) {
         // The first paths of all samples come first in a pixel's points, then the second ones, for those who have such.
-        (Sampler { spp: m.of.saturating_mul(m.paths), ..sampler }, m.sample.wrapping_add(path.wrapping_mul(m.of)))
+        let (sampler, sample, of) = match self.frame.plan.halves {
+            true => (sampler.half(m.sample), m.sample / 2, m.of.div_ceil(2)),
+            false => (sampler, m.sample, m.of),
+        };
+        (Sampler { spp: of.saturating_mul(m.paths), ..sampler }, sample.wrapping_add(path.wrapping_mul(of)))
     }
 
     /// What the film takes of a path, and what its ray hits first where that is asked for.

@@ -327,5 +327,13 @@ fn with_less_bias(integrator: &IntegratorKind) -> Option<(IntegratorKind, Integr
 /// The film of a render that was cancelled before it began.
 fn empty(scene: &Scene) -> Film {
     let crop = scene.film().crop;
-    Film { crop, pixels: Vec::new(), features: Vec::new(), mattes: Vec::new(), by_light: Vec::new(), bins: 0 }
+    Film {
+        crop,
+        pixels: Vec::new(),
+        features: Vec::new(),
+        mattes: Vec::new(),
+        by_light: Vec::new(),
+        halves: Vec::new(),
+        bins: 0,
+    }
 }

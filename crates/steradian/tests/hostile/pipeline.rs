@@ -55,8 +55,10 @@ pub fn render(desc: &SceneDesc, options: &CompileOptions, earlier: &Diagnostics)
     let messages = earlier.iter().chain(compiled.diagnostics.iter()).cloned().collect();
     let mut quality = Quality { spp: Some(2), threads: 1, layers: Layer::ALL.to_vec(), ..Quality::default() };
     // Not all integrators have these layers, nor are there any of too many lights.
-    if quality.render(&scene).is_err() {
-        quality.layers.retain(|layer| *layer != Layer::LightGroups);
+    for layer in [Layer::LightGroups, Layer::Halves] {
+        if quality.render(&scene).is_err() {
+            quality.layers.retain(|kept| *kept != layer);
+        }
     }
     let layers = quality.layers.clone();
     // Integrators of other names are refused before the render.
