@@ -135,11 +135,8 @@ pub fn run_after(args: &RenderArgs, terminal: Terminal, before: &mut Before) -> 
     }
     let saving = Instant::now();
     let mut made = making.picture(&*session);
-    if render.plan.halves && args.temporal {
-        terminal.warn("the error that remains is not estimated where frames are denoised with those before");
-    }
-    if render.plan.halves && made.picture.channel("half_a.R").is_none() {
-        terminal.warn("the layer 'halves' is left out: it takes two samples of each pixel or more");
+    if render.plan.halves {
+        made.tell_of_halves(args.temporal, terminal);
     }
     filter.as_ref().map_or(Ok(()), |filter| made.denoise(filter, before, terminal))?;
     let written =
@@ -397,6 +394,16 @@ struct Made {
 }
 
 impl Made {
+    /// Says what halves of the samples do not do here.
+    fn tell_of_halves(&self, is_temporal: bool, terminal: Terminal) {
+        if self.picture.channel("half_a.R").is_none() {
+            terminal.warn("the layer 'halves' is left out: it takes two samples of each pixel or more");
+        }
+        if is_temporal {
+            terminal.warn("the error that remains is not estimated where frames are denoised with those before");
+        }
+    }
+
     /// Removes the noise, and says how long that took and how much error remains.
     fn denoise(&mut self, filter: &Filter, before: &mut Before, terminal: Terminal) -> Result<(), Failure> {
         let start = Instant::now();

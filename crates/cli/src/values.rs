@@ -390,7 +390,7 @@ mod tests {
         assert!(integrator("pahts").is_err_and(|e| e.contains("did you mean 'path'?")));
         assert_eq!("normal,depth".parse(), Ok(Layers(vec![Layer::Normal, Layer::Depth])));
         let all: Layers = "all".parse().unwrap();
-        assert!(all.0.len() + 4 == Layer::ALL.len() && !all.0.contains(&Layer::LightGroups));
+        assert!(all.0.len() + 5 == Layer::ALL.len() && !all.0.contains(&Layer::LightGroups));
         assert!("normals".parse::<Layers>().is_err_and(|e| e.contains("did you mean 'normal'?")));
         assert_eq!("motion".parse(), Ok(Layers(vec![Layer::Motion])));
         assert_eq!("relmse=0.1".parse(), Ok(Threshold { metric: "relmse", limit: 0.1 }));
