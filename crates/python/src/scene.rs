@@ -357,6 +357,11 @@ impl Scene {
             })
         };
         let layers = layers.iter().map(layer).collect::<PyResult<Vec<_>>>()?;
+        if layers.contains(&Layer::Motion) {
+            let what =
+                "the layer 'motion' tells what has moved since the frame before: steradian render --frames writes it";
+            return Err(PyValueError::new_err(what));
+        }
         if size.is_some_and(|(w, h)| w == 0 || h == 0) {
             return Err(PyValueError::new_err("size is two whole numbers above 0"));
         }

@@ -6,7 +6,9 @@ import pytest
 import steradian as st
 from scenes import SQUARE, of_mesh
 
-LAYERS = [name for name in st.registry()["layers"] if name != "light_groups"]
+# Those that change how paths are made, and one that takes a frame before.
+ASK_MORE = ["light_groups", "halves", "motion"]
+LAYERS = [name for name in st.registry()["layers"] if name not in ASK_MORE]
 
 
 @pytest.mark.parametrize("integrator", [*st.registry()["integrators"], "raster:frame=hybrid", "raster:frame=forward"])
@@ -20,6 +22,15 @@ def test_no_layer_is_ignored(integrator):
         assert any(name.startswith("RGBA_") for name in image.channels), image.channels
     except ValueError as e:
         assert "groups of lights" in str(e) and integrator in str(e)
+    try:
+        image = scene.render(spp=2, size=(4, 3), integrator=integrator, layers=["halves"])
+        halves = [np.stack([image[f"{half}.{c}"] for c in "RGB"]) for half in ("half_a", "half_b")]
+        picture = np.stack([image[c] for c in "RGB"])
+        np.testing.assert_allclose(sum(halves) / 2, picture, rtol=1e-5)
+    except ValueError as e:
+        assert "halves" in str(e) and integrator.split(":")[0] in str(e)
+    with pytest.raises(ValueError, match="'motion' tells what has moved since the frame before"):
+        scene.render(spp=1, size=(4, 3), integrator=integrator, layers=["motion"])
 
 
 def test_a_preview_by_the_pipeline_has_layers_too():
