@@ -48,6 +48,11 @@ export function setOptions(select: HTMLSelectElement, options: { value: string; 
   select.replaceChildren(...options.map((o) => h('option', { value: o.value, title: o.title }, o.text ?? o.value)));
 }
 
+/** Whether a button that stays pressed is. */
+export const isPressed = (button: HTMLElement): boolean => button.getAttribute('aria-pressed') === 'true';
+
+export const setPressed = (button: HTMLElement, on: boolean): void => button.setAttribute('aria-pressed', String(on));
+
 /** A section that folds. */
 export function section(title: string, open: boolean, ...children: Child[]): HTMLDetailsElement {
   return h('details', { class: 'section', open }, h('summary', {}, h('h2', {}, title)), h('div', { class: 'body' }, ...children));

@@ -1,7 +1,7 @@
 /** Panel "Light groups": how bright, and of which colour, each group of lights is shown. Only the switch asks for a render. */
 
 import { linearOf } from './color';
-import { h, row, section, setText } from './dom';
+import { h, isPressed, row, section, setPressed, setText } from './dom';
 import { MOST_GROUPS } from './groups';
 import { numberField } from './number';
 import type { FrameMessage, PageMessage, State } from './protocol';
@@ -37,7 +37,7 @@ class Strip {
     });
     const toggle = (letter: string, what: string, title: string) => {
       const press = () => {
-        button.setAttribute('aria-pressed', String(!isOn(button)));
+        setPressed(button, !isPressed(button));
         changed();
       };
       const attributes = { class: 'small', title, 'aria-label': `${name}: ${what}`, 'aria-pressed': 'false', onclick: press };
@@ -61,11 +61,9 @@ class Strip {
     this.stops = 0;
     this.field.set(0);
     this.color.value = WHITE;
-    for (const button of [this.mute, this.solo]) button.setAttribute('aria-pressed', 'false');
+    for (const button of [this.mute, this.solo]) setPressed(button, false);
   }
 }
-
-const isOn = (button: HTMLButtonElement) => button.getAttribute('aria-pressed') === 'true';
 
 export class Mixer {
   readonly element: HTMLElement;
@@ -129,10 +127,10 @@ export class Mixer {
 
   private mix(): void {
     const strips = this.names.map((name) => this.strips.get(name)!);
-    const someSolo = strips.some((s) => isOn(s.solo));
+    const someSolo = strips.some((s) => isPressed(s.solo));
     const weights = new Float32Array(3 * MOST_GROUPS);
     strips.forEach((s, g) => {
-      if (isOn(s.mute) || (someSolo && !isOn(s.solo))) return;
+      if (isPressed(s.mute) || (someSolo && !isPressed(s.solo))) return;
       weights.set(
         linearOf(s.color.value).map((v) => v * 2 ** s.stops),
         3 * g,

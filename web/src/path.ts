@@ -1,6 +1,6 @@
 /** The path of one sample of the pinned pixel: what is asked for, and the table of its vertices. */
 
-import { h, setText, show } from './dom';
+import { h, setPressed, setText, show } from './dom';
 import { Drawing, isLit, MOST_NUMBERED } from './drawing';
 import type { PathVertex, State, TracedPath, Vec3 } from './protocol';
 
@@ -59,7 +59,7 @@ export class Path {
 
   toggle(): void {
     this.on = !this.on;
-    this.button.setAttribute('aria-pressed', String(this.on));
+    setPressed(this.button, this.on);
     this.group.hidden = !this.on;
     if (!this.on) return this.clear('');
     if (this.pixel) void this.ask();

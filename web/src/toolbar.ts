@@ -1,6 +1,6 @@
 /** Buttons over the picture. */
 
-import { h } from './dom';
+import { h, isPressed, setPressed } from './dom';
 import type { State } from './protocol';
 import { themeButton } from './theme';
 
@@ -29,7 +29,7 @@ export class Toolbar {
     this.regionButton = button('Region', 'Render only what you frame (R)', () => this.setRegion(!this.region), { 'aria-pressed': 'false' });
     this.clearButton = button('Whole', 'Render the whole picture again', actions.clearRegion);
     this.clearButton.hidden = true;
-    this.pauseButton = button('Pause', 'Pause or go on (P)', () => actions.pause(this.pauseButton.ariaPressed !== 'true'), {
+    this.pauseButton = button('Pause', 'Pause or go on (P)', () => actions.pause(!isPressed(this.pauseButton)), {
       'aria-pressed': 'false',
     });
     this.panelButton = button('Panel', 'Show or hide the panel (N)', actions.panel, { 'aria-expanded': 'true' });
@@ -54,12 +54,12 @@ export class Toolbar {
   }
 
   setPaused(on: boolean): void {
-    this.pauseButton.setAttribute('aria-pressed', String(on));
+    setPressed(this.pauseButton, on);
   }
 
   setRegion(on: boolean): void {
     this.region = on;
-    this.regionButton.setAttribute('aria-pressed', String(on));
+    setPressed(this.regionButton, on);
     document.body.classList.toggle('draws-region', on);
   }
 

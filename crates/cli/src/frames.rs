@@ -8,7 +8,7 @@ use crate::{
     values::Frames,
 };
 use std::path::{Path, PathBuf};
-use steradian::math::DVec3;
+use steradian::{Layer, math::DVec3};
 
 /// How many moments tell what automatic cameras show.
 const MOST_FRAMED: u32 = 17;
@@ -26,6 +26,9 @@ pub fn run(args: &RenderArgs, frames: Frames, terminal: Terminal) -> Outcome {
     }
     if args.scene_options.define.iter().any(|(name, _)| name == "at") {
         return Err(Failure::bad_input("--frames names the moments of all frames; it cannot go with -D at=SECONDS"));
+    }
+    if args.temporal && args.aov.iter().any(|layers| layers.0.contains(&Layer::Halves)) {
+        terminal.warn("the error that remains is not estimated where frames are denoised with those before");
     }
     let outputs = if args.output.is_empty() { output::default_names(scene) } else { args.output.clone() };
     let seconds = |frame: u32| f64::from(frame) / args.fps;

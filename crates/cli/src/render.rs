@@ -54,13 +54,11 @@ pub struct Before {
 
 impl Before {
     /// Begins a picture, which is to be denoised with those before where it `is_temporal`: their noise is to differ.
-    fn begin(&mut self, is_temporal: bool, render: &mut Render) -> Result<(), Failure> {
-        if is_temporal && self.denoiser.is_none() {
-            self.denoiser = Some((Sequence::new().map_err(|e| Failure::failed(e.to_string()))?, 0));
+    fn begin(&mut self, is_temporal: bool, render: &mut Render) {
+        if is_temporal {
+            let (_, frames) = self.denoiser.get_or_insert_default();
+            render.plan.sampler.seed = render.plan.sampler.seed.wrapping_add(*frames);
         }
-        let frames = self.denoiser.as_ref().map_or(0, |(_, frames)| *frames);
-        render.plan.sampler.seed = render.plan.sampler.seed.wrapping_add(frames);
-        Ok(())
     }
 
     /// A picture without its noise, by a filter, or with what is known of those before.
@@ -84,7 +82,7 @@ pub fn run_after(args: &RenderArgs, terminal: Terminal, before: &mut Before) -> 
     let Planned { mut render, spp, pixels, planned } = job.plan(scene)?;
     let filter = |name| Filter::new(name, args.oidn.as_deref(), 1.0, args.scene_options.threads);
     let filter = args.denoise.map(filter).transpose()?;
-    before.begin(args.temporal, &mut render)?;
+    before.begin(args.temporal, &mut render);
     let integrator = job.quality.integrator_name(scene);
     let signals = Signals::watch();
     let (width, height) = (scene.film().crop.width(), scene.film().crop.height());
@@ -135,8 +133,8 @@ pub fn run_after(args: &RenderArgs, terminal: Terminal, before: &mut Before) -> 
     }
     let saving = Instant::now();
     let mut made = making.picture(&*session);
-    if render.plan.halves {
-        made.tell_of_halves(args.temporal, terminal);
+    if render.plan.halves && !made.has_halves() {
+        terminal.warn("the layer 'halves' is left out: it takes two samples of each pixel or more");
     }
     filter.as_ref().map_or(Ok(()), |filter| made.denoise(filter, before, terminal))?;
     let written =
@@ -394,14 +392,9 @@ struct Made {
 }
 
 impl Made {
-    /// Says what halves of the samples do not do here.
-    fn tell_of_halves(&self, is_temporal: bool, terminal: Terminal) {
-        if self.picture.channel("half_a.R").is_none() {
-            terminal.warn("the layer 'halves' is left out: it takes two samples of each pixel or more");
-        }
-        if is_temporal {
-            terminal.warn("the error that remains is not estimated where frames are denoised with those before");
-        }
+    /// Whether it has the layer of halves: each pixel has a sample in both.
+    fn has_halves(&self) -> bool {
+        self.picture.channel(&format!("{}.R", Layer::Halves.prefix())).is_some()
     }
 
     /// Removes the noise, and says how long that took and how much error remains.

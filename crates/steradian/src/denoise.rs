@@ -161,18 +161,10 @@ pub fn picture(image: &Image, half: Option<&Image>, strength: f32) -> Result<Out
 
 /// Denoises the frames of an animation by non-local means, each with what those before saw
 /// ([`steradian_denoise::nlm::Sequence`]).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Sequence(nlm::Sequence);
 
 impl Sequence {
-    /// Before the first frame.
-    ///
-    /// # Errors
-    /// None with the settings that there are.
-    pub fn new() -> Result<Self, Error> {
-        Ok(Self(nlm::Sequence::new(Settings::default())?))
-    }
-
     /// Denoises the next frame with those of [`GUIDES`] that it has, and [`Layer::Motion`], from its layer `raw` where
     /// it was denoised before. A frame without motion, or of another size than the one before, begins anew. Frames are
     /// to err independently: each needs a seed of its own.

@@ -6,8 +6,11 @@ use rayon::prelude::*;
 const WINDOW: f32 = 9.0;
 
 /// The value of each pixel, rows in parallel.
-pub(super) fn map([width, height]: [usize; 2], value: impl Fn(usize, usize) -> f32 + Sync) -> Vec<f32> {
-    let mut values = vec![0.0; width * height];
+pub(super) fn map<T>([width, height]: [usize; 2], value: impl Fn(usize, usize) -> T + Sync) -> Vec<T>
+where
+    T: Copy + Default + Send,
+{
+    let mut values = vec![T::default(); width * height];
     values.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
         row.iter_mut().enumerate().for_each(|(x, place)| *place = value(x, y));
     });

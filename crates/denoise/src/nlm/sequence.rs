@@ -36,7 +36,7 @@ const NORMAL: f32 = 0.4;
 const ALBEDO: f32 = 0.2;
 
 /// Filters frames of an animation, each with what those before saw. The first one is filtered as a picture is.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Sequence {
     settings: Settings,
     before: Option<Memory>,
@@ -45,11 +45,9 @@ pub struct Sequence {
 /// What a frame leaves to the next.
 #[derive(Clone, Debug)]
 struct Memory {
-    /// What frames saw, averaged, and filtered; over albedo.
+    /// What frames saw, averaged, and filtered; over albedo. Pixels count by the frames that they are the mean of.
     noisy: Estimate,
     filtered: Estimate,
-    /// Of how many frames it is the mean.
-    counts: Vec<f32>,
     /// How far from its middle a pixel saw it, in the mean.
     offsets: Vec<Vec2>,
     guides: Guides,
@@ -94,23 +92,22 @@ impl Sequence {
         let features = Features::new(picture, settings);
         let frame = picture.noisy(&features, settings);
         let guides = Guides::of(picture);
-        let counts = map(picture.size(), |x, y| frame.count(y * picture.size()[0] + x));
         let before = self.before.take().filter(|before| before.noisy.size() == picture.size());
-        let (noisy, counts, offsets) = match before {
-            None => (frame, counts, vec![Vec2::ZERO; motion.values().len()]),
+        let (noisy, offsets) = match before {
+            None => (frame, vec![Vec2::ZERO; motion.values().len()]),
             Some(before) => {
                 let (patch, source) = (settings.patch, &frame);
                 let alone = Pass { guide: source, source, features: &features, patch, settings }.run(Lanes::best());
                 let alone = alone.with_noise_of(source, settings.pilot);
                 let found = before.find(&guides, motion);
                 let trust = trust(&alone, &before.filtered, &found, settings);
-                before.join(&frame, &counts, &found, &trust, settings)
+                before.join(&frame, &found, &trust, settings)
             }
         };
         let filtered = filter_by(&[&noisy, &noisy], &features, settings);
         let denoised = picture.finish(&filtered);
         let filtered = filtered.with_noise_of(&noisy, settings.pilot);
-        self.before = Some(Memory { noisy, filtered, counts, offsets, guides });
+        self.before = Some(Memory { noisy, filtered, offsets, guides });
         Ok(denoised)
     }
 }
@@ -168,8 +165,8 @@ impl Memory {
     /// nearest to that.
     fn find(&self, guides: &Guides, motion: &Image<Vec3>) -> Vec<Option<Found>> {
         let size = self.noisy.size();
-        let of = |x: u32, y: u32| {
-            let place = y as usize * size[0] + x as usize;
+        map(size, |x, y| {
+            let place = y * size[0] + x;
             let moved = motion.values()[place];
             let was = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) - moved.truncate();
             let is_inside = was.cmpge(Vec2::ZERO).all() && was.x < size[0] as f32 && was.y < size[1] as f32;
@@ -179,25 +176,23 @@ impl Memory {
             let slope = 2.0 * guides.slope(place);
             let middle = |at: usize| Vec2::new((at % size[0]) as f32 + 0.5, (at / size[0]) as f32 + 0.5);
             around(size, [was.x as usize, was.y as usize], 1)
-                .filter(|at| self.counts[*at] > 0.0 && guides.fits(place, &self.guides, *at, moved.z, slope))
+                .filter(|at| self.noisy.count(*at) > 0.0 && guides.fits(place, &self.guides, *at, moved.z, slope))
                 .map(|at| Found { place: at, offset: middle(at) + self.offsets[at] - was })
                 .min_by(|a, b| a.offset.length_squared().total_cmp(&b.offset.length_squared()))
-        };
-        Image::by_rows(motion.width(), motion.height(), of).values().to_vec()
+        })
     }
 
-    /// What a frame sees with what is remembered, as far as that is trusted: values and variances, of how many frames,
-    /// and how far from the middles of pixels.
+    /// What a frame sees with what is remembered, as far as that is trusted: values and variances, and how far from
+    /// the middles of pixels.
     fn join(
         &self,
         frame: &Estimate,
-        counts: &[f32],
         found: &[Option<Found>],
         trust: &[f32],
         settings: &Settings,
-    ) -> (Estimate, Vec<f32>, Vec<Vec2>) {
+    ) -> (Estimate, Vec<Vec2>) {
         let size = frame.size();
-        let of = |place: usize| found[place].map(|f| (f, (trust[place] * self.counts[f.place]).min(MOST_FRAMES)));
+        let of = |place: usize| found[place].map(|f| (f, (trust[place] * self.noisy.count(f.place)).min(MOST_FRAMES)));
         let channels = [0, 1, 2].map(|c| {
             let joined = |place: usize| {
                 let (own, noise) = frame.channel(c, place);
@@ -205,7 +200,7 @@ impl Memory {
                     return (own, noise);
                 };
                 let (other, other_noise) = self.noisy.channel(c, at);
-                let part = counts[place] / (counts[place] + past);
+                let part = frame.count(place) / (frame.count(place) + past);
                 let rest = 1.0 - part;
                 (part * own + rest * other, part * part * noise + rest * rest * other_noise)
             };
@@ -215,14 +210,14 @@ impl Memory {
         });
         let all = map(size, |x, y| {
             let place = y * size[0] + x;
-            counts[place] + of(place).map_or(0.0, |(_, past)| past)
+            frame.count(place) + of(place).map_or(0.0, |(_, past)| past)
         });
         let offset = |(place, count): (usize, &f32)| match of(place) {
             Some((found, past)) if past > 0.0 => found.offset * (past / count),
             _ => Vec2::ZERO,
         };
         let offsets = all.iter().enumerate().map(offset).collect();
-        (Estimate::new(size, settings, channels, all.clone()), all, offsets)
+        (Estimate::new(size, settings, channels, all), offsets)
     }
 }
 

@@ -233,6 +233,9 @@ function setOptions(select, options) {
 		title: o.title
 	}, o.text ?? o.value)));
 }
+/** Whether a button that stays pressed is. */
+var isPressed = (button) => button.getAttribute("aria-pressed") === "true";
+var setPressed = (button, on) => button.setAttribute("aria-pressed", String(on));
 /** A section that folds. */
 function section(title, open, ...children) {
 	return h("details", {
@@ -2295,7 +2298,7 @@ var Strip = class {
 		});
 		const toggle = (letter, what, title) => {
 			const press = () => {
-				button.setAttribute("aria-pressed", String(!isOn(button)));
+				setPressed(button, !isPressed(button));
 				changed();
 			};
 			const button = h("button", {
@@ -2326,10 +2329,9 @@ var Strip = class {
 		this.stops = 0;
 		this.field.set(0);
 		this.color.value = WHITE;
-		for (const button of [this.mute, this.solo]) button.setAttribute("aria-pressed", "false");
+		for (const button of [this.mute, this.solo]) setPressed(button, false);
 	}
 };
-var isOn = (button) => button.getAttribute("aria-pressed") === "true";
 var Mixer = class {
 	view;
 	changed;
@@ -2396,10 +2398,10 @@ var Mixer = class {
 	}
 	mix() {
 		const strips = this.names.map((name) => this.strips.get(name));
-		const someSolo = strips.some((s) => isOn(s.solo));
+		const someSolo = strips.some((s) => isPressed(s.solo));
 		const weights = /* @__PURE__ */ new Float32Array(96);
 		strips.forEach((s, g) => {
-			if (isOn(s.mute) || someSolo && !isOn(s.solo)) return;
+			if (isPressed(s.mute) || someSolo && !isPressed(s.solo)) return;
 			weights.set(linearOf(s.color.value).map((v) => v * 2 ** s.stops), 3 * g);
 		});
 		this.view.mix(weights);
@@ -3685,7 +3687,7 @@ var Path = class {
 	}
 	toggle() {
 		this.on = !this.on;
-		this.button.setAttribute("aria-pressed", String(this.on));
+		setPressed(this.button, this.on);
 		this.group.hidden = !this.on;
 		if (!this.on) return this.clear("");
 		if (this.pixel) this.ask();
@@ -3965,7 +3967,7 @@ var Toolbar = class {
 		this.regionButton = button("Region", "Render only what you frame (R)", () => this.setRegion(!this.region), { "aria-pressed": "false" });
 		this.clearButton = button("Whole", "Render the whole picture again", actions.clearRegion);
 		this.clearButton.hidden = true;
-		this.pauseButton = button("Pause", "Pause or go on (P)", () => actions.pause(this.pauseButton.ariaPressed !== "true"), { "aria-pressed": "false" });
+		this.pauseButton = button("Pause", "Pause or go on (P)", () => actions.pause(!isPressed(this.pauseButton)), { "aria-pressed": "false" });
 		this.panelButton = button("Panel", "Show or hide the panel (N)", actions.panel, { "aria-expanded": "true" });
 		this.element = h("div", {
 			class: "toolbar",
@@ -3978,11 +3980,11 @@ var Toolbar = class {
 		this.setPaused(state.paused);
 	}
 	setPaused(on) {
-		this.pauseButton.setAttribute("aria-pressed", String(on));
+		setPressed(this.pauseButton, on);
 	}
 	setRegion(on) {
 		this.region = on;
-		this.regionButton.setAttribute("aria-pressed", String(on));
+		setPressed(this.regionButton, on);
 		document.body.classList.toggle("draws-region", on);
 	}
 	setPanel(hidden) {

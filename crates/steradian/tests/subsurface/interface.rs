@@ -12,18 +12,8 @@ fn ball(material: &str) -> Arc<Scene> {
     ))
 }
 
-/// With a camera that sees from −1 to 1 in both directions.
 fn scene(world: &str) -> Arc<Scene> {
-    let text = format!(
-        "steradian: 1
-         conventions: pbrt
-         film: {{film: rgb, width: 24, height: 24}}
-         filter: {{filter: box}}
-         integrator: {{integrator: volpath, max_depth: 100000}}
-         cameras: [{{camera: orthographic, screen_window: [-1, 1, -1, 1],
-                    to_world: {{matrix: [-1, 0, 0, 0,  0, 1, 0, 0,  0, 0, -1, 5,  0, 0, 0, 1]}}}}]
-         {world}"
-    );
+    let text = crate::text("volpath", world);
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("scene.steradian");
     std::fs::write(&path, text).expect("written");

@@ -25,17 +25,11 @@ fn under(light: &str, material: &str) -> Arc<Scene> {
 }
 
 fn text(light: &str, material: &str) -> String {
-    format!(
-        "steradian: 1
-         conventions: pbrt
-         film: {{film: rgb, width: 24, height: 24}}
-         filter: {{filter: box}}
-         integrator: {{integrator: path, max_depth: 100000}}
-         cameras: [{{camera: orthographic, screen_window: [-1, 1, -1, 1],
-                    to_world: {{matrix: [-1, 0, 0, 0,  0, 1, 0, 0,  0, 0, -1, 5,  0, 0, 0, 1]}}}}]
-         shapes: [{{shape: sphere, radius: 1, material: {{{material}}}}}]
+    let world = format!(
+        "shapes: [{{shape: sphere, radius: 1, material: {{{material}}}}}]
          lights: [{light}]"
-    )
+    );
+    crate::text("path", &world)
 }
 
 fn loaded(path: &Path) -> SceneDesc {

@@ -6,6 +6,20 @@ mod layered;
 use std::sync::Arc;
 use steradian::{Quality, Scene, render};
 
+/// A scene by an integrator, with a camera that sees from −1 to 1 in both directions.
+fn text(integrator: &str, world: &str) -> String {
+    format!(
+        "steradian: 1
+         conventions: pbrt
+         film: {{film: rgb, width: 24, height: 24}}
+         filter: {{filter: box}}
+         integrator: {{integrator: {integrator}, max_depth: 100000}}
+         cameras: [{{camera: orthographic, screen_window: [-1, 1, -1, 1],
+                    to_world: {{matrix: [-1, 0, 0, 0,  0, 1, 0, 0,  0, 0, -1, 5,  0, 0, 0, 1]}}}}]
+         {world}"
+    )
+}
+
 /// The mean of each colour over some frames, and the variance of that mean.
 fn seen(scene: &Arc<Scene>, spp: u32) -> [(f64, f64); 3] {
     const FRAMES: u64 = 6;
