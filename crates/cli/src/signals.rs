@@ -1,6 +1,7 @@
 //! SIGINT and SIGTERM end every command, with a message and the code 128 + signal: at once, or in order where
 //! the command [watches](Signals::watch) for them, as a render does that saves what it has. The second one ends it at
-//! once in any case. SIGUSR1 asks for the picture as it is, and ends nothing.
+//! once in any case, and so does the first one where a pipe that nobody reads holds the command. SIGUSR1 asks for the
+//! picture as it is, and ends nothing.
 
 use crate::terminal::Terminal;
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -13,6 +14,10 @@ static END: LazyLock<Arc<AtomicUsize>> = LazyLock::new(Arc::default);
 static PICTURE: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 /// How many [`Signals`] there are.
 static WATCHERS: AtomicUsize = AtomicUsize::new(0);
+
+/// For how long writing to a pipe may stand still once a signal came.
+#[cfg(unix)]
+const STUCK: std::time::Duration = std::time::Duration::from_millis(400);
 
 /// Takes over the signals of the process. What it is not allowed to take over acts as usual.
 pub fn take_over() {
@@ -43,9 +48,27 @@ mod unix {
                 if WATCHERS.load(Ordering::SeqCst) == 0 {
                     end(signal as u8);
                 }
+                std::thread::spawn(move || {
+                    end_where_stuck(signal as u8);
+                });
             }
         })?;
         Ok(())
+    }
+}
+
+/// Ends the process where its command writes into a pipe that nobody reads, or a device that takes nothing: it answers
+/// no signal there.
+#[cfg(unix)]
+fn end_where_stuck(signal: u8) -> ! {
+    let mut before = None;
+    loop {
+        let now = steradian::image::stream_progress();
+        if now.is_some() && now == before {
+            end(signal);
+        }
+        before = now;
+        std::thread::sleep(STUCK);
     }
 }
 

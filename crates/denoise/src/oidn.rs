@@ -41,6 +41,8 @@ const MAJOR: c_int = 2;
 pub enum Error {
     /// A path that is not absolute.
     Relative,
+    /// A pipe or a device: to open a pipe waits for someone to write.
+    Irregular,
     /// The system cannot load it.
     Load(libloading::Error),
     /// A function that it lacks.
@@ -57,6 +59,7 @@ impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Relative => write!(f, "the path of a library is absolute"),
+            Self::Irregular => write!(f, "it is not a regular file, as a library is"),
             Self::Load(e) => {
                 write!(f, "it is no library that this machine loads: {e}")?;
                 std::error::Error::source(e).map_or(Ok(()), |source| write!(f, ": {source}"))
@@ -132,6 +135,9 @@ impl Oidn {
     pub fn load(path: &Path, threads: usize) -> Result<Self, Error> {
         if !path.is_absolute() {
             return Err(Error::Relative);
+        }
+        if path.metadata().is_ok_and(|meta| !meta.is_file() && !meta.is_dir()) {
+            return Err(Error::Irregular);
         }
         let functions = Functions::bind(path)?;
         // SAFETY: the functions are the library's, of which this one is the same in version 1.

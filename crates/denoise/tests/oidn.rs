@@ -84,7 +84,8 @@ fn threads_do_not_change_the_picture() {
     assert_eq!(one, two);
 }
 
-/// A path that is relative, a file that is not there, a text, a folder, and a library of something else.
+/// A path that is relative, a file that is not there, a text, a folder, a pipe, a device, and a library of something
+/// else.
 #[test]
 fn what_is_no_such_library_is_refused() {
     let folder = fs::canonicalize(env::temp_dir()).unwrap();
@@ -96,6 +97,15 @@ fn what_is_no_such_library_is_refused() {
     }
     fs::remove_file(&text).unwrap();
     assert!(matches!(Oidn::load(Path::new("libm.so.6"), 1), Err(Error::Relative)));
+    #[cfg(unix)]
+    {
+        // Nobody ever writes into this pipe.
+        assert!(std::process::Command::new("mkfifo").arg(&text).status().unwrap().success());
+        let refusal = Oidn::load(&text, 1).unwrap_err();
+        fs::remove_file(&text).unwrap();
+        assert!(matches!(refusal, Error::Irregular), "{refusal}");
+        assert!(matches!(Oidn::load(Path::new("/dev/zero"), 1), Err(Error::Irregular)));
+    }
     let places = ["/lib/x86_64-linux-gnu", "/lib/aarch64-linux-gnu", "/lib64", "/usr/lib"];
     let Some(other) = places.map(|place| Path::new(place).join("libm.so.6")).into_iter().find(|p| p.is_file()) else {
         println!("SKIPPED: no libm.so.6 is where systems have it");

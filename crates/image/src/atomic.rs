@@ -4,7 +4,10 @@ use crate::{Error, Result};
 use std::fs::{self, File, Metadata, Permissions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{
+    Mutex, MutexGuard, PoisonError,
+    atomic::{AtomicU64, Ordering},
+};
 use tempfile::{NamedTempFile, TempDir};
 
 const PREFIX: &str = ".steradian-";
@@ -84,11 +87,11 @@ fn drafts() -> MutexGuard<'static, Vec<PathBuf>> {
 
 /// A place among the [`drafts`] for as long as this is there.
 #[derive(Debug)]
-struct Listed(PathBuf);
+pub(crate) struct Listed(PathBuf);
 
 impl Listed {
     /// Makes a temporary file or folder that is among the drafts from its first moment.
-    fn new<T>(make: impl FnOnce() -> io::Result<T>, path: fn(&T) -> &Path) -> io::Result<(T, Self)> {
+    pub fn new<T>(make: impl FnOnce() -> io::Result<T>, path: fn(&T) -> &Path) -> io::Result<(T, Self)> {
         let mut drafts = drafts();
         let made = make()?;
         let path = path(&made).to_path_buf();
@@ -103,8 +106,8 @@ impl Drop for Listed {
     }
 }
 
-/// Removes all temporary files of this process, which is about to end. As long as what this returns lives, no file gets
-/// its name.
+/// Removes all temporary files and folders of this process, which is about to end. As long as what this returns lives,
+/// no file gets its name.
 pub fn discard_drafts() -> impl Sized {
     let drafts = drafts();
     for path in drafts.iter() {
@@ -113,10 +116,48 @@ pub fn discard_drafts() -> impl Sized {
     drafts
 }
 
+/// Calls of the system under way that open a device or pipe or write to it, and those that have ended.
+static CALLS: [AtomicU64; 2] = [AtomicU64::new(0), AtomicU64::new(0)];
+
+/// The number of calls of the system that have ended, where one is under way that opens a device or a pipe or writes to
+/// it. It stands still where a pipe has no reader.
+pub fn stream_progress() -> Option<u64> {
+    let [under_way, ended] = &CALLS;
+    (under_way.load(Ordering::SeqCst) > 0).then(|| ended.load(Ordering::SeqCst))
+}
+
+/// Makes such a call.
+fn call<T>(make: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
+    CALLS[0].fetch_add(1, Ordering::SeqCst);
+    let made = make();
+    CALLS[1].fetch_add(1, Ordering::SeqCst);
+    CALLS[0].fetch_sub(1, Ordering::SeqCst);
+    made
+}
+
+/// A device or a pipe that is written to.
+struct Stream(File);
+
+impl Stream {
+    fn open(path: &Path) -> io::Result<Self> {
+        call(|| fs::OpenOptions::new().write(true).open(path)).map(Self)
+    }
+}
+
+impl Write for Stream {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        call(|| self.0.write(bytes))
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
+}
+
 /// Where the bytes go.
 enum Target {
     /// A device or a pipe.
-    Stream(File),
+    Stream(Stream),
     /// A file: the draft that will replace what is at the path.
     File { path: PathBuf, old: Option<Permissions>, draft: NamedTempFile, listed: Listed },
 }
@@ -139,7 +180,7 @@ fn open(path: &Path) -> Result<Target> {
             return Err(io("write")(io::ErrorKind::IsADirectory.into()));
         }
         if !old.is_file() {
-            return Ok(Target::Stream(fs::OpenOptions::new().write(true).open(&target).map_err(io("open"))?));
+            return Ok(Target::Stream(Stream::open(&target).map_err(io("open"))?));
         }
         if old.permissions().readonly() {
             return Err(io("replace")(io::ErrorKind::PermissionDenied.into()));

@@ -1,7 +1,7 @@
 //! Regular files, which have an end. To open a pipe waits for someone to write, and devices may go on for ever.
 
 use std::{
-    fs::File,
+    fs::{File, Metadata},
     io::{Error, ErrorKind, Read, Result},
     path::Path,
     time::SystemTime,
@@ -17,16 +17,29 @@ pub fn open_regular(path: &Path) -> Result<(File, u64)> {
     if meta.is_file() { Ok((File::open(path)?, meta.len())) } else { Err(Error::other("it is not a regular file")) }
 }
 
-/// The length of a file and when it was last written. A file with the same stamp is taken for unchanged; one that is
-/// written again within a step of the file system's clock, with as many bytes, is not noticed.
+/// The length of a file, when it was last written, and on Unix which file it is and when that was last changed, which
+/// programs cannot set. A file with the same stamp is taken for unchanged; one that is written again within a step of
+/// the file system's clock, with as many bytes, is not noticed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Stamp(Option<(u64, Option<SystemTime>)>);
+pub struct Stamp(Option<(u64, Option<SystemTime>, [i64; 4])>);
 
 impl Stamp {
     /// That of a file now; one without anything where it cannot be asked.
     pub fn of(path: &Path) -> Self {
-        Self(std::fs::metadata(path).ok().map(|meta| (meta.len(), meta.modified().ok())))
+        Self(std::fs::metadata(path).ok().map(|meta| (meta.len(), meta.modified().ok(), identity(&meta))))
     }
+}
+
+/// Device, number and time of change of a file.
+#[cfg(unix)]
+fn identity(meta: &Metadata) -> [i64; 4] {
+    use std::os::unix::fs::MetadataExt;
+    [meta.dev().cast_signed(), meta.ino().cast_signed(), meta.ctime(), meta.ctime_nsec()]
+}
+
+#[cfg(not(unix))]
+fn identity(_: &Metadata) -> [i64; 4] {
+    [0; 4]
 }
 
 /// All of a file.
@@ -49,6 +62,27 @@ pub fn read_regular(path: &Path, most: u64) -> Result<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// As many bytes, with the time of those before, are another file.
+    #[cfg(unix)]
+    #[test]
+    fn a_change_that_keeps_size_and_time_shows_in_the_stamp() {
+        use std::os::unix::fs::MetadataExt;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        std::fs::write(&path, b"four").unwrap();
+        let (before, written) = (Stamp::of(&path), std::fs::metadata(&path).unwrap());
+        assert_eq!(before, Stamp::of(&path));
+        let changed = |meta: &Metadata| (meta.ctime(), meta.ctime_nsec());
+        // Until the file system's clock has gone on.
+        while changed(&std::fs::metadata(&path).unwrap()) == changed(&written) {
+            std::fs::write(&path, b"five").unwrap();
+            File::options().write(true).open(&path).unwrap().set_modified(written.modified().unwrap()).unwrap();
+        }
+        let after = std::fs::metadata(&path).unwrap();
+        assert_eq!((after.len(), after.modified().unwrap()), (written.len(), written.modified().unwrap()));
+        assert_ne!(before, Stamp::of(&path));
+    }
 
     #[test]
     fn only_regular_files_are_read_and_only_so_far() {

@@ -48,6 +48,19 @@ fn code(child: &mut Child) -> Option<i32> {
     None
 }
 
+/// A pipe that nobody reads holds no command that is to end.
+#[test]
+fn a_pipe_without_a_reader_ends_by_a_signal() {
+    for (signal, expected) in [("-INT", 130), ("-TERM", 143)] {
+        let place = Place::new();
+        assert!(Command::new("mkfifo").arg(place.path("pipe.exr")).status().unwrap().success());
+        let (mut child, mut stderr) = start(&place, &["--size", "16x16", "-o", "pipe.exr"]);
+        sampled(&mut stderr);
+        send(signal, &child);
+        assert_eq!(code(&mut child), Some(expected), "{signal}");
+    }
+}
+
 #[test]
 fn a_signal_stops_and_saves() {
     for (signal, expected, name) in [("-INT", 130, "SIGINT"), ("-TERM", 143, "SIGTERM")] {
