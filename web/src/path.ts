@@ -13,6 +13,7 @@ const ENDS: Record<TracedPath['end'], string> = {
   depth: 'greatest depth',
   roulette: 'Russian roulette',
   'not finite': 'not finite',
+  'too long': 'too many vertices: the rest is left out',
 };
 
 export class Path {

@@ -184,7 +184,7 @@ export interface TracedPath {
   /** Whether the picture is made of such paths. */
   of_picture: boolean;
   value: Vec3;
-  end: 'escaped' | 'absorbed' | 'depth' | 'roulette' | 'not finite';
+  end: 'escaped' | 'absorbed' | 'depth' | 'roulette' | 'not finite' | 'too long';
   vertices: PathVertex[];
 }
 

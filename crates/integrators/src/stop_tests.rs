@@ -20,7 +20,7 @@ use steradian_scene::{ColorSpace, Family, Format, Node, SceneDesc, Shape, Spectr
 const FOREVER: Depth = Depth { max: u32::MAX, roulette_after: u32::MAX, hide_emitters: false };
 
 /// A camera in a ball of which nothing leaves: of mirrors, or of white walls.
-fn ball(kind: &str) -> Scene {
+pub(crate) fn ball(kind: &str) -> Scene {
     let white = Value::Spectrum(SpectrumValue::Rgb([1.0; 3], ColorSpace::Srgb));
     let mut desc = SceneDesc { format: Format::Native, ..SceneDesc::default() };
     let film = Node::new(Family::Film, "rgb", None).with("width", 64i64).with("height", 64i64);
@@ -54,6 +54,18 @@ fn paths_end_where_they_are() {
             "{kind}"
         );
     }
+}
+
+/// Between mirrors that absorb nothing a path ends all the same, however late roulette is to begin.
+#[test]
+fn no_path_is_endless() {
+    let scene = ball("conductor");
+    let rays = rays(&PathTracer::<false> { depth: FOREVER }, &scene, &Stop::default());
+    assert!((1000..20_000).contains(&rays), "{rays}");
+    // The path of a sample, with all its vertices.
+    let sampler = Sampler { kind: SamplerKind::Independent, spp: 1, seed: 0 };
+    let path = crate::traced::trace(&scene, &sampler, (false, FOREVER), [3, 5], 0);
+    assert_eq!(path.end, crate::traced::End::Roulette);
 }
 
 /// Rays of one path.

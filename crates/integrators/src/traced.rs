@@ -2,10 +2,14 @@
 //! path carries and the light that it finds there.
 
 use crate::{Depth, path::PathTracer};
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, Ordering},
+};
 use steradian_bsdf::Lobe;
 use steradian_core::{ColorMode, Scene, sampler::Sampler};
 use steradian_engine::{
-    Counters, PathContext, PixelSample,
+    Counters, PathContext, PixelSample, Stop,
     partition::{Partition, Place},
 };
 use steradian_math::{Spectrum, Vec3, spectra::Wavelengths};
@@ -37,7 +41,12 @@ pub enum End {
     Roulette,
     /// What it carries is no number.
     NotFinite,
+    /// It has more than [`MOST_VERTICES`] vertices; what the others bring is not in its value.
+    TooLong,
 }
+
+/// Most vertices of a traced path.
+pub const MOST_VERTICES: usize = 1 << 14;
 
 /// How a path goes on from a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,10 +120,11 @@ pub fn trace(
 ) -> TracedPath {
     let (begun, weight) =
         PixelSample::at(scene, sampler, &Partition::new(1, sampler.seed), sample, &Place::alone(pixel));
-    let (mut shifted, mut counters) = (begun.lambda, Counters::default());
+    let full = Arc::new(AtomicBool::new(false));
+    let (mut shifted, mut counters) = (begun.lambda, Counters::until(&Stop::by(&full)));
     let context = &mut PathContext { scene, sampler: &begun.own, lambda: &mut shifted, counters: &mut counters };
     let state = PathState::camera(scene, begun.ray);
-    let recorder = Recorder::new(scene, &depth, state.segment());
+    let recorder = Recorder::new(scene, &depth, state.segment(), full);
     let found = match has_media {
         true => PathTracer::<true> { depth }.along(state, None::<&NoGuide>, context, recorder),
         false => PathTracer::<false> { depth }.along(state, None::<&NoGuide>, context, recorder),
@@ -153,10 +163,12 @@ struct Recorder<'s> {
     end: Option<End>,
     /// Most events, those below surfaces included.
     most: u32,
+    /// Set where there are so many vertices that the path is not followed further.
+    full: Arc<AtomicBool>,
 }
 
 impl<'s> Recorder<'s> {
-    fn new(scene: &'s Scene, depth: &Depth, segment: Segment) -> Self {
+    fn new(scene: &'s Scene, depth: &Depth, segment: Segment, full: Arc<AtomicBool>) -> Self {
         let mut recorder = Self {
             scene,
             vertices: Vec::new(),
@@ -165,6 +177,7 @@ impl<'s> Recorder<'s> {
             total: Spectrum::ZERO,
             end: None,
             most: depth.max,
+            full,
         };
         recorder.push(VertexKind::Camera, segment, segment.ray.origin, None);
         recorder.is_under_way = true;
@@ -172,6 +185,11 @@ impl<'s> Recorder<'s> {
     }
 
     fn push(&mut self, kind: VertexKind, segment: Segment, position: Vec3, surface: Option<(Vec3, u32, u32)>) {
+        if self.vertices.len() >= MOST_VERTICES {
+            self.full.store(true, Ordering::Relaxed);
+            self.end = Some(End::TooLong);
+            return;
+        }
         // What passes a thin pane straight has not scattered there.
         if let Some(before) = self.vertices.last_mut()
             && let (Some(Event::Lobe(_)), true) = (before.event, before.events == segment.events)
@@ -284,5 +302,26 @@ impl Sink for Recorder<'_> {
             }
             Step::Roulette => self.end = Some(End::Roulette),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use steradian_math::Ray;
+
+    /// A path of very many vertices is asked to stop, and keeps so many of them.
+    #[test]
+    fn vertices_are_bounded() {
+        let scene = crate::stop_tests::ball("diffuse");
+        let depth = Depth { max: u32::MAX, roulette_after: 0, hide_emitters: false };
+        let segment = Segment { ray: Ray::new(Vec3::ZERO, Vec3::Z), beta: Spectrum::ONE, events: 0 };
+        let full = Arc::new(AtomicBool::new(false));
+        let mut recorder = Recorder::new(&scene, &depth, segment, Arc::clone(&full));
+        for k in 0..MOST_VERTICES + 10 {
+            assert_eq!(full.load(Ordering::Relaxed), k >= MOST_VERTICES);
+            recorder.tell(Step::Medium(segment, Vec3::ZERO));
+        }
+        assert_eq!((recorder.vertices.len(), recorder.end), (MOST_VERTICES, Some(End::TooLong)));
     }
 }

@@ -107,6 +107,7 @@ fn told(subject: &Arc<Subject>, Asked { x, y, sample }: Asked) -> Result<Told, S
             End::Depth => "depth",
             End::Roulette => "roulette",
             End::NotFinite => "not finite",
+            End::TooLong => "too long",
         },
         vertices: (0..path.vertices.len()).map(|k| vertex(subject, &path, k)).collect(),
     })

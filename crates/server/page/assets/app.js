@@ -3634,7 +3634,8 @@ var ENDS = {
 	absorbed: "absorbed",
 	depth: "greatest depth",
 	roulette: "Russian roulette",
-	"not finite": "not finite"
+	"not finite": "not finite",
+	"too long": "too many vertices: the rest is left out"
 };
 var Path = class {
 	drawing;
