@@ -173,7 +173,7 @@ impl Info {
         });
         let film_bytes = film.as_ref().map(|f| {
             let [x0, y0, x1, y1] = f.crop.map(u64::from);
-            (x1 - x0) * (y1 - y0) * memory::film_bytes_per_pixel(0)
+            (x1 - x0) * (y1 - y0) * steradian::film_bytes_per_pixel(0)
         });
         let tables = scene.map(Scene::tables).unwrap_or_default().into_iter();
         let tables: Vec<_> = tables.map(|t| Table { name: t.name, count: t.count, bytes: t.bytes }).collect();

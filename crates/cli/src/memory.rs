@@ -35,15 +35,6 @@ fn kilobytes(table: &str, name: &str) -> Option<u64> {
     rest.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?.checked_mul(1024)
 }
 
-/// Bytes per pixel of a film while it is rendered, copied, developed and encoded, for `layers` auxiliary layers.
-///
-/// A pixel's sums take 56 bytes and those of its first hits 64, both twice while the film is copied; a layer has up to
-/// three planes of four bytes, that are there again in the encoded file.
-pub fn film_bytes_per_pixel(layers: usize) -> u64 {
-    let sums = 56 + if layers > 0 { 64 } else { 0 };
-    2 * sums + 2 * 12 * (1 + layers as u64)
-}
-
 /// A size for people.
 pub fn readable(bytes: u64) -> String {
     const UNITS: [&str; 5] = ["B", "KiB", "MiB", "GiB", "TiB"];

@@ -314,15 +314,9 @@ impl<'a> Job<'a> {
             let name = quality.integrator_name(scene);
             return Err(Failure::bad_input(format!("--denoise is not for '{name}' here: {why}")));
         }
-        // Mattes are counted apart from other layers, and have eight times as many planes.
         let is_pipeline = render.integrator().is_none();
-        let bins = render.integrator().map_or(0, |i| i.bins() as usize);
+        check_memory(scene, render.film_bytes(scene, quality.layers.len()))?;
         let plan = &mut render.plan;
-        let mattes = if plan.mattes { 16 } else { 0 };
-        let groups = if plan.by_light { 3 * scene.light_groups().names.len() } else { 0 } + 3 * bins;
-        // Sums of even number beside those of all, and two more pictures.
-        let halves = if plan.halves { 8 } else { 0 };
-        check_memory(scene, quality.layers.len() + mattes + groups + halves)?;
         let integrator = quality.integrator_name(scene);
         if let Some(what) = quality.cannot(scene) {
             let named = &scene.settings().integrator;
@@ -572,9 +566,7 @@ fn quality(args: &RenderArgs) -> Quality {
 }
 
 /// Refuses films that would not fit into memory, before the system ends the process for it.
-pub fn check_memory(scene: &Scene, layers: usize) -> Result<(), Failure> {
-    let pixels = u64::from(scene.film().crop.width()) * u64::from(scene.film().crop.height());
-    let needed = pixels.saturating_mul(memory::film_bytes_per_pixel(layers));
+pub fn check_memory(scene: &Scene, needed: u64) -> Result<(), Failure> {
     match memory::available() {
         Some(available) if needed > available => Err(Failure::bad_input(format!(
             "a picture of {} x {} pixels needs about {} of memory, and {} are there; a smaller --size or a --crop helps",

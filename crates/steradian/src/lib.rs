@@ -35,7 +35,7 @@ pub use develop::develop;
 pub use error::Error;
 pub use inputs::Inputs;
 pub use load::{Loaded, load, load_bytes, open};
-pub use method::{Method, Render};
+pub use method::{Method, Render, film_bytes_per_pixel};
 pub use missed::missing_light;
 pub use quality::{LeftOut, Quality};
 pub use single::{SinglePath, trace_path};

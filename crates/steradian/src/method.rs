@@ -24,7 +24,30 @@ pub struct Render {
     pub plan: Plan,
 }
 
+/// Bytes per pixel of a film while it is rendered, copied, developed and encoded, for `layers` auxiliary layers.
+///
+/// A pixel's sums take 56 bytes and those of its first hits 64, both twice while the film is copied; a layer has up to
+/// three planes of four bytes, that are there again in the encoded file.
+pub fn film_bytes_per_pixel(layers: usize) -> u64 {
+    let sums = 56 + if layers > 0 { 64 } else { 0 };
+    2 * sums + 2 * 12 * (1 + layers as u64)
+}
+
 impl Render {
+    /// Bytes of the film while it is rendered, copied, developed and encoded, with so many layers that were asked for.
+    /// Mattes, the light of groups, intervals of arrival and halves count for themselves.
+    pub fn film_bytes(&self, scene: &Scene, layers: usize) -> u64 {
+        // Mattes are counted apart from other layers, and have eight times as many planes.
+        let mattes = if self.plan.mattes { 16 } else { 0 };
+        let groups = if self.plan.by_light { 3 * scene.light_groups().names.len() } else { 0 };
+        let bins = self.integrator().map_or(0, |i| 3 * i.bins() as usize);
+        // Sums of even number beside those of all, and two more pictures.
+        let halves = if self.plan.halves { 8 } else { 0 };
+        let crop = scene.film().crop;
+        let pixels = u64::from(crop.width()) * u64::from(crop.height());
+        pixels.saturating_mul(film_bytes_per_pixel(layers + mattes + groups + bins + halves))
+    }
+
     /// The integrator, of methods by rays.
     pub fn integrator(&self) -> Option<&IntegratorKind> {
         match &self.method {
