@@ -1,11 +1,12 @@
 //! What all requests share, and how they are refused.
 
-use crate::{access::Access, kept::Keeper, viewer};
+use crate::{access::Access, kept::Keeper, log::Log, viewer};
 use axum::{
     http::StatusCode,
     response::{IntoResponse, Json, Response},
 };
 use std::sync::{Arc, Mutex, atomic::AtomicUsize};
+use steradian::image::TemporaryFolder;
 
 /// What all requests share.
 #[derive(Clone)]
@@ -14,12 +15,12 @@ pub struct App {
     pub access: Arc<Access>,
     /// The thread that renders.
     pub viewer: viewer::Handle,
-    /// Told of what is refused.
-    pub log: Arc<dyn Fn(&str) + Send + Sync>,
+    /// Told of what is refused, and saved.
+    pub log: Arc<Log>,
     /// Sockets that are open.
     pub sockets: Arc<AtomicUsize>,
     /// The last upload, which the scene may be made of.
-    pub upload: Arc<Mutex<Option<tempfile::TempDir>>>,
+    pub upload: Arc<Mutex<Option<TemporaryFolder>>>,
     /// What the picture is held against.
     pub reference: Arc<Keeper>,
 }
@@ -27,7 +28,7 @@ pub struct App {
 impl App {
     /// For a viewer.
     pub fn new(access: Access, viewer: viewer::Handle, log: Arc<dyn Fn(&str) + Send + Sync>) -> Self {
-        let access = Arc::new(access);
+        let (access, log) = (Arc::new(access), Arc::new(Log::new(log)));
         Self { access, viewer, log, sockets: Arc::default(), upload: Arc::default(), reference: Arc::default() }
     }
 }

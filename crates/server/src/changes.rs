@@ -4,7 +4,7 @@ use crate::{
     document::Document,
     edits::{Edit, What},
     frame, groups,
-    look::{Purpose, View, options, quality, set},
+    look::{Purpose, View, bytes, check_memory, options, quality, set},
     protocol::{Request, told},
     state,
     viewer::{Reach, Viewer, compile},
@@ -39,6 +39,9 @@ impl Viewer {
         }
         let scene = compile(&mut self.document, &self.look, Purpose::Render).map_err(|d| told(&d))?;
         let render = quality(&self.look).render(&scene).map_err(|e| e.to_string())?;
+        let needed = bytes(&render, &scene, &self.look);
+        let there_is = self.document.source.memory.and_then(|there_is| there_is());
+        check_memory(needed, self.held, there_is)?;
         let denoiser = self.look.settings.denoise.flatten();
         if let Some(denoiser) = denoiser {
             if let Some(why) = render.not_denoisable(&scene) {
@@ -52,7 +55,7 @@ impl Viewer {
             }
             groups::check(&scene)?;
         }
-        self.scene = scene;
+        (self.scene, self.held) = (scene, needed);
         Ok(())
     }
 
@@ -130,7 +133,7 @@ impl Viewer {
             }
             Request::Pause { on } => {
                 look.paused = on;
-                Ok(if on || job.is_some() { Reach::Sent } else { Reach::Picture })
+                Ok(if on || job.is_some() { Reach::State } else { Reach::Picture })
             }
         }
     }

@@ -9,11 +9,11 @@ use std::{
     collections::{BTreeMap, HashMap},
     path::{Path, PathBuf},
     sync::Arc,
-    time::SystemTime,
 };
 use steradian::{
     CompileOptions, Kept, Scene,
     formats::{Options, native},
+    image::{Stamp, read_regular},
     recompile,
     scene::{Diagnostics, Node, SceneDesc, Transform, Value},
 };
@@ -23,8 +23,8 @@ const MOST_EDITS: usize = 256;
 
 /// Most files that are watched.
 const MOST_FILES: usize = 1024;
-/// When files were changed and how long they are; `None` of those that are not there.
-pub type Stamps = BTreeMap<PathBuf, Option<(Option<SystemTime>, u64)>>;
+/// What tells of files that they were changed.
+pub type Stamps = BTreeMap<PathBuf, Stamp>;
 /// Bytes of environment maps in all edits.
 const MOST_BYTES: usize = 1 << 30;
 /// Most placements that are told beside those of nodes.
@@ -174,7 +174,7 @@ impl Document {
 
     /// All files that the scene is made of, and what tells that they are others than they were.
     pub fn stamps(&self) -> Stamps {
-        let stamp = |path: &Path| (path.to_owned(), path.metadata().ok().map(|m| (m.modified().ok(), m.len())));
+        let stamp = |path: &Path| (path.to_owned(), Stamp::of(path));
         self.desc.files().take(MOST_FILES).map(stamp).collect()
     }
 
@@ -182,6 +182,36 @@ impl Document {
     pub fn folder(&self) -> PathBuf {
         let folder = self.desc.path.as_deref().and_then(Path::parent).filter(|f| !f.as_os_str().is_empty());
         folder.map_or_else(|| PathBuf::from("."), PathBuf::from)
+    }
+
+    /// The folder that what is saved goes into: the scene's, or for an upload, whose folder is temporary, the current
+    /// one.
+    pub fn saving_folder(&self) -> PathBuf {
+        if self.uploads().is_some() { PathBuf::from(".") } else { self.folder() }
+    }
+
+    /// The temporary folder of an upload. Scenes of uploads alone are held within a folder.
+    fn uploads(&self) -> Option<&Path> {
+        self.source.reading.within.as_deref()
+    }
+
+    /// Puts the files of an upload into a description, so that they are written beside it.
+    ///
+    /// # Errors
+    /// Where one cannot be read.
+    pub fn take_uploads_along(&self, desc: &mut SceneDesc) -> Result<(), String> {
+        let Some(folder) = self.uploads() else { return Ok(()) };
+        let named = desc.nodes.iter().flat_map(|node| &node.params).filter_map(|param| match &param.value {
+            Value::Path(path) if path.starts_with(folder) => Some(path.clone()),
+            _ => None,
+        });
+        for path in named.collect::<Vec<_>>() {
+            if !desc.embedded.contains_key(&path) && path.exists() {
+                let bytes = read_regular(&path, u64::MAX).map_err(|e| format!("'{}': {e}", path.display()))?;
+                desc.embedded.insert(path, bytes.into());
+            }
+        }
+        Ok(())
     }
 
     /// Takes the last edit back; whether there was one.

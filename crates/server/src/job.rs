@@ -4,7 +4,7 @@ use crate::frame::Shown;
 use std::{
     sync::{
         Arc, Condvar, Mutex, PoisonError,
-        atomic::{AtomicBool, Ordering},
+        atomic::{AtomicUsize, Ordering},
     },
     thread,
     time::{Duration, Instant},
@@ -13,6 +13,9 @@ use steradian::{Control, Quality, Scene, Session};
 
 /// How often it is looked whether something else was asked.
 const LOOK_EVERY: Duration = Duration::from_millis(4);
+
+/// How far a render is: its samples, and whether it is done. Renders of the same progress show the same picture.
+pub type Progress = (u64, bool);
 
 /// A render under way.
 pub struct Job {
@@ -37,38 +40,48 @@ impl Job {
         Ok(Self { scene: Arc::clone(scene), session, spp: render.plan.sampler.spp, pixels, patience: 1 })
     }
 
-    /// Renders to the end.
-    pub fn run(&mut self) {
-        self.session.step(u32::MAX, &Control::default());
+    /// Renders to the end, or until tasks wait once a time is over; whether to the end.
+    pub fn run(&mut self, time: Duration, waiting: &Waiting) -> bool {
+        self.step(u32::MAX, |elapsed, _| elapsed >= time && waiting.is_any());
+        self.is_done()
     }
 
-    /// Renders for a time, or until it is interrupted. The first step of a method that counts nothing until it is whole
-    /// takes longer.
-    pub fn advance(&mut self, time: Duration, interrupt: &Arc<AtomicBool>) {
+    /// Renders for a time, or until tasks wait. The first step of a method that counts nothing until it is whole takes
+    /// longer.
+    pub fn advance(&mut self, time: Duration, waiting: &Waiting) {
         let time = time * self.patience;
         let before = self.session.counters().samples;
         let per_second = before as f64 / self.session.wall().as_secs_f64().max(1e-3);
         let samples = (per_second * time.as_secs_f64() / self.pixels.max(1) as f64).clamp(1.0, 65536.0);
+        // Trials that are broken off begin anew.
+        self.step(samples as u32, |elapsed, is_trying| (elapsed >= time && !is_trying) || waiting.is_any());
+        let is_stuck = self.session.counters().samples == before && !waiting.is_any();
+        self.patience = if is_stuck { self.patience.saturating_mul(2).min(1 << 12) } else { self.patience };
+    }
+
+    /// Takes samples until it is to stop, which is asked with the time so far and whether trials are under way.
+    fn step(&mut self, samples: u32, stop: impl Fn(Duration, bool) -> bool + Sync) {
         let control = Control::default();
         let ended = Ended::default();
         thread::scope(|scope| {
-            let (cancel, trials, ended) = (&control.cancel, &control.trials, &ended);
+            let (cancel, trials, ended, stop) = (&control.cancel, &control.trials, &ended, &stop);
             scope.spawn(move || {
                 let start = Instant::now();
                 while !ended.within(LOOK_EVERY) {
-                    // Trials that are broken off begin anew.
-                    let is_up = start.elapsed() >= time && !trials.load(Ordering::Relaxed);
-                    if is_up || interrupt.load(Ordering::Relaxed) {
+                    if stop(start.elapsed(), trials.load(Ordering::Relaxed)) {
                         cancel.store(true, Ordering::Relaxed);
                         return;
                     }
                 }
             });
-            self.session.step(samples as u32, &control);
+            self.session.step(samples, &control);
             ended.tell();
         });
-        let is_stuck = self.session.counters().samples == before && !interrupt.load(Ordering::Relaxed);
-        self.patience = if is_stuck { self.patience.saturating_mul(2).min(1 << 12) } else { self.patience };
+    }
+
+    /// How far it is.
+    pub fn progress(&self) -> Progress {
+        (self.session.counters().samples, self.is_done())
     }
 
     /// Whether all is done.
@@ -104,6 +117,27 @@ impl Job {
             nonfinite: done.nonfinite,
             denoised: None,
         }
+    }
+}
+
+/// How many tasks wait for the thread that renders.
+#[derive(Clone, Debug, Default)]
+pub struct Waiting(Arc<AtomicUsize>);
+
+impl Waiting {
+    /// One more is about to be sent.
+    pub fn add(&self) {
+        self.0.fetch_add(1, Ordering::SeqCst);
+    }
+
+    /// One was received.
+    pub fn remove(&self) {
+        self.0.fetch_sub(1, Ordering::SeqCst);
+    }
+
+    /// Whether there is one.
+    pub fn is_any(&self) -> bool {
+        self.0.load(Ordering::SeqCst) > 0
     }
 }
 

@@ -14,6 +14,7 @@
 mod access;
 mod app;
 mod changes;
+mod connections;
 mod denoiser;
 mod difference;
 mod document;
@@ -22,6 +23,7 @@ mod frame;
 mod groups;
 mod job;
 mod kept;
+mod log;
 mod look;
 mod page;
 mod path;
@@ -132,7 +134,7 @@ impl View {
             runtime.block_on(async {
                 let Ok(listener) = tokio::net::TcpListener::from_std(listener) else { return };
                 tokio::select! {
-                    _ = axum::serve(listener, router) => {}
+                    () = connections::serve(listener, router, Default::default()) => {}
                     () = stopped.notified() => {}
                 }
             });

@@ -5,7 +5,7 @@ use crate::{
     protocol::{COLORS, Denoiser, SettingsChange},
 };
 use steradian::{
-    ColorMode, CompileOptions, Layer, Quality, Viewpoint,
+    ColorMode, CompileOptions, Layer, Quality, Render, Scene, Viewpoint,
     raster::suited_mode,
     scene::{Format, NodeId, SceneDesc, Value},
 };
@@ -101,6 +101,35 @@ pub fn quality(look: &Look) -> Quality {
         layers,
         independent: denoiser.is_some(),
         ..Quality::default()
+    }
+}
+
+/// Bytes that the view takes for a picture: what a render takes for its film, the sums of the picture that is shown
+/// beside those of the one that comes, and planes for pages.
+pub fn bytes(render: &Render, scene: &Scene, look: &Look) -> u64 {
+    let crop = scene.film().crop;
+    let pixels = u64::from(crop.width()) * u64::from(crop.height());
+    let parts = render.film_bytes(scene, quality(look).layers.len());
+    // A pixel's sums with first hits, a backdrop, and planes of colours as floats and as halves.
+    parts.saturating_add(parts / 4).saturating_add(pixels * 36)
+}
+
+/// Refuses a picture for which there is no memory. `held` are the bytes of the picture before, which goes.
+///
+/// # Errors
+/// How much it needs.
+pub fn check_memory(needed: u64, held: u64, there_is: Option<u64>) -> Result<(), String> {
+    match there_is.map(|bytes| bytes.saturating_add(held)) {
+        Some(bytes) if needed > bytes => {
+            let gigabytes = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+            Err(format!(
+                "a view of this picture needs about {:.1} GiB of memory, and {:.1} are there; a smaller size or a \
+                 region helps",
+                gigabytes(needed),
+                gigabytes(bytes)
+            ))
+        }
+        _ => Ok(()),
     }
 }
 

@@ -44,7 +44,7 @@ pub async fn keep(
             Err(why) => Err(Refused(why.status(), why.body_text())),
         },
     };
-    let reference = reference.inspect_err(|why| (app.log)(&format!("refused a reference: {}", why.1)))?;
+    let reference = reference.inspect_err(|why| app.log.refused(&format!("refused a reference: {}", why.1)))?;
     let about = Json(reference.about.clone());
     set(&app, Some(reference));
     Ok(about.into_response())

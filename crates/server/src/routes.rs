@@ -65,7 +65,7 @@ async fn admit(State(app): State<App>, mut request: Request, next: Next) -> Resp
             (StatusCode::PERMANENT_REDIRECT, [(header::LOCATION, folder)]).into_response()
         }
         Err(why) => {
-            (app.log)(&format!("refused {} {}: {}", request.method(), shortened(request.uri().path()), why.1));
+            app.log.refused(&format!("refused {} {}: {}", request.method(), shortened(request.uri().path()), why.1));
             why.into_response()
         }
     };
@@ -87,7 +87,14 @@ fn inner_address(app: &App, request: &Request) -> Result<Option<Uri>, Refused> {
     // Of two names only one can have been looked at.
     let is_one = request.headers().get_all(header::HOST).iter().count() == 1;
     let host = header(header::HOST).filter(|_| is_one);
-    let rest = app.access.admit(request.uri().path(), host, header(header::ORIGIN));
+    // An origin that is no text, and one of several, is no page's of this server.
+    let mut origins = request.headers().get_all(header::ORIGIN).iter();
+    let origin = match (origins.next(), origins.next()) {
+        (None, _) => None,
+        (Some(origin), None) => Some(origin.to_str().unwrap_or_default()),
+        (Some(_), Some(_)) => Some(""),
+    };
+    let rest = app.access.admit(request.uri().path(), host, origin);
     let rest = rest.map_err(|why| Refused(StatusCode::FORBIDDEN, why.to_string()))?;
     if rest.is_empty() {
         return Ok(None);

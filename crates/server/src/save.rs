@@ -1,4 +1,5 @@
-//! Pictures and scenes as files: to be downloaded, or put into the scene's folder.
+//! Pictures and scenes as files: to be downloaded, or put into the scene's folder; those of uploads into the current
+//! one, with what the scene is made of.
 
 use crate::{
     app::{App, Refused},
@@ -22,7 +23,7 @@ use steradian::{
 
 /// How values become colours of a display.
 #[derive(Default, Deserialize)]
-#[serde(default)]
+#[serde(default, deny_unknown_fields)]
 pub struct Display {
     tone: Option<String>,
     exposure: Option<f32>,
@@ -32,10 +33,25 @@ pub struct Display {
 
 /// What is to be saved.
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Save {
     name: String,
-    #[serde(flatten)]
-    display: Display,
+    tone: Option<String>,
+    exposure: Option<f32>,
+    #[serde(default)]
+    layers: String,
+}
+
+/// Bytes of the longest name of a file.
+pub const LONGEST_NAME: usize = 255;
+
+/// Whether a name shows as it is: without control characters, and without those that turn the direction of text and
+/// let a name end in what is not its extension.
+pub fn is_printable(name: &str) -> bool {
+    let turns =
+        |c: char| matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    // Separators of lines and paragraphs end lines as well.
+    !name.chars().any(|c| c.is_control() || turns(c) || matches!(c, '\u{2028}' | '\u{2029}'))
 }
 
 impl Display {
@@ -63,7 +79,11 @@ pub async fn picture(
     Query(display): Query<Display>,
 ) -> Result<Response, Refused> {
     let none = || Refused(StatusCode::NOT_FOUND, "there is no such request".into());
-    let kind = name.strip_prefix("picture.").map(|_| PathBuf::from(&name)).ok_or_else(none)?;
+    let extension = name.strip_prefix("picture.").ok_or_else(none)?;
+    if !extension.bytes().all(|b| b.is_ascii_alphanumeric()) {
+        return Err(Refused(StatusCode::BAD_REQUEST, "a picture's extension has letters and digits alone".into()));
+    }
+    let kind = PathBuf::from(&name);
     let bytes = encoded(&app, &kind, display).await?;
     let disposition = format!("attachment; filename=\"{name}\"");
     let kind =
@@ -89,9 +109,15 @@ type Written = (String, Vec<(PathBuf, Vec<u8>)>, PathBuf);
 
 async fn document(app: &App, name: Option<String>) -> Result<Written, Refused> {
     let written = ask(app, move |document, look| {
-        let folder = document.folder();
-        let name = name.unwrap_or_else(|| crate::state::saved_name(document));
-        let desc = document.seen_from(look.camera.as_deref(), look.view.as_ref());
+        let mut desc = document.seen_from(look.camera.as_deref(), look.view.as_ref());
+        let (folder, name) = match name {
+            Some(name) => {
+                document.take_uploads_along(&mut desc)?;
+                (document.saving_folder(), name)
+            }
+            // Text alone, for the folder that its files are in.
+            None => (document.folder(), crate::state::saved_name(document)),
+        };
         native::write(&desc, &folder.join(name)).map(|w| (w.text, w.files, folder))
     });
     written.await?.map_err(|why| Refused(StatusCode::UNPROCESSABLE_ENTITY, why))
@@ -107,17 +133,21 @@ pub async fn scene(State(app): State<App>) -> Result<Response, Refused> {
     Ok((kind, text).into_response())
 }
 
-/// Puts the picture or the scene into the scene's folder, under a name that is free.
-pub async fn save(State(app): State<App>, Json(Save { name, display }): Json<Save>) -> Result<Response, Refused> {
+/// Puts the picture or the scene into the scene's folder, of uploads into the current one, under a name that is free.
+pub async fn save(State(app): State<App>, Json(save): Json<Save>) -> Result<Response, Refused> {
+    let Save { name, tone, exposure, layers } = save;
+    let display = Display { tone, exposure, layers };
     let bad = |why: &str| Refused(StatusCode::BAD_REQUEST, why.into());
     let is_plain = !name.is_empty()
         && name.len() <= 200
         && !name.starts_with('.')
-        && !name.contains(['/', '\\', '\0', ':'])
-        && !name.chars().any(char::is_control);
+        && !name.contains(['/', '\\', ':'])
+        && is_printable(&name);
     if !is_plain {
-        (app.log)("refused to save: a name that is more than a file name");
-        return Err(bad("a name is that of a file in the scene's folder: no folders, not hidden"));
+        app.log.refused("refused to save: a name that is more than a file name");
+        return Err(bad(
+            "a name is that of a file in the scene's folder: no folders, not hidden, no control characters",
+        ));
     }
     let is_scene = name.ends_with(".steradian");
     let (bytes, files, folder) = match is_scene {
@@ -127,7 +157,7 @@ pub async fn save(State(app): State<App>, Json(Save { name, display }): Json<Sav
         }
         false => {
             let bytes = encoded(&app, name.as_ref(), display).await?;
-            (bytes, Vec::new(), ask(&app, |document, _| document.folder()).await?)
+            (bytes, Vec::new(), ask(&app, |document, _| document.saving_folder()).await?)
         }
     };
     let path = folder.join(&name);
@@ -143,6 +173,6 @@ pub async fn save(State(app): State<App>, Json(Save { name, display }): Json<Sav
         write_together(&path, &bytes, &files).map_err(|e| failed(e.to_string()))
     };
     tokio::task::spawn_blocking(write).await.map_err(|e| failed(e.to_string()))??;
-    (app.log)(&format!("saved {}", saved.display()));
+    app.log.done(&format!("saved {}", saved.display()));
     Ok(Json(serde_json::json!({ "saved": saved })).into_response())
 }

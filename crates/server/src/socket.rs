@@ -36,14 +36,14 @@ const PATIENCE: Duration = Duration::from_secs(60);
 pub async fn open(State(app): State<App>, upgrade: WebSocketUpgrade) -> Response {
     let place = Place::take(&app.sockets);
     let Some(place) = place else {
-        (app.log)("refused a page: there are 64 already");
+        app.log.refused("refused a page: there are 64 already");
         return Refused(StatusCode::SERVICE_UNAVAILABLE, "there are 64 pages already".into()).into_response();
     };
     let log = Arc::clone(&app.log);
     upgrade
         .max_message_size(MOST_BYTES)
         .max_frame_size(MOST_BYTES)
-        .on_failed_upgrade(move |e| log(&format!("a page's connection failed: {e}")))
+        .on_failed_upgrade(move |e| log.refused(&format!("a page's connection failed: {e}")))
         .on_upgrade(move |socket| async move {
             serve(socket, &app).await;
             drop(place);
@@ -80,7 +80,7 @@ async fn serve(mut socket: WebSocket, app: &App) {
             come = socket.recv() => match come {
                 Some(Ok(message)) => answer(&mut socket, app, &mut states, message).await,
                 Some(Err(e)) => {
-                    (app.log)(&format!("a page's connection ended: {e}"));
+                    app.log.refused(&format!("a page's connection ended: {e}"));
                     return;
                 }
                 None => return,
@@ -150,7 +150,7 @@ async fn answer(
 }
 
 async fn tell(socket: &mut WebSocket, app: &App, text: String) -> Option<()> {
-    (app.log)(&format!("refused a request: {}", text.lines().next().unwrap_or_default()));
+    app.log.refused(&format!("refused a request: {}", text.lines().next().unwrap_or_default()));
     let said = serde_json::to_string(&Said { severity: "error", text }).ok()?;
     send(socket, Message::Text(said.into())).await
 }

@@ -4,6 +4,7 @@
 use crate::{
     app::{App, Refused},
     document::Source,
+    save::{LONGEST_NAME, is_printable},
     viewer::Task,
 };
 use axum::{
@@ -16,8 +17,11 @@ use std::{
     path::{Component, Path, PathBuf},
     sync::PoisonError,
 };
-use steradian::{formats::Options, image::FileKind, load::EXTENSIONS};
-use tempfile::TempDir;
+use steradian::{
+    formats::Options,
+    image::{FileKind, TemporaryFolder},
+    load::EXTENSIONS,
+};
 use tokio::sync::oneshot;
 
 /// Bytes of an upload.
@@ -35,8 +39,9 @@ const MOST_OF_PICTURE: u64 = 256 << 20;
 pub async fn open(State(app): State<App>, form: Multipart) -> Result<Response, Refused> {
     let failed =
         |e: std::io::Error| Refused(StatusCode::INTERNAL_SERVER_ERROR, format!("the files cannot be kept: {e}"));
-    let folder = tempfile::Builder::new().prefix("steradian-view-").tempdir().map_err(failed)?;
-    let names = receive(form, &folder).await.inspect_err(|why| (app.log)(&format!("refused an upload: {}", why.1)))?;
+    let folder = TemporaryFolder::new("steradian-view-").map_err(failed)?;
+    let names =
+        receive(form, &folder).await.inspect_err(|why| app.log.refused(&format!("refused an upload: {}", why.1)))?;
     let scene = match (scene_of(&names), &names[..]) {
         (Some(scene), _) => scene,
         (None, [picture]) if FileKind::from_extension(picture).is_some() => {
@@ -89,7 +94,7 @@ async fn set_environment(app: &App, picture: &Path) -> Result<Response, Refused>
 }
 
 /// Keeps all files; their names.
-async fn receive(mut form: Multipart, folder: &TempDir) -> Result<Vec<PathBuf>, Refused> {
+async fn receive(mut form: Multipart, folder: &TemporaryFolder) -> Result<Vec<PathBuf>, Refused> {
     let bad = |why: &str| Refused(StatusCode::BAD_REQUEST, why.into());
     let mut names: Vec<PathBuf> = Vec::new();
     while let Some(mut field) = form.next_field().await.map_err(|e| Refused(e.status(), e.body_text()))? {
@@ -99,9 +104,10 @@ async fn receive(mut form: Multipart, folder: &TempDir) -> Result<Vec<PathBuf>, 
             return Err(bad("there are too many files, or two of a name"));
         }
         let path = folder.path().join(&name);
-        let failed =
-            |e: std::io::Error| Refused(StatusCode::INTERNAL_SERVER_ERROR, format!("a file cannot be kept: {e}"));
-        std::fs::create_dir_all(path.parent().unwrap_or(folder.path())).map_err(failed)?;
+        let failed = |e: std::io::Error| Refused(fault_of(&e), format!("'{}' cannot be kept: {e}", name.display()));
+        if let Some(inner) = path.parent().filter(|inner| *inner != folder.path()) {
+            std::fs::create_dir_all(inner).map_err(failed)?;
+        }
         let mut file = std::fs::File::create_new(&path).map_err(failed)?;
         while let Some(bytes) = field.chunk().await.map_err(|e| Refused(e.status(), e.body_text()))? {
             file.write_all(&bytes).map_err(failed)?;
@@ -111,15 +117,25 @@ async fn receive(mut form: Multipart, folder: &TempDir) -> Result<Vec<PathBuf>, 
     Ok(names)
 }
 
+/// The status for an error of the system: a name that no file can have, or that another file's folder has, is the
+/// request's fault.
+fn fault_of(error: &std::io::Error) -> StatusCode {
+    use std::io::ErrorKind::{AlreadyExists, InvalidFilename, InvalidInput, IsADirectory, NotADirectory};
+    match error.kind() {
+        AlreadyExists | InvalidFilename | InvalidInput | IsADirectory | NotADirectory => StatusCode::BAD_REQUEST,
+        _ => StatusCode::INTERNAL_SERVER_ERROR,
+    }
+}
+
 /// A name as a path below a folder, if it is one.
 fn within(name: &str) -> Option<PathBuf> {
-    if name.is_empty() || name.len() > 1024 || name.contains(['\\', '\0']) {
+    if name.is_empty() || name.len() > 1024 || name.contains('\\') || !is_printable(name) {
         return None;
     }
     let parts: Option<Vec<_>> = Path::new(name)
         .components()
         .map(|part| match part {
-            Component::Normal(part) => Some(part),
+            Component::Normal(part) if part.len() <= LONGEST_NAME => Some(part),
             _ => None,
         })
         .collect();
@@ -145,8 +161,23 @@ mod tests {
     fn names_lead_nowhere_else() {
         assert_eq!(within("a/b.png"), Some("a/b.png".into()));
         assert_eq!(within("a.obj"), Some("a.obj".into()));
-        let deep = "a/".repeat(17) + "b";
-        for bad in ["", "/etc/passwd", "../a", "a/../../b", "./a/..", "..", ".", "a\\b", "a\0b", deep.as_str()] {
+        let (deep, long) = ("a/".repeat(17) + "b", "x".repeat(256));
+        assert_eq!(within(&long[1..]), Some(long[1..].into()));
+        for bad in [
+            "",
+            "/etc/passwd",
+            "../a",
+            "a/../../b",
+            "./a/..",
+            "..",
+            ".",
+            "a\\b",
+            "a\0b",
+            "a\nb",
+            "a\u{202e}b",
+            &*deep,
+            &*long,
+        ] {
             assert_eq!(within(bad), None, "{bad:?}");
         }
     }

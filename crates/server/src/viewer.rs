@@ -5,8 +5,8 @@ use crate::{
     denoiser::Library,
     document::{Document, Source, Stamps},
     frame::{Backdrop, Frame, Shown},
-    job::Job,
-    look::{Look, Purpose, check_size, options, quality},
+    job::{Job, Progress, Waiting},
+    look::{Look, Purpose, bytes, check_memory, check_size, options, quality},
     protocol::{Denoiser, Message, Request, SettingsChange, told},
     state,
 };
@@ -14,7 +14,6 @@ use std::{
     panic::{AssertUnwindSafe, catch_unwind},
     sync::{
         Arc, Mutex, PoisonError,
-        atomic::{AtomicBool, Ordering},
         mpsc::{Receiver, RecvTimeoutError, Sender, channel},
     },
     thread,
@@ -27,6 +26,10 @@ use tokio::sync::{broadcast, oneshot, watch};
 const FIRST_PREVIEW: f64 = 10_000.0;
 /// How long a preview may take while the camera moves, and before paths begin.
 const PREVIEW_SECONDS: f64 = 0.04;
+/// How long a preview goes on while tasks wait, the first time; so pictures come while something is dragged.
+const PATIENCE: Duration = Duration::from_millis(200);
+/// How often a preview is begun, with twice the patience each time, before paths begin without it.
+const MOST_PREVIEWS: u32 = 3;
 /// First pictures are at most this much smaller than the whole, on each side.
 const COARSEST: u32 = 16;
 /// How long first paths should take, before the render itself begins; they end after twice that.
@@ -76,7 +79,7 @@ pub struct Subject {
 #[derive(Clone)]
 pub struct Handle {
     tasks: Sender<Task>,
-    interrupt: Arc<AtomicBool>,
+    waiting: Waiting,
     /// The last frame.
     pub frames: watch::Receiver<Arc<Frame>>,
     /// What pages know, as JSON.
@@ -90,8 +93,8 @@ pub struct Handle {
 impl Handle {
     /// Asks for something. What is being rendered is broken off for it.
     pub fn send(&self, task: Task) {
+        self.waiting.add();
         let _ = self.tasks.send(task);
-        self.interrupt.store(true, Ordering::Relaxed);
     }
 
     /// What is rendered.
@@ -110,26 +113,43 @@ impl Handle {
 /// # Errors
 /// All that is wrong with the scene.
 pub fn start(source: Source, settings: SettingsChange, library: Library) -> Result<Handle, Diagnostics> {
+    let (mut viewer, handle) = open(source, settings, library)?;
+    let run = move || {
+        // What fails inside ends what was being done, not the view.
+        while catch_unwind(AssertUnwindSafe(|| viewer.run())).is_err() {
+            (viewer.job, viewer.owed) = (None, false);
+            viewer.say("error", "the render failed by a fault of the program; the next change begins anew".into());
+        }
+    };
+    let thread = thread::Builder::new().name("viewer".into()).spawn(run);
+    thread.map_err(|e| refusal(format!("no thread can be started: {e}")))?;
+    Ok(handle)
+}
+
+/// Opens a scene.
+fn open(source: Source, settings: SettingsChange, library: Library) -> Result<(Viewer, Handle), Diagnostics> {
     let document = Document::open(source)?;
     let mut look = Look { settings, ..Look::default() };
     let mut document = document;
     let scene = compile(&mut document, &look, Purpose::Render)?;
     look.settings.integrator.get_or_insert_with(|| Quality::default().integrator_name(&scene).to_owned());
+    let held = held(&document, &look, &scene, 0).map_err(refusal)?;
     let (tasks, from_pages) = channel();
     let (frame, frames) = watch::channel(Arc::new(Frame::default()));
     let (state, states) = watch::channel(Arc::from(""));
     let first = Subject { generation: 0, scene: Arc::clone(&scene), quality: quality(&look) };
     let (subject, subjects) = watch::channel(Arc::new(first));
     let (messages, _) = broadcast::channel(MOST_MESSAGES);
-    let (interrupt, shown) = (Arc::new(AtomicBool::new(false)), Arc::new(Mutex::new(None)));
+    let (waiting, shown) = (Waiting::default(), Arc::new(Mutex::new(None)));
     let stamps = document.stamps();
-    let mut viewer = Viewer {
+    let viewer = Viewer {
         seen: stamps.clone(),
         stamps,
         watched: Instant::now(),
         document,
         look,
         scene,
+        held,
         generation: 0,
         pixels_per_second: FIRST_PREVIEW / PREVIEW_SECONDS,
         paths_per_second: FIRST_SPEED,
@@ -137,28 +157,19 @@ pub fn start(source: Source, settings: SettingsChange, library: Library) -> Resu
         library,
         denoising: 0.0,
         job: None,
+        published: None,
         tasks: from_pages,
         answers: Vec::new(),
-        interrupt: Arc::clone(&interrupt),
+        waiting: waiting.clone(),
+        broken_off: 0,
+        owed: false,
         frame,
         state,
         messages: messages.clone(),
         shown: Arc::clone(&shown),
         subject,
     };
-    let run = move || {
-        // What fails inside ends what was being done, not the view.
-        while catch_unwind(AssertUnwindSafe(|| viewer.run())).is_err() {
-            viewer.job = None;
-            viewer.say("error", "the render failed by a fault of the program; the next change begins anew".into());
-        }
-    };
-    thread::Builder::new().name("viewer".into()).spawn(run).map_err(|e| {
-        let mut diagnostics = Diagnostics::default();
-        diagnostics.error(&Default::default(), None, format!("no thread can be started: {e}"));
-        diagnostics
-    })?;
-    Ok(Handle { tasks, interrupt, frames, states, messages, shown, subjects })
+    Ok((viewer, Handle { tasks, waiting, frames, states, messages, shown, subjects }))
 }
 
 /// How far a change reaches.
@@ -166,6 +177,8 @@ pub fn start(source: Source, settings: SettingsChange, library: Library) -> Resu
 pub enum Reach {
     /// Nowhere.
     Nothing,
+    /// What pages know.
+    State,
     /// What is sent of the picture.
     Sent,
     /// The picture.
@@ -182,6 +195,8 @@ pub struct Viewer {
     pub look: Look,
     /// As it is rendered.
     pub scene: Arc<Scene>,
+    /// Bytes that its pictures take.
+    pub held: u64,
     generation: u32,
     /// Speed of previews.
     pixels_per_second: f64,
@@ -200,10 +215,16 @@ pub struct Viewer {
     denoising: f64,
     /// The render under way.
     pub job: Option<Job>,
+    /// How far it was when it was shown last.
+    published: Option<Progress>,
     tasks: Receiver<Task>,
     /// What pages are to be answered once the state is told.
     answers: Vec<(oneshot::Sender<Done>, Done)>,
-    interrupt: Arc<AtomicBool>,
+    waiting: Waiting,
+    /// How often the preview of this state was broken off for tasks.
+    broken_off: u32,
+    /// Whether the picture of this state has not begun.
+    owed: bool,
     frame: watch::Sender<Arc<Frame>>,
     state: watch::Sender<Arc<str>>,
     messages: broadcast::Sender<String>,
@@ -222,14 +243,27 @@ pub fn compile(document: &mut Document, look: &Look, purpose: Purpose) -> Result
     Ok(scene)
 }
 
+/// The bytes that a picture takes, if there is memory for them beside those that are `held` now. What cannot be
+/// rendered takes none: it is told elsewhere.
+fn held(document: &Document, look: &Look, scene: &Scene, held: u64) -> Result<u64, String> {
+    let Ok(render) = quality(look).render(scene) else { return Ok(0) };
+    let needed = bytes(&render, scene, look);
+    check_memory(needed, held, document.source.memory.and_then(|there_is| there_is()))?;
+    Ok(needed)
+}
+
+/// A message alone.
+fn refusal(why: String) -> Diagnostics {
+    let mut diagnostics = Diagnostics::default();
+    diagnostics.error(&Default::default(), None, why);
+    diagnostics
+}
+
 /// Refuses pictures that are too large to be shown.
 fn fits(scene: &Scene) -> Result<(), Diagnostics> {
     let film = scene.film();
-    let mut diagnostics = Diagnostics::default();
-    if let Err(why) = check_size(film.width, film.height) {
-        diagnostics.error(&Default::default(), None, format!("{why}; another size can be chosen (--size WxH)"));
-    }
-    if diagnostics.has_errors() { Err(diagnostics) } else { Ok(()) }
+    let fits = check_size(film.width, film.height);
+    fits.map_err(|why| refusal(format!("{why}; another size can be chosen (--size WxH)")))
 }
 
 impl Viewer {
@@ -246,7 +280,7 @@ impl Viewer {
             if reach > Reach::Nothing {
                 self.show_change(reach);
             }
-            let is_idle = self.look.paused || self.job.as_ref().is_none_or(Job::is_done);
+            let is_idle = !self.owed && (self.look.paused || self.job.as_ref().is_none_or(Job::is_done));
             let first = match is_idle {
                 true => match self.tasks.recv_timeout(WATCH_EVERY) {
                     Ok(task) => Some(task),
@@ -255,17 +289,19 @@ impl Viewer {
                 },
                 false => self.tasks.try_recv().ok(),
             };
-            self.interrupt.store(false, Ordering::Relaxed);
             reach = Reach::Nothing;
             let mut next = first;
             while let Some(task) = next {
+                self.waiting.remove();
                 reach = reach.max(self.take(task));
                 next = self.tasks.try_recv().ok();
             }
             if self.files_changed() {
                 reach = reach.max(self.reload());
             }
-            if reach == Reach::Nothing && !self.look.paused {
+            if reach == Reach::Nothing && self.owed {
+                self.show_picture();
+            } else if reach == Reach::Nothing && !self.look.paused {
                 self.advance();
             }
         }
@@ -345,6 +381,7 @@ impl Viewer {
         let mut look = Look { layers: self.look.layers.clone(), settings, ..Look::default() };
         let scene = compile(&mut document, &look, Purpose::Render).map_err(lines)?;
         look.settings.integrator = Some(Quality::default().integrator_name(&scene).to_owned());
+        self.held = held(&document, &look, &scene, self.held).map_err(|why| vec![why])?;
         (self.document, self.look, self.scene) = (document, look, scene);
         self.stamps = self.document.stamps();
         self.seen.clone_from(&self.stamps);
@@ -356,7 +393,8 @@ impl Viewer {
     fn tell_state(&mut self, reach: Reach) {
         if reach >= Reach::Picture {
             self.generation += 1;
-            self.job = None;
+            (self.job, self.published) = (None, None);
+            (self.broken_off, self.owed) = (0, true);
             let (generation, scene) = (self.generation, Arc::clone(&self.scene));
             self.subject.send_replace(Arc::new(Subject { generation, scene, quality: quality(&self.look) }));
         }
@@ -367,10 +405,23 @@ impl Viewer {
     /// Shows what has changed: a preview, and the beginning of a render.
     fn show_change(&mut self, reach: Reach) {
         if reach < Reach::Picture {
-            self.publish();
+            // Other layers are sent of the same picture.
+            if reach == Reach::Sent || self.has_news() {
+                self.publish();
+            }
             return;
         }
-        self.preview();
+        self.show_picture();
+    }
+
+    /// Begins the picture: a preview, first paths and a render. Where tasks wait and the preview is slow, they come
+    /// first.
+    fn show_picture(&mut self) {
+        if self.broken_off < MOST_PREVIEWS && !self.preview() {
+            self.broken_off += 1;
+            return;
+        }
+        self.owed = false;
         if self.look.moving || self.look.paused {
             return;
         }
@@ -381,24 +432,30 @@ impl Viewer {
         }
     }
 
-    /// A picture at once, as fine as there is time for.
-    fn preview(&mut self) {
+    /// A picture at once, as fine as there is time for; `false` where it was broken off.
+    fn preview(&mut self) -> bool {
         let look = self.coarse(self.pixels_per_second * PREVIEW_SECONDS);
-        let Ok(scene) = compile(&mut self.document, &look, Purpose::Preview) else { return };
+        let Ok(scene) = compile(&mut self.document, &look, Purpose::Preview) else { return true };
         let start = Instant::now();
         let raster = Quality::of("raster");
         let plain = Quality { max_depth: Some(2), ..Quality::of(&format!("path:{PLAIN}")) }.spp(1);
         let job = Job::new(&scene, &raster).or_else(|_| Job::new(&scene, &plain));
         let mut job = match job {
             Ok(job) => job,
-            Err(why) => return self.say("error", why),
+            Err(why) => {
+                self.say("error", why);
+                return true;
+            }
         };
-        job.run();
+        if !job.run(PATIENCE * (1 << self.broken_off), &self.waiting) {
+            return false;
+        }
         let seconds = start.elapsed().as_secs_f64().max(1e-4);
         let shown = job.shown(self.generation, self.full_crop(), "preview");
         self.pixels_per_second = shown.film.pixels.len() as f64 / seconds;
         self.backdrop = Some(Backdrop::new(&shown, None));
         self.show(Arc::new(shown));
+        true
     }
 
     /// First paths, of a coarser picture and without the trials that come before a render.
@@ -410,7 +467,7 @@ impl Viewer {
         let look = self.coarse(self.paths_per_second * FIRST_PATHS.as_secs_f64());
         let Ok(scene) = compile(&mut self.document, &look, Purpose::Render) else { return };
         let Ok(mut job) = Job::new(&scene, &plain) else { return };
-        job.advance(2 * FIRST_PATHS, &self.interrupt);
+        job.advance(2 * FIRST_PATHS, &self.waiting);
         let target = quality(&self.look).spp.unwrap_or(self.scene.settings().spp);
         let mut shown = Shown { is_done: false, target, ..job.shown(self.generation, self.full_crop(), "render") };
         self.denoise(&mut shown);
@@ -443,16 +500,26 @@ impl Viewer {
 
     /// Goes on rendering for as long as a picture may stay.
     fn advance(&mut self) {
+        if !self.has_news() && self.job.as_ref().is_none_or(Job::is_done) {
+            return;
+        }
         let Some(job) = &mut self.job else { return };
         let mut shown_after = job.seconds().clamp(SHOW_EVERY[0], SHOW_EVERY[1]);
         if self.look.settings.denoise.flatten().is_some() {
             shown_after = shown_after.max(DENOISING * self.denoising);
         }
-        job.advance(Duration::from_secs_f64(shown_after), &self.interrupt);
-        if self.interrupt.load(Ordering::Relaxed) && !job.is_done() {
+        job.advance(Duration::from_secs_f64(shown_after), &self.waiting);
+        if self.waiting.is_any() && !job.is_done() {
             return;
         }
-        self.publish();
+        if self.has_news() {
+            self.publish();
+        }
+    }
+
+    /// Whether the render is further than what was shown of it.
+    fn has_news(&self) -> bool {
+        self.job.as_ref().is_some_and(|job| self.published != Some(job.progress()))
     }
 
     /// Shows the render as it is.
@@ -464,6 +531,7 @@ impl Viewer {
         };
         let mut shown = job.shown(self.generation, crop, "render");
         let failure = job.failure();
+        self.published = Some(job.progress());
         self.denoise(&mut shown);
         self.show(Arc::new(shown));
         if let Some(why) = failure {
@@ -507,3 +575,6 @@ impl Viewer {
         let _ = self.messages.send(serde_json::to_string(&Message { severity, text }).unwrap_or_default());
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -26,6 +26,57 @@ fn get(host: &str, path: &str) -> String {
     answer
 }
 
+/// What is answered to a body that is sent.
+#[cfg(unix)]
+fn post(host: &str, path: &str, kind: &str, body: &[u8]) -> String {
+    let mut stream = TcpStream::connect(host).unwrap();
+    let length = body.len();
+    write!(stream, "POST {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\nContent-Type: {kind}\r\n").unwrap();
+    write!(stream, "Content-Length: {length}\r\n\r\n").unwrap();
+    stream.write_all(body).unwrap();
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).unwrap();
+    answer
+}
+
+/// What was saved of an upload stays, with the files that it is made of, and is what was shown; the upload itself goes,
+/// whatever ends the program.
+#[cfg(unix)]
+#[test]
+fn what_was_saved_of_an_upload_stays_and_the_upload_goes() {
+    let picture = steradian::image::Image::from_rgb(1, 1, &[[0.5; 3]]).unwrap();
+    let picture = steradian::image::encode(steradian::image::FileKind::Png, &picture, &Default::default()).unwrap();
+    let scene = b"Camera \"perspective\" WorldBegin LightSource \"infinite\"\nTexture \"t\" \"spectrum\" \"imagemap\" \
+                  \"string filename\" \"maps/p.png\"\n\
+                  Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"";
+    for (signal, code) in [("-INT", 130), ("-TERM", 143)] {
+        let place = Place::new();
+        std::fs::create_dir(place.path("temporary")).unwrap();
+        let mut command = place.command(&["view", "--size", "8x8", "--spp", "1"]);
+        command.env("TMPDIR", place.path("temporary")).stdout(Stdio::piped()).stderr(Stdio::null());
+        let mut program = Running(command.spawn().unwrap());
+        let mut address = String::new();
+        BufReader::new(program.0.stdout.take().unwrap()).read_line(&mut address).unwrap();
+        let (host, base) = address.trim().strip_prefix("http://").unwrap().split_once('/').unwrap();
+        let mut form = Vec::new();
+        for (name, bytes) in [("s/a.pbrt", &scene[..]), ("s/maps/p.png", &picture)] {
+            let head = format!("--edge\r\nContent-Disposition: form-data; name=\"file\"; filename=\"{name}\"\r\n\r\n");
+            form.extend([head.as_bytes(), bytes, b"\r\n"].concat());
+        }
+        form.extend(b"--edge--\r\n");
+        let opened = post(host, &format!("/{base}api/open"), "multipart/form-data; boundary=edge", &form);
+        assert!(opened.starts_with("HTTP/1.1 200"), "{opened}");
+        assert_eq!(std::fs::read_dir(place.path("temporary")).unwrap().count(), 1);
+        let saved = post(host, &format!("/{base}api/save"), "application/json", br#"{"name": "b.steradian"}"#);
+        assert!(saved.starts_with("HTTP/1.1 200"), "{saved}");
+        let signalled = Command::new("kill").args([signal, &program.0.id().to_string()]).status();
+        assert!(signalled.unwrap().success());
+        assert_eq!(program.0.wait().unwrap().code(), Some(code));
+        assert_eq!(std::fs::read_dir(place.path("temporary")).unwrap().count(), 0, "{signal}");
+        place.succeed(&["render", "b.steradian", "--strict", "--size", "8x8", "--spp", "1", "-o", "b.exr"]);
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn a_page_is_served_until_it_is_stopped() {

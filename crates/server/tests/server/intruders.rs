@@ -28,6 +28,14 @@ fn strangers_are_refused() {
         assert!([400, 403].contains(&answer.status), "{headers}: {}", answer.status);
         assert!(!answer.text().contains("generation"));
     }
+    // One origin alone, in text.
+    let of_page = format!("{own}Origin: http://{host}\r\n");
+    assert_eq!(server.ask("GET", &format!("{base}api/state"), &of_page, b"").status, 200);
+    for further in ["Origin: http://evil.example\r\n", "Origin: \u{e9}\r\n", &of_page[own.len()..]] {
+        assert_eq!(server.ask("GET", &format!("{base}api/state"), &(of_page.clone() + further), b"").status, 403);
+    }
+    let no_text = format!("{own}Origin: http://{host}\u{e9}\r\n");
+    assert_eq!(server.ask("GET", &format!("{base}api/state"), &no_text, b"").status, 403);
     let elsewhere = format!("{own}Origin: http://evil.example\r\n");
     for (method, path) in [("GET", "api/state"), ("POST", "api/save"), ("GET", "api/picture.png"), ("POST", "api/open")]
     {
@@ -93,6 +101,17 @@ fn paths_lead_nowhere_else() {
     {
         std::os::unix::fs::symlink("/nowhere/x.png", folder.path().join("link.png")).unwrap();
         assert_eq!(save("link.png").status, 409);
+    }
+    // Names that show other than they are, fields that nothing reads.
+    for name in ["a\u{202e}gnp.exr", "a\u{2066}b.png", "a\nb.png", "a\u{2028}b.png", "a\u{200f}.png"] {
+        assert_eq!(save(name).status, 400, "{name:?}");
+    }
+    for field in ["names", "layer", "path"] {
+        let answer = server.post("api/save", &json!({"name": "new.png", field: "x"}));
+        assert!([400, 422].contains(&answer.status) && answer.text().contains(field), "{}", answer.text());
+    }
+    for picture in ["picture.exr%00.png", "picture.exr%0a.png", "picture.e%22xr", "picture.tar.png"] {
+        assert_eq!(server.get(&format!("api/{picture}")).status, 400, "{picture}");
     }
     assert_eq!(save("new.png").status, 200);
     assert_eq!(save("new.png").status, 409);

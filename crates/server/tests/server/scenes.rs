@@ -78,9 +78,13 @@ fn dropped_scenes_read_nothing_elsewhere() {
             assert!(answer.status == 422 || !state.contains("\"faces\":1,"), "{name} {path}: {said}");
         }
     }
-    for name in ["../x.obj", "/tmp/x.obj", "a/../../x.obj", "a\\..\\x.obj"] {
+    let long = format!("{}.obj", "x".repeat(300));
+    for name in ["../x.obj", "/tmp/x.obj", "a/../../x.obj", "a\\..\\x.obj", "a\u{202e}.obj", &long] {
         assert_eq!(server.upload(&[(name, QUAD)]).status, 400, "{name}");
     }
+    // A file is no folder.
+    assert_eq!(server.upload(&[("a", QUAD), ("a/x.obj", QUAD)]).status, 400);
+    assert_eq!(server.upload(&[("a/x.obj", QUAD), ("a", QUAD)]).status, 400);
 }
 
 /// A picture that is dropped by itself becomes the environment map, upright and not mirrored for its camera; it is

@@ -1,0 +1,98 @@
+//! What the thread does, step by step, without the thread.
+
+use super::*;
+
+const BOX: &str = "builtin:cornell-box";
+
+/// A viewer of small pictures that nobody runs.
+fn viewer() -> (Viewer, Handle) {
+    let settings =
+        SettingsChange { spp: Some(Some(2)), width: Some(16), height: Some(12), ..SettingsChange::default() };
+    let source = Source { name: BOX.into(), ..Source::default() };
+    open(source, settings, Err("none".into())).unwrap_or_else(|d| panic!("{}", told(&d)))
+}
+
+/// Goes on as the thread does without tasks, until the picture is done.
+fn finish(viewer: &mut Viewer) {
+    viewer.tell_state(Reach::Scene);
+    viewer.show_change(Reach::Scene);
+    while !viewer.job.as_ref().unwrap().is_done() {
+        viewer.advance();
+    }
+}
+
+/// What a request came to.
+fn ask(viewer: &mut Viewer, request: Request) -> Reach {
+    let (reply, _) = oneshot::channel();
+    let reach = viewer.take(Task::Page(request, reply));
+    viewer.tell_state(reach);
+    viewer.show_change(reach);
+    reach
+}
+
+#[test]
+fn a_finished_picture_is_sent_once() {
+    let (mut viewer, mut handle) = viewer();
+    finish(&mut viewer);
+    assert!(handle.shown().is_some_and(|shown| shown.is_done && shown.samples == 2.0));
+    handle.frames.mark_unchanged();
+    for _ in 0..10 {
+        viewer.advance();
+    }
+    assert!(!handle.frames.has_changed().unwrap());
+    // A pause changes nothing of it, other layers do.
+    for on in [true, false] {
+        assert_eq!(ask(&mut viewer, Request::Pause { on }), Reach::State);
+        viewer.advance();
+        assert!(!handle.frames.has_changed().unwrap());
+    }
+    ask(&mut viewer, Request::Layers { names: vec!["depth".into()] });
+    assert!(handle.frames.has_changed().unwrap());
+    handle.frames.mark_unchanged();
+    viewer.advance();
+    assert!(!handle.frames.has_changed().unwrap());
+    // Another picture is sent.
+    ask(&mut viewer, Request::Settings(SettingsChange { seed: Some(Some(7)), ..SettingsChange::default() }));
+    viewer.advance();
+    assert!(handle.frames.has_changed().unwrap());
+}
+
+/// A run that would take days ends at once where a task waits.
+#[test]
+fn previews_are_broken_off_for_tasks() {
+    let (mut viewer, handle) = viewer();
+    let endless = Quality::of("path:reuse=1,effort=even,caustics=false").spp(1 << 24);
+    let mut job = Job::new(&viewer.scene, &endless).unwrap();
+    let (reply, _) = oneshot::channel();
+    handle.send(Task::Page(Request::Undo, reply));
+    assert!(!job.run(Duration::ZERO, &viewer.waiting));
+    // The task is answered, and the picture that is owed begins.
+    viewer.owed = true;
+    let task = viewer.tasks.try_recv().unwrap();
+    viewer.waiting.remove();
+    assert_eq!(viewer.take(task), Reach::Nothing);
+    assert!(!viewer.waiting.is_any());
+    viewer.show_picture();
+    assert!(!viewer.owed && viewer.job.is_some());
+}
+
+/// What there is no memory for is refused before it is begun, and the picture stays; what the picture has counts as
+/// there.
+#[test]
+fn pictures_without_memory_are_refused() {
+    let (mut viewer, _handle) = viewer();
+    viewer.document.source.memory = Some(|| Some(1 << 20));
+    let size = |side| SettingsChange { width: Some(side), height: Some(side), ..SettingsChange::default() };
+    let refused = |viewer: &mut Viewer, change| {
+        let before = (viewer.held, viewer.scene.film().width);
+        let why = viewer.request(Request::Settings(change)).unwrap_err();
+        assert!(why.contains("memory"), "{why}");
+        assert_eq!(before, (viewer.held, viewer.scene.film().width));
+    };
+    refused(&mut viewer, size(64));
+    viewer.request(Request::Settings(size(20))).unwrap();
+    let transient = SettingsChange { integrator: Some("transient".into()), ..SettingsChange::default() };
+    refused(&mut viewer, transient.clone());
+    viewer.held += 1 << 32;
+    viewer.request(Request::Settings(transient)).unwrap();
+}
