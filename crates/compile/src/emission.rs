@@ -176,7 +176,8 @@ impl Compiler<'_> {
             let image = self.image_texture(light, &level);
             // `scale` of an image texture is the light's own.
             let image = steradian_texture::ImageTexture { scale: 1.0, ..image };
-            let id = self.textures.add(steradian_texture::Texture::Image(Arc::new(image)));
+            let texture = self.image_or_opaque(light, &level, image);
+            let id = self.textures.add(texture);
             (steradian_texture::SpectrumTexture::Texture(id, Role::Illuminant), mean)
         } else {
             let radiance = self.emitted(light, "radiance");

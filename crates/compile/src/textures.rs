@@ -16,7 +16,7 @@ use steradian_math::{
     DVec3, Transform, Vec3,
     spectra::role::{Color, Role},
 };
-use steradian_scene::{Family, Node, NodeId, SpectrumValue, Value};
+use steradian_scene::{Family, Format, Node, NodeId, SpectrumValue, Value};
 use steradian_texture as texture;
 use steradian_texture::{
     Domain, Filter, GridTexture, ImageTexture, SpectrumTexture, Texture, Wrap,
@@ -237,7 +237,8 @@ impl Compiler<'_> {
         match node.kind.as_str() {
             "image" => {
                 let base = self.texture_level(node)?;
-                Some(Texture::Image(Arc::new(self.image_texture(node, &base))))
+                let image = self.image_texture(node, &base);
+                Some(self.image_or_opaque(node, &base, image))
             }
             "time" => Some(Texture::Time),
             "mesh_attribute" => Some(Texture::MeshAttribute {
@@ -276,6 +277,20 @@ impl Compiler<'_> {
             .map_err(|e| self.error(span, e.to_string()))
             .ok()?;
         let faults = grid.data.iter_mut().filter(|v| !v.is_finite()).map(|v| *v = 0.0).count();
+    /// The texture of an image; where its alpha is asked for and it has none, the constant 1, as glTF rules it.
+    /// Elsewhere a picture with alpha was probably meant, which is said.
+    pub(super) fn image_or_opaque(&mut self, node: &Node, base: &Level, image: ImageTexture) -> Texture {
+        if node.string("channel") != Some("a") || base.alpha().is_some() {
+            return Texture::Image(Arc::new(image));
+        }
+        if self.desc.format != Format::Gltf {
+            let span = node.param("channel").and_then(|p| p.span).or(node.span);
+            let what = "this image has no alpha channel: its alpha is 1 everywhere";
+            self.diagnostics.warn(&self.desc.sources, span, what);
+        }
+        Texture::Constant(Color::constant(image.finish(1.0)))
+    }
+
         if faults > 0 {
             let what = format!("{faults} values of this grid are infinite or NaN; they count as zero");
             self.diagnostics.warn(&self.desc.sources, span, what);
@@ -366,13 +381,7 @@ impl Compiler<'_> {
         let channel = match self.choice(node, "channel", None, &CHANNELS) {
             // Grey pictures have their grey in any colour.
             Some(c @ 0..3) => Some(if channels < 3 { 0 } else { c }),
-            Some(_) => match base.alpha() {
-                Some(alpha) => Some(alpha),
-                None => {
-                    self.error(node.span, "this image has no alpha channel");
-                    None
-                }
-            },
+            Some(_) => base.alpha(),
             None => None,
         };
         let levels = self.levels(node, base.with_encoding(encoding), &recipe);

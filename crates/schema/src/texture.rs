@@ -385,7 +385,7 @@ pub static PICTURE: Group = Group {
               means are right",
         ),
         flag("stochastic", "false", "whether one texel is taken at random, which is the filter's value in the mean"),
-        word("channel", "color, r, g, b, a", "color", "all of it, or one number"),
+        word("channel", "color, r, g, b, a", "color", "all of it, or one number; a is 1 in a picture without alpha"),
         word(
             "wrap_u",
             WRAPS,

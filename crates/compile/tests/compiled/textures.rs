@@ -295,6 +295,28 @@ fn masks_from_afar_keep_their_coverage() {
     assert!(uneven > 3, "without footprints each spot is a hole or not: {uneven}");
 }
 
+/// The alpha of a picture without alpha is 1, before scale and inversion; only glTF has that as a rule, so other formats
+/// are told.
+#[test]
+fn pictures_without_alpha_are_opaque() {
+    let folder = tempfile::tempdir().unwrap();
+    let black = steradian_image::Image::from_rgb(2, 2, &[[0.0; 3]; 4]).unwrap();
+    for name in ["rgb.png", "rgb.jpg", "rgb.pfm"] {
+        let file = folder.path().join(name);
+        steradian_image::write(&file, &black, &Default::default()).unwrap();
+        for (scale, invert, alpha) in [(1.0, false, 1.0), (0.25, false, 0.25), (0.25, true, 0.75)] {
+            let image = texture("image").with("file", Value::Path(file.clone())).with("channel", "a");
+            let mut desc = SceneDesc::default();
+            let id = desc.add(image.with("scale", scale).with("invert", invert));
+            let said = compiled_in(desc.clone(), id).unwrap_err().concat();
+            assert!(said.contains("no alpha channel: its alpha is 1"), "{said}");
+            desc.format = steradian_scene::Format::Gltf;
+            let value = value(&compiled_in(desc, id).unwrap(), &at(0.3, 0.3));
+            assert_eq!(value, Vec3::splat(alpha), "{name} {scale} {invert}");
+        }
+    }
+}
+
 /// What pictures need is added up before one of them is read, from what their files declare; a limit on textures in
 /// memory makes room.
 #[test]

@@ -58,14 +58,16 @@ impl Exchange<'_> {
             "r" => 0,
             "g" => 1.min(colours - 1),
             "b" => colours - 1,
-            "a" => texels.alpha().unwrap_or(0),
+            "a" => texels.alpha().unwrap_or(usize::MAX),
             _ => c.min(colours - 1),
         };
         let mut pixels = Vec::with_capacity(texels.width * texels.height);
         for y in 0..texels.height {
             for x in 0..texels.width {
                 pixels.push(std::array::from_fn(|c| {
-                    let v = texels.linear(x, y, lane(c)) * scale;
+                    // A picture without alpha is opaque.
+                    let stored = if lane(c) < texels.channels { texels.linear(x, y, lane(c)) } else { 1.0 };
+                    let v = stored * scale;
                     let v = if invert { (1.0 - v).max(0.0) } else { v };
                     v * factor[c] as f32
                 }));
