@@ -3,7 +3,8 @@
 use crate::{
     args::CompareArgs,
     failure::{self, Failure, Outcome},
-    output, terminal,
+    output,
+    terminal::{self, Terminal},
 };
 use serde::Serialize;
 use std::{
@@ -61,8 +62,14 @@ struct Answer<'a> {
 }
 
 /// Compares, prints, judges.
-pub fn run(args: &CompareArgs) -> Outcome {
-    let read = |path: &Path| image::read(path, &Limits::default()).map_err(|e| Failure::bad_input(e.to_string()));
+pub fn run(args: &CompareArgs, terminal: Terminal) -> Outcome {
+    let read = |path: &Path| {
+        let picture = image::read(path, &Limits::default()).map_err(|e| Failure::bad_input(e.to_string()))?;
+        for note in picture.metadata.notes.iter().cloned().chain(picture.colour_note()) {
+            terminal.warn(&format!("'{}': {note}", path.display()));
+        }
+        Ok::<_, Failure>(picture)
+    };
     let variance = args.variance.as_deref().map(read).transpose()?;
     let tests: Vec<&Path> = match (&args.b, args.reference.is_empty()) {
         (Some(b), false) => vec![&args.a, b],

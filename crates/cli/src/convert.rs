@@ -23,7 +23,7 @@ pub fn run(args: &ConvertArgs, terminal: Terminal) -> Outcome {
             "--check, --strict, --report, -D and --format are for scenes; 'steradian compare' compares pictures",
         ));
     }
-    output::kind(&args.output)?;
+    let kind = output::kind(&args.output)?;
     output::claim([args.output.as_path()], &Inputs::of([args.input.as_path()]))?;
     let mut options = args.files.write_options().map_err(Failure::bad_input)?;
     // Colours of a legend are no radiance.
@@ -31,10 +31,20 @@ pub fn run(args: &ConvertArgs, terminal: Terminal) -> Outcome {
     let premultiplied = matches!(FileKind::from_extension(&args.input), Some(FileKind::Exr));
     let options = WriteOptions { premultiplied, ..options };
     let picture = image::read(&args.input, &Limits::default()).map_err(|e| Failure::bad_input(e.to_string()))?;
+    let mut doubts = picture.metadata.notes.clone();
+    let is_data = args.false_color.is_none() && is_data(&picture, args.layer.as_deref());
     let mut picture = match &args.layer {
         Some(name) => layer(&picture, name)?,
-        None => picture,
+        None => {
+            // OpenEXR keeps all layers.
+            doubts.extend(picture.colour_note().filter(|_| kind != FileKind::Exr || args.false_color.is_some()));
+            picture
+        }
     };
+    doubts.extend(not_finite(&picture));
+    for doubt in doubts {
+        terminal.warn(&doubt);
+    }
     if let Some(sensor) = &args.sensor {
         picture.require_rgb().map_err(|e| Failure::bad_input(e.to_string()))?;
         let origin = picture.offset;
@@ -48,7 +58,59 @@ pub fn run(args: &ConvertArgs, terminal: Terminal) -> Outcome {
         picture = shown;
     }
     image::write(&args.output, &picture, &options).map_err(|e| Failure::failed(e.to_string()))?;
+    let cut = match kind {
+        FileKind::Exr => output::clamped(std::slice::from_ref(&args.output), &picture, &options),
+        _ if kind.is_display() && is_data => beyond_display(&picture),
+        _ => None,
+    };
+    if let Some(cut) = cut {
+        terminal.warn(&cut);
+    }
     Ok(failure::DONE)
+}
+
+/// A message about values that are infinite or no numbers; they are kept.
+fn not_finite(picture: &Image) -> Option<String> {
+    let count = |wanted: fn(f32) -> bool, channels: fn(&str) -> bool| -> usize {
+        let channels = picture.channels().iter().filter(|c| channels(&c.name));
+        channels.map(|c| c.data.iter().filter(|v| wanted(**v)).count()).sum()
+    };
+    // The depth of the background is infinite.
+    let (nan, infinite) = (count(f32::is_nan, |_| true), count(f32::is_infinite, |name| !is_depth(name)));
+    (nan + infinite > 0).then(|| {
+        format!("{nan} values of this picture are NaN and {infinite} infinite; they are kept where the format has them")
+    })
+}
+
+fn is_depth(channel: &str) -> bool {
+    matches!(channel.split('.').next_back(), Some("Z" | "depth")) || channel.starts_with("depth.")
+}
+
+/// Whether what is written is numbers, such as depths and normals, and no colours.
+fn is_data(whole: &Image, layer: Option<&str>) -> bool {
+    match layer {
+        Some(name) => {
+            let prefix: &str = match Layer::named(name) {
+                Some(known) => known.prefix(),
+                None => name,
+            };
+            whole.channel(prefix).is_some() || whole.channel(&format!("{prefix}.R")).is_none()
+        }
+        None => whole.channels().len() == 1 && whole.colour_note().is_some(),
+    }
+}
+
+/// A message about numbers outside of what a display shows.
+fn beyond_display(picture: &Image) -> Option<String> {
+    let colours = picture.channels().iter().filter(|c| c.name != "A");
+    let values: Vec<f32> = colours.flat_map(|c| &c.data).copied().filter(|v| v.is_finite()).collect();
+    let least = values.iter().copied().reduce(f32::min)?;
+    let greatest = values.iter().copied().reduce(f32::max)?;
+    (least < 0.0 || greatest > 1.0).then(|| {
+        format!(
+            "the values go from {least} to {greatest}, and this format shows 0 to 1 of them; --false-color shows all, .exr and .pfm keep them"
+        )
+    })
 }
 
 /// A layer by the program's name for it or by that of its channels.

@@ -111,7 +111,7 @@ fn run(command: &Command, terminal: Terminal) -> Outcome {
         Command::List(args) => list::run(args),
         Command::Material(args) => material::run(args, terminal),
         Command::Meter(args) => meter::run(args, terminal),
-        Command::Compare(args) => compare::run(args),
+        Command::Compare(args) => compare::run(args, terminal),
         Command::Convert(args) => convert::run(args, terminal),
         Command::Denoise(args) => denoise::run(args, terminal),
         Command::Bench(args) => bench::run(args, terminal),

@@ -245,6 +245,16 @@ pub fn save(
     Err(Failure::failed(faults.join("\n")))
 }
 
+/// A message about values that files of halves among `paths` do not keep.
+pub fn clamped(paths: &[PathBuf], picture: &Image, options: &WriteOptions) -> Option<String> {
+    let has_exr = paths.iter().any(|path| FileKind::from_extension(path) == Some(FileKind::Exr));
+    let is_half = has_exr && options.exr_precision == image::Precision::Half;
+    let count = if is_half { image::clamped_to_half(picture) } else { 0 };
+    (count > 0).then(|| {
+        format!("{count} values are beyond the range of halves and are clamped to 65504; --exr float keeps them")
+    })
+}
+
 /// Writes a picture that has no other place among the temporary files.
 fn rescue(picture: &Image, options: &WriteOptions) -> Option<PathBuf> {
     let file = tempfile::Builder::new().prefix("steradian-").suffix(".exr").tempfile().ok()?;

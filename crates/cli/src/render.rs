@@ -145,6 +145,9 @@ pub fn run_after(args: &RenderArgs, terminal: Terminal, before: &mut Before) -> 
             }
             failure
         })?;
+    if let Some(cut) = output::clamped(&written, &made.picture, &write_options) {
+        terminal.warn(&cut);
+    }
     before.history = session.take_history();
     let missing_light = steradian::missing_light(&render, scene, &session.film());
     let times = [ready.load, ready.build, saving.elapsed()];

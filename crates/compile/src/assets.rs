@@ -18,6 +18,8 @@ pub(super) struct Loaded<T> {
     pub texels: T,
     /// How many of its values were infinite or NaN.
     pub faults: usize,
+    /// What reading it guessed or left out.
+    pub notes: Vec<String>,
 }
 
 /// An image file that was read, or why not.

@@ -51,14 +51,23 @@ impl Compiler<'_> {
             return;
         }
         let (limits, desc) = (self.options.image_limits, self.desc);
+        // Colours of files with primaries of their own are brought to ours; numbers, such as normals, stay as they are.
+        let colors = names(|n| n.family == Family::Light || (n.kind == "image" && n.bool("raw") != Some(true)));
+        let mend = |path: &Path, texels: &mut Texels| {
+            if colors.contains(path) {
+                texels.to_rec709();
+            }
+            blacken_non_finite(texels)
+        };
         let load = |p: &Path| -> Image<Arc<Texels>> {
             let read = match desc.embedded.get(p) {
                 Some(bytes) => steradian_image::read_texels_bytes(bytes, Some(p), &limits),
                 None => steradian_image::read_texels(p, &limits),
             };
             let mut texels = read.map_err(|e| e.to_string())?;
-            let faults = blacken_non_finite(&mut texels);
-            Ok(Loaded { texels: Arc::new(texels), faults })
+            let faults = mend(p, &mut texels);
+            let notes = std::mem::take(&mut texels.metadata.notes);
+            Ok(Loaded { texels: Arc::new(texels), faults, notes })
         };
         match self.options.texture_limit {
             None => others.extend(&textures),
@@ -68,16 +77,19 @@ impl Compiler<'_> {
                     Err(e) => return self.error(None, format!("cannot make a temporary file for textures: {e}")),
                 };
                 let page = |p: &Path| -> Image<Level> {
-                    let mut faults = 0;
+                    let (mut faults, mut notes) = (0, Vec::new());
                     let texels = if desc.embedded.contains_key(p) {
                         let image = load(p)?;
-                        faults = image.faults;
+                        (faults, notes) = (image.faults, image.notes);
                         Level::new(image.texels, Some(&pages)).map_err(|e| e.to_string())?
                     } else {
-                        Level::read(p, &limits, &pages, |band| faults += blacken_non_finite(band))
-                            .map_err(|e| e.to_string())?
+                        Level::read(p, &limits, &pages, |band| {
+                            faults += mend(p, band);
+                            notes.append(&mut band.metadata.notes);
+                        })
+                        .map_err(|e| e.to_string())?
                     };
-                    Ok(Loaded { texels, faults })
+                    Ok(Loaded { texels, faults, notes })
                 };
                 self.assets.sources_of(desc, &textures);
                 self.assets.paged.extend(load_within(limit / 2, textures, page));
@@ -132,7 +144,10 @@ impl Compiler<'_> {
     fn reported<T>(&mut self, node: &Node, image: Result<Loaded<T>, String>) -> Option<T> {
         let span = node.param("file").and_then(|p| p.span).or(node.span);
         match image {
-            Ok(Loaded { texels, faults }) => {
+            Ok(Loaded { texels, faults, notes }) => {
+                for note in notes {
+                    self.diagnostics.warn(&self.desc.sources, span, note);
+                }
                 if faults > 0 {
                     let what = format!("{faults} values of this image are infinite or NaN; they count as black");
                     self.diagnostics.warn(&self.desc.sources, span, what);
@@ -262,6 +277,20 @@ impl Compiler<'_> {
         }
     }
 
+    /// The texture of an image; where its alpha is asked for and it has none, the constant 1, as glTF rules it.
+    /// Elsewhere a picture with alpha was probably meant, which is said.
+    pub(super) fn image_or_opaque(&mut self, node: &Node, base: &Level, image: ImageTexture) -> Texture {
+        if node.string("channel") != Some("a") || base.alpha().is_some() {
+            return Texture::Image(Arc::new(image));
+        }
+        if self.desc.format != Format::Gltf {
+            let span = node.param("channel").and_then(|p| p.span).or(node.span);
+            let what = "this image has no alpha channel: its alpha is 1 everywhere";
+            self.diagnostics.warn(&self.desc.sources, span, what);
+        }
+        Texture::Constant(Color::constant(image.finish(1.0)))
+    }
+
     /// The voxel grid that a node names, read once. Values that are not finite count as zero.
     pub(super) fn voxel_grid(&mut self, node: &Node) -> Option<Arc<steradian_image::VoxelGrid>> {
         let span = node.param("file").and_then(|p| p.span).or(node.span);
@@ -277,20 +306,6 @@ impl Compiler<'_> {
             .map_err(|e| self.error(span, e.to_string()))
             .ok()?;
         let faults = grid.data.iter_mut().filter(|v| !v.is_finite()).map(|v| *v = 0.0).count();
-    /// The texture of an image; where its alpha is asked for and it has none, the constant 1, as glTF rules it.
-    /// Elsewhere a picture with alpha was probably meant, which is said.
-    pub(super) fn image_or_opaque(&mut self, node: &Node, base: &Level, image: ImageTexture) -> Texture {
-        if node.string("channel") != Some("a") || base.alpha().is_some() {
-            return Texture::Image(Arc::new(image));
-        }
-        if self.desc.format != Format::Gltf {
-            let span = node.param("channel").and_then(|p| p.span).or(node.span);
-            let what = "this image has no alpha channel: its alpha is 1 everywhere";
-            self.diagnostics.warn(&self.desc.sources, span, what);
-        }
-        Texture::Constant(Color::constant(image.finish(1.0)))
-    }
-
         if faults > 0 {
             let what = format!("{faults} values of this grid are infinite or NaN; they count as zero");
             self.diagnostics.warn(&self.desc.sources, span, what);

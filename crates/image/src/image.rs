@@ -1,6 +1,7 @@
 //! The pixel image: named planes of linear `f32` values, and metadata.
 
-use crate::{Error, Result};
+use crate::{Error, Result, colour};
+use steradian_math::Mat3;
 
 /// One named plane of an [`Image`], rows from the top, `width × height` values.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +30,10 @@ pub enum Value {
 pub struct Metadata {
     /// The pairs, in order; names are unique.
     pub entries: Vec<(String, Value)>,
+    /// Messages about what reading the file guessed or left out. They are not written.
+    pub notes: Vec<String>,
+    /// The matrix to Rec.709, where texels have colours of other primaries; see [`crate::Texels::to_rec709`].
+    pub rec709: Option<Mat3>,
 }
 
 impl Metadata {
@@ -44,6 +49,15 @@ impl Metadata {
             Some(entry) => entry.1 = value,
             None => self.entries.push((name, value)),
         }
+    }
+
+    /// Notes that colours are of Rec.709 now: `chromaticities` says so, `sourceChromaticities` keeps what it was.
+    pub(crate) fn name_rec709(&mut self) {
+        if let Some(source) = self.get("chromaticities").cloned() {
+            self.set("sourceChromaticities", source);
+        }
+        self.set_text("chromaticities", "0.64 0.33 0.3 0.6 0.15 0.06 0.3127 0.329");
+        self.entries.sort_by(|a, b| a.0.cmp(&b.0));
     }
 
     /// Sets a text.
@@ -182,16 +196,22 @@ impl Image {
         Ok(())
     }
 
-    /// The colour planes: `R`, `G`, `B`; else the grey plane `Y`, or the only channel, three times; else those of the
-    /// first layer that has all three.
+    /// The colour planes: `R`, `G`, `B`; else the grey plane `Y`, or the only channel, three times; else those of a
+    /// layer that has all three, the one called `rgba`, `Combined` or `beauty` before others.
     pub fn rgb(&self) -> Option<RgbPlanes<'_>> {
         let names: Vec<&str> = self.channels.iter().map(|c| c.name.as_str()).collect();
         let plane = |index: usize| &self.channels[index].data[..];
-        match colour_channels(&names)?[..] {
+        match colour::channels(&names)?[..] {
             [r, g, b, ..] => Some(RgbPlanes { r: plane(r), g: plane(g), b: plane(b) }),
             [y, ..] => Some(RgbPlanes { r: plane(y), g: plane(y), b: plane(y) }),
             [] => None,
         }
+    }
+
+    /// A message about the colour planes where their names leave a doubt: one layer of several was chosen, or the
+    /// picture is a depth.
+    pub fn colour_note(&self) -> Option<String> {
+        colour::note(&self.channels.iter().map(|c| c.name.as_str()).collect::<Vec<_>>())
     }
 
     /// The planes `layer.R`, `layer.G`, `layer.B`; of the root for an empty layer name.
@@ -250,22 +270,6 @@ impl Image {
     pub fn channel_names(&self) -> String {
         self.channels.iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(", ")
     }
-}
-
-/// Which of the named channels are the picture's colour: `[r, g, b]`, `[r, g, b, a]`, `[y]` or `[y, a]`.
-pub(crate) fn colour_channels(names: &[&str]) -> Option<Vec<usize>> {
-    let find =
-        |layer: &str, suffix: &str| names.iter().position(|n| n.strip_prefix(layer).is_some_and(|rest| rest == suffix));
-    let group = |layer: &str, suffixes: &[&str]| -> Option<Vec<usize>> {
-        let mut indices = suffixes.iter().map(|s| find(layer, s)).collect::<Option<Vec<_>>>()?;
-        indices.extend(find(layer, "A"));
-        Some(indices)
-    };
-    let only = || (names.len() == 1).then(|| vec![0]);
-    group("", &["R", "G", "B"]).or_else(|| group("", &["Y"])).or_else(only).or_else(|| {
-        let layers = names.iter().filter_map(|name| name.strip_suffix('R').filter(|layer| layer.ends_with('.')));
-        layers.into_iter().find_map(|layer| group(layer, &["R", "G", "B"]))
-    })
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@
 mod atomic;
 mod basis;
 pub mod block;
+mod colour;
 mod container;
 mod dds;
 pub mod encoding;
@@ -47,6 +48,7 @@ pub use self::image::{Channel, Image, Metadata, RgbPlanes, Value, Window};
 pub use atomic::{check_place, discard_drafts, stream_progress, stream_whole, write_whole};
 pub use encoding::Encoding;
 pub use error::{Error, Result};
+pub use exr_file::clamped_to_half;
 pub use false_color::FalseColor;
 pub use limits::Limits;
 pub use read::{FileKind, declared_bytes, read, read_bands, read_bytes, read_texels, read_texels_bytes};

@@ -16,7 +16,7 @@
 //! It departs from a camera in that red, green and blue of Rec.709 are counted, each at every pixel, without a mosaic
 //! of filters and without a matrix of colours, and that all pixels are alike.
 
-use crate::{Image, image::colour_channels};
+use crate::{Image, colour};
 use rayon::prelude::*;
 use steradian_math::{
     counts::{normal, poisson},
@@ -69,7 +69,7 @@ impl Sensor {
         let names: Vec<String> = image.channels().iter().map(|c| c.name.clone()).collect();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         // The fourth, or the one after grey, is alpha.
-        let colour = colour_channels(&names).unwrap_or_default();
+        let colour = colour::channels(&names).unwrap_or_default();
         let colour = colour.iter().take(if colour.len() < 3 { 1 } else { 3 });
         for (channel, &index) in colour.enumerate() {
             let Some(plane) = image.channel_mut(names[index]) else { continue };

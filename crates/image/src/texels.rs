@@ -3,6 +3,7 @@
 use crate::limits::with_room;
 use crate::{Encoding, Error, Image, Metadata, Result};
 use half::f16;
+use steradian_math::Vec3;
 
 /// Interleaved samples in the file's own precision.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,6 +76,25 @@ impl Texels {
     /// Index of the alpha channel.
     pub fn alpha(&self) -> Option<usize> {
         matches!(self.channels, 2 | 4).then(|| self.channels - 1)
+    }
+
+    /// Brings colours of other primaries to Rec.709, in the precision of the samples. Numbers that are no colours, such
+    /// as normals, stay as they are without it.
+    pub fn to_rec709(&mut self) {
+        let Some(matrix) = self.metadata.rec709.take().filter(|_| self.channels >= 3) else { return };
+        match &mut self.data {
+            TexelData::F16(v) => v.chunks_exact_mut(self.channels).for_each(|texel| {
+                let color = matrix * Vec3::from([0, 1, 2].map(|c| texel[c].to_f32()));
+                color.to_array().into_iter().zip(texel).for_each(|(v, to)| *to = f16::from_f32(v));
+            }),
+            TexelData::F32(v) => v.chunks_exact_mut(self.channels).for_each(|texel| {
+                let color = matrix * Vec3::from([texel[0], texel[1], texel[2]]);
+                texel[..3].copy_from_slice(&color.to_array());
+            }),
+            // Only OpenEXR names primaries.
+            TexelData::U8(_) | TexelData::U16(_) => {}
+        }
+        self.metadata.name_rec709();
     }
 
     /// The linear value of one sample; `x < width`, `y < height`, `channel < channels`.

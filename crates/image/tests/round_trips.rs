@@ -106,6 +106,41 @@ fn exr_metadata_and_windows() {
     assert!(matches!(encode(FileKind::Exr, &image, &WriteOptions::default()), Err(Error::Unsupported { .. })));
 }
 
+/// Colours of other primaries are brought to Rec.709, of all layers that hold colours; texels when they are asked to,
+/// in their precision, since they may be numbers.
+#[test]
+fn colours_of_other_primaries_become_rec709() {
+    let acescg = [0.5405, 0.1062, 0.0665];
+    let mut image = Image::from_rgb(1, 1, &[acescg]).unwrap();
+    image.push_layer("diffuse", ["R", "G", "B"], &[acescg]).unwrap();
+    image.push_layer("N", ["R", "G", "B"], &[acescg]).unwrap();
+    let primaries = "0.713 0.293 0.165 0.83 0.128 0.044 0.32168 0.33767";
+    image.metadata.set_text("chromaticities", primaries);
+    let is_red = |c: [f32; 3]| c.iter().zip([0.85, 0.05, 0.05]).all(|(a, b)| (a - b).abs() < 1e-3);
+    for exr_precision in [Precision::Half, Precision::Float] {
+        let bytes = encode(FileKind::Exr, &image, &WriteOptions { exr_precision, ..Default::default() }).unwrap();
+        let back = read_bytes(&bytes, None, &Limits::default()).unwrap();
+        assert!(is_red(back.rgb().unwrap().at(0)) && is_red(back.layer_rgb("diffuse").unwrap().at(0)));
+        let normal = back.layer_rgb("N").unwrap().at(0);
+        assert!(normal.iter().zip(acescg).all(|(a, b)| (a - b).abs() < 1e-3), "{normal:?}");
+        // What is written again is of Rec.709, and tells what it was.
+        assert_eq!(again(FileKind::Exr, &back, &WriteOptions::default()), back);
+        assert_eq!(back.metadata.get("sourceChromaticities"), Some(&Value::Text(primaries.into())));
+
+        let mut texels = read_texels_bytes(&bytes, None, &Limits::default()).unwrap();
+        let color = |t: &Texels| [0, 1, 2].map(|c| t.linear(0, 0, c));
+        assert!((color(&texels)[0] - 0.5405).abs() < 1e-3);
+        texels.to_rec709();
+        assert!(is_red(color(&texels)), "{:?}", texels.data);
+        assert_eq!(matches!(texels.data, TexelData::F16(_)), exr_precision == Precision::Half);
+    }
+    // Primaries on one line are not converted, which is told.
+    image.metadata.set_text("chromaticities", "0.3 0.3 0.4 0.4 0.5 0.5 0.3127 0.329");
+    let back = again(FileKind::Exr, &image, &WriteOptions::default());
+    assert_eq!(back.rgb().unwrap().at(0), acescg);
+    assert!(back.metadata.notes[0].contains("span no gamut"), "{:?}", back.metadata.notes);
+}
+
 #[test]
 fn pfm_keeps_every_bit() {
     for (width, height) in [(1, 1), (5, 3)] {

@@ -36,7 +36,7 @@ pub use cell::cell;
 pub use chance::Chance;
 pub use error::Error;
 pub use frame::Frame;
-pub use glam::{DMat4, DVec2, DVec3, Mat3, Mat4, Vec2, Vec3, Vec4};
+pub use glam::{DMat3, DMat4, DVec2, DVec3, Mat3, Mat4, Vec2, Vec3, Vec4};
 pub use motion::Motion;
 pub use ray::Ray;
 pub use spectrum::Spectrum;

@@ -51,6 +51,40 @@ fn conversion_refuses_what_it_cannot_do() {
     place.refuse(1, &["convert", "a.exr", "no/a.png"], &["no/a.png"]);
 }
 
+/// What a conversion loses or guesses is told: values that are no numbers or too large, depths as grey, layers.
+#[test]
+fn conversion_tells_what_is_lost() {
+    let place = place();
+    let told = |arguments: &[&str], what: &str| {
+        let said = place.succeed(arguments).stderr;
+        assert!(said.contains(what), "{arguments:?}: {said}");
+    };
+    let colours = [[f32::NAN, 1e6, 0.5], [f32::INFINITY, 0.0, f32::NEG_INFINITY]];
+    let mut image = Image::from_rgb(2, 1, &colours).unwrap();
+    image.push("Z", vec![0.5, f32::INFINITY]).unwrap();
+    write(&place.path("odd.exr"), &image, &WriteOptions::default()).unwrap();
+    told(&["convert", "odd.exr", "same.exr"], "1 values of this picture are NaN and 2 infinite");
+    told(&["convert", "odd.exr", "half.exr", "--exr", "half"], "1 values are beyond the range of halves");
+    let kept = place.picture("same.exr");
+    assert!(kept.rgb().unwrap().at(0)[0].is_nan() && kept.rgb().unwrap().at(1)[0] == f32::INFINITY);
+
+    let mut layers = Image::new(2, 1);
+    layers.push_layer("AO", ["R", "G", "B"], &[[0.5; 3]; 2]).unwrap();
+    layers.push_layer("rgba", ["R", "G", "B"], &[[0.25; 3]; 2]).unwrap();
+    layers.push("Z", vec![0.5, 8.5]).unwrap();
+    write(&place.path("layers.exr"), &layers, &WriteOptions::default()).unwrap();
+    told(&["convert", "layers.exr", "rgba.pfm"], "layer 'rgba' of this picture is its colour");
+    let rgba = place.picture("rgba.pfm");
+    assert_eq!(rgba.rgb().unwrap().at(0), [0.25; 3]);
+    let depth = ["convert", "layers.exr", "depth.png", "--layer", "depth"];
+    told(&depth, "the values go from 0.5 to 8.5");
+    assert!(!place.succeed(&["convert", "layers.exr", "ao.png", "--layer", "AO"]).stderr.contains("warning"));
+    let mut only = Image::new(2, 1);
+    only.push("Z", vec![0.5, 8.5]).unwrap();
+    write(&place.path("z.exr"), &only, &WriteOptions::default()).unwrap();
+    told(&["convert", "z.exr", "z.png"], "only channel of this picture is a depth, 'Z'");
+}
+
 #[test]
 fn comparison_has_the_known_figures() {
     let place = place();

@@ -20,7 +20,12 @@ impl Exchange<'_> {
             Some(bytes) => read_texels_bytes(bytes, Some(file), &limits),
             None => read_texels(file, &limits),
         };
-        read.map_err(|e| self.dropped(node, format!("a picture cannot be read and is left out: {e}"))).ok()
+        let mut texels =
+            read.map_err(|e| self.dropped(node, format!("a picture cannot be read and is left out: {e}"))).ok()?;
+        if !node.bool("raw").unwrap_or(false) {
+            texels.to_rec709();
+        }
+        Some(texels)
     }
 
     /// Whether a format that decodes pictures by their kind reads an image texture as it is meant.

@@ -47,20 +47,9 @@ pub(super) fn to_rgb(y: &mut [f32], ry: &mut [f32], by: &mut [f32], primaries: O
     }
 }
 
-/// The Y row of the matrix from these primaries to XYZ, for white of luminance 1; `None` for primaries that span no
-/// gamut.
+/// The Y row of the matrix from these primaries to XYZ; `None` for primaries that span no gamut.
 fn luminance_weights(c: Chromaticities) -> Option<[f32; 3]> {
-    // Columns are the primaries as XYZ with X + Y + Z = 1; scaled so that their sum is white.
-    let column = |x: f32, y: f32| [f64::from(x), f64::from(y), 1.0 - f64::from(x) - f64::from(y)];
-    let [r, g, b, w] = [c.red, c.green, c.blue, c.white].map(|v| column(v.x(), v.y()));
-    let white = w.map(|v| v / w[1]);
-    let determinant = |a: [f64; 3], b: [f64; 3], c: [f64; 3]| {
-        a[0] * (b[1] * c[2] - b[2] * c[1]) - b[0] * (a[1] * c[2] - a[2] * c[1]) + c[0] * (a[1] * b[2] - a[2] * b[1])
-    };
-    let whole = determinant(r, g, b);
-    let scale = [determinant(white, g, b) / whole, determinant(r, white, b) / whole, determinant(r, g, white) / whole];
-    let weights = [scale[0] * r[1], scale[1] * g[1], scale[2] * b[1]].map(|v| v as f32);
-    (weights.iter().all(|v| v.is_finite()) && weights[1].abs() > 1e-6).then_some(weights)
+    super::primaries::to_xyz(c).map(|xyz| xyz.row(1).as_vec3().to_array())
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! EXR pixels: every part's channels in one picture, at full resolution.
 
-use super::{b44, chroma, dwa, header};
+use super::{b44, chroma, dwa, header, primaries};
 use crate::limits::zeros;
-use crate::{Encoding, Error, FileKind, Image, Limits, Metadata, Result, TexelData, Texels, Value, Window};
+use crate::{Encoding, Error, FileKind, Image, Limits, Metadata, Result, TexelData, Texels, Value, Window, colour};
 use exr::block::chunk::{Chunk, CompressedBlock};
 use exr::compression::Compression;
 use exr::math::Vec2;
@@ -11,6 +11,7 @@ use exr::meta::header::Header;
 use half::f16;
 use rayon::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use steradian_math::{Mat3, Vec3};
 
 const KIND: FileKind = FileKind::Exr;
 
@@ -76,11 +77,16 @@ struct Picture {
     frame: Option<Window>,
     planes: Vec<(String, Plane)>,
     metadata: Metadata,
+    /// The matrix to Rec.709, where the colours are of other primaries.
+    rec709: Option<Mat3>,
 }
 
-/// All channels, as linear `f32` planes.
+/// All channels, as linear `f32` planes; colours are brought to Rec.709.
 pub(crate) fn decode_image(bytes: &[u8], limits: &Limits) -> Result<Image> {
-    let picture = decode(bytes, limits)?;
+    let mut picture = decode(bytes, limits)?;
+    if picture.rec709.is_some_and(|matrix| to_rec709(&mut picture.planes, matrix)) {
+        picture.metadata.name_rec709();
+    }
     let mut image = Image::new(picture.width, picture.height);
     for (name, plane) in picture.planes {
         image.push(name, plane.into_f32())?;
@@ -91,15 +97,16 @@ pub(crate) fn decode_image(bytes: &[u8], limits: &Limits) -> Result<Image> {
     Ok(image)
 }
 
-/// The colour channels, halves kept as halves.
+/// The colour channels, halves kept as halves, in the primaries of the file.
 pub(crate) fn decode_texels(bytes: &[u8], limits: &Limits) -> Result<Texels> {
     let mut picture = decode(bytes, limits)?;
     let names: Vec<&str> = picture.planes.iter().map(|(name, _)| name.as_str()).collect();
-    let Some(colour) = crate::image::colour_channels(&names) else {
+    let Some(chosen) = colour::channels(&names) else {
         return Err(Error::MissingChannels { wanted: "R, G, B or Y".into(), present: names.join(", ") });
     };
-    let lanes = colour.len();
-    let chosen: Vec<&Plane> = colour.iter().map(|&i| &picture.planes[i].1).collect();
+    let (note, is_colour) = (colour::note(&names), colour::holds_colours(&names, &chosen));
+    let lanes = chosen.len();
+    let chosen: Vec<&Plane> = chosen.iter().map(|&i| &picture.planes[i].1).collect();
     let pixels = picture.width * picture.height;
     let data = if chosen.iter().all(|p| matches!(p, Plane::Half(_))) {
         let mut data = vec![f16::ZERO; pixels * lanes];
@@ -118,6 +125,8 @@ pub(crate) fn decode_texels(bytes: &[u8], limits: &Limits) -> Result<Texels> {
     };
     let mut texels = Texels::new(picture.width, picture.height, lanes, data, Encoding::Linear);
     texels.metadata = std::mem::take(&mut picture.metadata);
+    texels.metadata.notes.extend(note);
+    texels.metadata.rec709 = picture.rec709.filter(|_| is_colour);
     Ok(texels)
 }
 
@@ -175,13 +184,16 @@ fn decode_checked(bytes: &[u8], limits: &Limits) -> Result<Picture> {
         }
     }
     to_full_resolution(&mut planes, headers, width);
+    let mut metadata = metadata(first);
+    let rec709 = rec709_matrix(first, &mut metadata);
     Ok(Picture {
         width,
         height: height as usize,
         offset: window.min,
         frame: Some(bounds(first.shared_attributes.display_window)).filter(|frame| *frame != window),
         planes,
-        metadata: metadata(first),
+        metadata,
+        rec709,
     })
 }
 
@@ -204,6 +216,34 @@ fn to_full_resolution(planes: &mut [(String, Plane)], headers: &[Header], width:
     }) {
         planes[index] = (name.into(), Plane::Float(plane));
     }
+}
+
+/// The matrix from the file's colours to Rec.709, where it names other primaries; one that there is none for is noted.
+fn rec709_matrix(header: &Header, metadata: &mut Metadata) -> Option<Mat3> {
+    let named = header.shared_attributes.chromaticities.filter(|&c| !primaries::are_rec709(c))?;
+    let matrix = primaries::to_rec709(named);
+    if matrix.is_none() {
+        let what = "the 'chromaticities' of this picture span no gamut: its colours are taken for Rec.709";
+        metadata.notes.push(what.into());
+    }
+    matrix.map(|m| m.as_mat3())
+}
+
+/// Turns the colours of all layers into Rec.709.
+fn to_rec709(planes: &mut [(String, Plane)], matrix: Mat3) -> bool {
+    let names: Vec<&str> = planes.iter().map(|(name, _)| name.as_str()).collect();
+    let groups = colour::groups(&names);
+    for group in &groups {
+        let mut values = group.map(|i| std::mem::replace(&mut planes[i].1, Plane::Uint(Vec::new())).into_f32());
+        let [red, green, blue] = &mut values;
+        for ((r, g), b) in red.iter_mut().zip(green).zip(blue) {
+            [*r, *g, *b] = (matrix * Vec3::new(*r, *g, *b)).to_array();
+        }
+        for (&index, plane) in group.iter().zip(values) {
+            planes[index].1 = Plane::Float(plane);
+        }
+    }
+    !groups.is_empty()
 }
 
 /// A decompressed block of the full-resolution level.
@@ -349,10 +389,7 @@ fn metadata(header: &Header) -> Metadata {
             AttributeValue::F64(x) => Value::Float(x as f32),
             AttributeValue::I32(x) => Value::Int(x),
             AttributeValue::Matrix4x4(m) => Value::Matrix(m),
-            AttributeValue::Chromaticities(c) => {
-                let xy = [c.red, c.green, c.blue, c.white].map(|v| [v.x(), v.y()]);
-                Value::Text(join(xy.as_flattened()))
-            }
+            AttributeValue::Chromaticities(c) => Value::Text(primaries::text(c)),
             AttributeValue::FloatVec2(v) => Value::Text(join(&[v.x(), v.y()])),
             AttributeValue::FloatVec3((x, y, z)) => Value::Text(join(&[x, y, z])),
             AttributeValue::Rational((n, d)) => Value::Text(format!("{n}/{d}")),

@@ -16,6 +16,9 @@ use half::f16;
 
 const KIND: FileKind = FileKind::Exr;
 
+/// The largest half.
+const MOST_HALF: f32 = 65504.0;
+
 /// CIE xy of the Rec.709 primaries and D65 (ITU-R BT.709-6, table 1.3).
 const REC709: Chromaticities = Chromaticities {
     red: Vec2(0.64, 0.33),
@@ -130,9 +133,16 @@ fn needs_float(name: &str) -> bool {
         || name.starts_with("crypto_")
 }
 
+/// Number of finite values of a picture that are beyond the range of halves, and are clamped to it where a file keeps
+/// halves.
+pub fn clamped_to_half(image: &Image) -> usize {
+    let channels = image.channels().iter().filter(|c| !needs_float(&c.name));
+    channels.flat_map(|c| &c.data).filter(|v| v.is_finite() && v.abs() > MOST_HALF).count()
+}
+
 /// The nearest half; finite values stay finite.
 fn half_clamped(x: f32) -> f16 {
-    if x.is_finite() { f16::from_f32(x.clamp(-65504.0, 65504.0)) } else { f16::from_f32(x) }
+    if x.is_finite() { f16::from_f32(x.clamp(-MOST_HALF, MOST_HALF)) } else { f16::from_f32(x) }
 }
 
 /// The name of a channel or attribute.

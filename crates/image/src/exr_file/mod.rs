@@ -6,6 +6,8 @@ mod decode;
 mod dwa;
 mod encode;
 mod header;
+mod primaries;
 
 pub(crate) use decode::{decode_image, decode_texels};
+pub use encode::clamped_to_half;
 pub(crate) use encode::encode;
