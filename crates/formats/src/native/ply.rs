@@ -9,6 +9,6 @@ pub(super) fn exact(mesh: &Mesh) -> Option<Vec<u8>> {
         return None;
     }
     let bytes = ply::encode(mesh);
-    let read = ply::read(&bytes, &PlyOptions { keep_quads: true }).ok()?;
+    let read = ply::read(&bytes, &PlyOptions { keep_quads: true, ..PlyOptions::default() }).ok()?;
     (read.mesh == *mesh).then_some(bytes)
 }

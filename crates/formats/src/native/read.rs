@@ -8,7 +8,7 @@ use super::{
 use crate::{
     Limits, Options,
     files::{self, SearchPath},
-    mesh::ply::{self, PlyOptions},
+    mesh::ply::{self, PlyFile, PlyOptions},
 };
 use std::{collections::HashMap, sync::Arc};
 use steradian_math::Transform;
@@ -476,6 +476,14 @@ impl<'a> Reader<'a> {
         })
     }
 
+    /// The mesh of a file, after saying what is wrong with it.
+    fn mended(&mut self, file: PlyFile, span: Span) -> Mesh {
+        if let Some(warning) = file.warning() {
+            self.diagnostics.warn(&self.desc.sources, Some(span), warning);
+        }
+        file.mesh
+    }
+
     fn mesh(&mut self, item: &Item) -> Read<usize> {
         let Kind::Map(pairs) = &item.kind else {
             return Err((format!("a mesh is expected here, not {}", item.kind.noun()), item.span));
@@ -487,12 +495,15 @@ impl<'a> Reader<'a> {
                 }
                 let name = value::text(file)?;
                 match self.files.get(name) {
-                    Some(bytes) => parse_ply(name.as_ref(), bytes).map_err(|e| (e, file.span))?,
+                    Some(bytes) => {
+                        let read = parse_ply(name.as_ref(), bytes).map_err(|e| (e, file.span))?;
+                        self.mended(read, file.span)
+                    }
                     None => {
                         let path = self.search.find(name).map_err(|e| (e.to_string(), file.span))?;
-                        let mesh = read_ply(&path, &self.options.limits).map_err(|e| (e, file.span))?;
+                        let read = read_ply(&path, &self.options.limits).map_err(|e| (e, file.span))?;
                         self.desc.sources.note(path);
-                        mesh
+                        self.mended(read, file.span)
                     }
                 }
             }
@@ -510,13 +521,13 @@ fn boolean(item: &Item) -> Read<bool> {
     }
 }
 
-fn read_ply(path: &std::path::Path, limits: &Limits) -> Result<Mesh, String> {
+fn read_ply(path: &std::path::Path, limits: &Limits) -> Result<PlyFile, String> {
     parse_ply(path, &files::read(path, limits).map_err(|e| e.to_string())?)
 }
 
-fn parse_ply(path: &std::path::Path, bytes: &[u8]) -> Result<Mesh, String> {
-    let file = ply::read(bytes, &PlyOptions { keep_quads: true });
-    file.map(|f| f.mesh).map_err(|e| format!("cannot read the mesh '{}': {e}", path.display()))
+fn parse_ply(path: &std::path::Path, bytes: &[u8]) -> Result<PlyFile, String> {
+    let file = ply::read(bytes, &PlyOptions { keep_quads: true, ..PlyOptions::default() });
+    file.map_err(|e| format!("cannot read the mesh '{}': {e}", path.display()))
 }
 
 /// Numbers `N` by `N`.

@@ -57,7 +57,7 @@ impl MeshFiles {
 fn read(job: &Job, limits: &Limits) -> Result<PlyFile, String> {
     let bytes = files::read(&job.path, limits).map_err(|e| e.to_string())?;
     // pbrt renders faces of four corners as bilinear patches.
-    let file = ply::read(&bytes, &PlyOptions { keep_quads: true })
+    let file = ply::read(&bytes, &PlyOptions { keep_quads: true, ..PlyOptions::default() })
         .map_err(|e| format!("cannot read the mesh '{}': {e}", job.path.display()))?;
     match file.mesh.validate() {
         Ok(()) => Ok(file),

@@ -159,6 +159,13 @@ impl Opener<'_> {
     fn masked(&mut self, m: &mtl::Material, material: NodeId) -> NodeId {
         let is_glass = self.import.desc.node(material).kind == "dielectric";
         let opacity = if is_glass { 1.0 } else { f64::from(m.opacity.unwrap_or(1.0).clamp(0.0, 1.0)) };
+        if opacity == 0.0 {
+            let message = format!(
+                "the material '{}' is invisible by its 'd 0' or 'Tr 1'; a file that means opaque should have 'd 1'",
+                m.name
+            );
+            self.import.diagnostics.warn(&self.import.desc.sources, m.span, message);
+        }
         let map = m.opacity_map.as_ref().and_then(|map| self.image(map, Holds::Numbers));
         let value = match (map, opacity < 1.0) {
             (None, false) => return material,
@@ -201,6 +208,12 @@ impl Opener<'_> {
         if m.shininess_map.is_some() {
             self.dropped(m.span, "'map_Ns' is left out; 'Ns' holds everywhere");
         }
+    }
+
+    /// A texture of the colours of a picture; `None`, with a report, where the file is not there.
+    pub(super) fn picture(&mut self, file: &str) -> Option<NodeId> {
+        let map = mtl::Map { file: file.into(), scale: [1.0; 3], base_gain: [0.0, 1.0], ..mtl::Map::default() };
+        self.image(&map, Holds::Colors)
     }
 
     /// A texture node for an image; `None`, with a report, where the file is not there.

@@ -134,7 +134,8 @@ impl Opener<'_> {
     }
 
     fn ply(&mut self, bytes: &[u8]) {
-        let file = match ply::read(bytes, &ply::PlyOptions::default()) {
+        let options = ply::PlyOptions { corner_uvs: true, ..ply::PlyOptions::default() };
+        let file = match ply::read(bytes, &options) {
             Ok(file) => file,
             Err(e) => return self.fault(&e, bytes),
         };
@@ -144,8 +145,30 @@ impl Opener<'_> {
             diagnostics.warn(&desc.sources, None, warning);
         }
         let mut mesh = file.mesh;
-        let look = self.painted(&mut mesh);
+        let look = match self.pictured(&file.pictures, &mesh) {
+            Some(look) => look,
+            None => self.painted(&mut mesh),
+        };
         self.shape(mesh, look, None);
+    }
+
+    /// The look of a mesh that names a picture, which goes before its own colours; `None` where it cannot be had.
+    fn pictured(&mut self, pictures: &[String], mesh: &Mesh) -> Option<Look> {
+        let (first, others) = pictures.split_first()?;
+        if mesh.uvs.is_empty() {
+            self.dropped(None, format!("the picture '{first}' is left out: the mesh has no texture coordinates"));
+            return None;
+        }
+        if !others.is_empty() {
+            let message =
+                format!("{} further pictures of this mesh are left out; '{first}' is on all faces", others.len());
+            self.dropped(None, message);
+        }
+        let reflectance = self.picture(first)?;
+        let desc = &mut self.import.desc;
+        let diffuse = desc.add(Node::new(Family::Material, "diffuse", None).with("reflectance", reflectance));
+        let both = desc.add(Node::new(Family::Material, "two_sided", None).with("front", diffuse));
+        Some(Look { material: Some(both), emission: None })
     }
 
     fn bpt(&mut self, bytes: &[u8]) {
@@ -170,6 +193,7 @@ impl Opener<'_> {
             let end = library.offset + "mtllib ".len() + library.name.len();
             self.library(&library.name, Span::new(source, library.offset, end));
         }
+        self.unnamed_materials(&file, source);
         self.size = stage::diagonal(file.meshes.iter().map(|m| &m.mesh));
         let mut looks: HashMap<Option<String>, Look> = HashMap::new();
         for part in &mut file.meshes {
@@ -199,6 +223,23 @@ impl Opener<'_> {
         }
     }
 
+    /// Says so where a file names libraries, and no face one of their materials.
+    fn unnamed_materials(&mut self, file: &obj::ObjFile, source: FileId) {
+        let Some(library) = file.libraries.first().filter(|_| !self.materials.is_empty()) else { return };
+        if file.meshes.iter().any(|part| part.material.is_some()) {
+            return;
+        }
+        let mut names: Vec<&str> = self.materials.keys().map(String::as_str).collect();
+        names.sort_unstable();
+        let some = names.iter().take(5).map(|n| format!("'{n}'")).collect::<Vec<_>>().join(", ");
+        let message = format!(
+            "no face has a material of '{}', so the model is grey: a line 'usemtl NAME' before the faces gives them one of {some}",
+            library.name
+        );
+        let span = Span::new(source, library.offset, library.offset + "mtllib ".len() + library.name.len());
+        self.import.diagnostics.warn(&self.import.desc.sources, Some(span), message);
+    }
+
     fn report_skipped(&mut self, skipped: &obj::Skipped, source: FileId) {
         let drawn = [
             (skipped.points, "point statements"),
@@ -207,6 +248,8 @@ impl Opener<'_> {
             (skipped.degenerate, "faces of less than three corners"),
             (skipped.references, "texture coordinates and normals that faces name and the file has not"),
             (skipped.colors, "colours of vertices that are not finite"),
+            (skipped.not_finite, "texture coordinates and normals that are not finite"),
+            (skipped.bad_faces, "faces at vertices that are not finite"),
         ];
         for (count, what) in drawn.into_iter().filter(|d| d.0 > 0) {
             self.dropped(None, format!("{count} {what} in '{}'", self.path.display()));
@@ -236,6 +279,13 @@ impl Opener<'_> {
         // Textures stand beside the library.
         if let Some(folder) = path.parent().filter(|f| !self.search.folders.iter().any(|known| known == f)) {
             self.search.folders.push(folder.into());
+        }
+        let is_lit = |m: &&mtl::Material| m.ambient.is_some_and(|c| c != [0.0; 3]);
+        if let Some(first) = library.materials.iter().find(is_lit) {
+            let span = Span::new(source, first.position, first.position + "newmtl".len());
+            let message =
+                "'Ka' has no effect in this library: light from all sides is traced, not taken for a constant";
+            self.import.diagnostics.note(&self.import.desc.sources, Some(span), message);
         }
         for mut material in library.materials {
             material.locate(source);

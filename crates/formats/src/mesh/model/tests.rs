@@ -211,6 +211,49 @@ fn vertex_and_face_colors_are_shown() {
     }
 }
 
+/// A picture named by `comment TextureFile` is on the faces, by texture coordinates of vertices or of corners; what is
+/// missing for it is told, and colours stand in.
+#[test]
+fn pictures_of_ply_files_are_shown() {
+    let ply = |vertex: &str, uvs: &str, face: &str, wedge: &str| {
+        format!(
+            "ply\nformat ascii 1.0\ncomment TextureFile n o.png\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+             property uchar diffuse_red\nproperty uchar diffuse_green\nproperty uchar diffuse_blue\n{vertex}element face 1\n\
+             property list uchar int vertex_indices\n{face}end_header\n0 0 0 9 9 9 {uvs}\n1 0 0 9 9 9 {uvs}\n0 1 0 9 9 9 {uvs}\n3 0 1 2 {wedge}\n"
+        )
+    };
+    let by_vertex = ply("property float texture_u\nproperty float texture_v\n", "0.5 0.5", "", "");
+    let by_corner = ply("", "", "property list uchar float texcoord\n", "6 0 0 1 0 1 1");
+    let reflectance = |text: &str, picture: &str| {
+        let import = open(&[("a.ply", text.as_bytes()), (picture, b"")]);
+        let material = front(&import, import.desc.node(import.desc.shapes[0].material.unwrap()));
+        let texture = import.desc.node(material.node("reflectance").unwrap()).kind.clone();
+        (texture, messages(&import))
+    };
+    for text in [&by_vertex, &by_corner] {
+        assert_eq!(reflectance(text, "n o.png"), ("image".into(), String::new()));
+        let (texture, said) = reflectance(text, "other.png");
+        assert!(texture == "mesh_attribute" && said.contains("n o.png"), "{texture} {said}");
+    }
+    let (texture, said) = reflectance(&ply("", "", "", ""), "n o.png");
+    assert!(texture == "mesh_attribute" && said.contains("has no texture coordinates"), "{texture} {said}");
+}
+
+/// What makes a model invisible or grey in a way that its author hardly meant is told.
+#[test]
+fn doubtful_materials_are_told() {
+    for line in ["Tr 1", "d 0"] {
+        let said = messages(&material(line).0);
+        assert!(said.contains("'m' is invisible by its 'd 0' or 'Tr 1'"), "{said}");
+    }
+    assert_eq!(messages(&material("d 1\nTr 1").0), "");
+    assert!(messages(&material("Ka 1 1 1").0).contains("'Ka' has no effect"));
+    assert_eq!(messages(&material("Ka 0 0 0").0), "");
+    let obj = format!("{SQUARE}f 1/1 2/1 3/1 4/1\n");
+    let said = messages(&open(&[("a.obj", obj.as_bytes()), ("a.mtl", b"newmtl sheet\nKd 1 0 0\n")]));
+    assert!(said.contains("a.obj:1:1") && said.contains("'usemtl NAME'") && said.contains("one of 'sheet'"), "{said}");
+}
+
 #[test]
 fn a_library_shared_by_groups_makes_one_material_each() {
     let Some(root) = assets() else { return };

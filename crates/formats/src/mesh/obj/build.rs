@@ -12,6 +12,8 @@ use steradian_scene::{Attribute, Domain, Mesh};
 pub(super) fn build(bytes: &[u8], mut parsed: Parsed) -> Result<ObjFile, MeshError> {
     let parts = std::mem::take(&mut parsed.parts);
     let mut meshes = Vec::with_capacity(parts.len());
+    let sound = parsed.positions.iter().map(|p| p.iter().all(|v| v.is_finite())).collect::<Vec<bool>>();
+    let has_bad = sound.contains(&false);
     let mut work = Work {
         sharing: Sharing { first: vec![NONE; parsed.positions.len()], ..Sharing::default() },
         cutter: Triangulator::default(),
@@ -21,6 +23,12 @@ pub(super) fn build(bytes: &[u8], mut parsed: Parsed) -> Result<ObjFile, MeshErr
             continue;
         }
         check_indices(bytes, &mut part, &mut parsed)?;
+        if has_bad {
+            parsed.skipped.bad_faces += leave_out_bad(&mut part, &sound);
+            if part.faces.is_empty() {
+                continue;
+            }
+        }
         let mesh = work.mesh(bytes, &part, &parsed)?;
         let (object, group) = (std::mem::take(&mut part.object), std::mem::take(&mut part.group));
         meshes.push(ObjMesh { object, group, material: part.material, material_offset: part.material_offset, mesh });
@@ -47,6 +55,21 @@ fn check_indices(bytes: &[u8], part: &mut Part, parsed: &mut Parsed) -> Result<(
         }
     }
     Ok(())
+}
+
+/// Leaves out the faces at vertices whose position is not finite; gives how many.
+fn leave_out_bad(part: &mut Part, sound: &[bool]) -> usize {
+    let (faces, corners) = (std::mem::take(&mut part.faces), std::mem::take(&mut part.corners));
+    let (mut start, count) = (0, faces.len());
+    for (end, at) in faces {
+        let face = &corners[start..end];
+        start = end;
+        if face.iter().all(|c| sound[c[0] as usize]) {
+            part.corners.extend_from_slice(face);
+            part.faces.push((part.corners.len(), at));
+        }
+    }
+    count - part.faces.len()
 }
 
 struct Work {

@@ -67,6 +67,10 @@ pub struct Skipped {
     pub references: usize,
     /// Colours of vertices that are not finite: they are white.
     pub colors: usize,
+    /// Texture coordinates and normals that are not finite: they are zero.
+    pub not_finite: usize,
+    /// Faces at vertices whose position is not finite: they are left out.
+    pub bad_faces: usize,
     /// Statements that OBJ does not have.
     pub unknown: usize,
     /// Offset of the first of those.
@@ -79,6 +83,8 @@ impl Skipped {
         let parts = [
             (self.references, "texture coordinates and normals that faces name and the file has not"),
             (self.colors, "colours of vertices that are not finite"),
+            (self.not_finite, "texture coordinates and normals that are not finite"),
+            (self.bad_faces, "faces at vertices that are not finite"),
         ];
         let said: Vec<String> =
             parts.iter().filter(|p| p.0 > 0).map(|(count, what)| format!("{count} {what} are left out")).collect();
@@ -100,8 +106,8 @@ pub struct ObjFile {
 /// Reads an OBJ file.
 ///
 /// # Errors
-/// [`MeshError`] with the line for numbers that are malformed or not finite (colours may be), and for indices of
-/// positions that are zero or out of range.
+/// [`MeshError`] with the line for numbers that are malformed, and for indices of positions that are zero or out of
+/// range.
 pub fn read(bytes: &[u8], options: &ObjOptions) -> Result<ObjFile, MeshError> {
     let parsed = parse::parse(bytes, options)?;
     build::build(bytes, parsed)

@@ -94,12 +94,20 @@ impl Parser<'_> {
             b"vt" => {
                 let (mut uv, found) = self.numbers::<2>(at, rest, "texture coordinate")?;
                 self.at_least(at, found, 1, "texture coordinate")?;
+                if !uv.iter().all(|v| v.is_finite()) {
+                    uv = [0.0; 2];
+                    self.out.skipped.not_finite += 1;
+                }
                 uv[1] = if self.options.flip_v { 1.0 - uv[1] } else { uv[1] };
                 self.out.uvs.push(uv);
             }
             b"vn" => {
-                let (normal, found) = self.numbers::<3>(at, rest, "normal")?;
+                let (mut normal, found) = self.numbers::<3>(at, rest, "normal")?;
                 self.at_least(at, found, 3, "normal")?;
+                if !normal.iter().all(|v| v.is_finite()) {
+                    normal = [0.0; 3];
+                    self.out.skipped.not_finite += 1;
+                }
                 self.out.normals.push(normal);
             }
             b"f" | b"fo" => self.face(at, rest)?,
@@ -134,30 +142,9 @@ impl Parser<'_> {
         Ok(())
     }
 
-    /// Up to `N` finite numbers, and how many there were; what follows them is passed over.
+    /// Up to `N` numbers, finite or not, and how many there were; what follows them is passed over.
     #[inline]
     fn numbers<const N: usize>(&self, at: usize, rest: &[u8], what: &str) -> Result<([f32; N], usize), MeshError> {
-        let (values, found) = self.any_numbers(at, rest, what)?;
-        self.all_finite(at, rest, what, &values)?;
-        Ok((values, found))
-    }
-
-    /// Refuses the first of the words that is no finite number.
-    #[inline]
-    fn all_finite(&self, at: usize, rest: &[u8], what: &str, values: &[f32]) -> Result<(), MeshError> {
-        match values.iter().position(|v| !v.is_finite()) {
-            None => Ok(()),
-            Some(bad) => {
-                let word = words(rest).nth(bad).unwrap_or_default();
-                let message = format!("{what}: '{}' is not a finite number", shown(word));
-                Err(self.fault(Kind::NotFinite, at, message))
-            }
-        }
-    }
-
-    /// The same, finite or not.
-    #[inline]
-    fn any_numbers<const N: usize>(&self, at: usize, rest: &[u8], what: &str) -> Result<([f32; N], usize), MeshError> {
         let mut values = [0.0; N];
         let (mut i, mut found) = (0, 0);
         while found < N {
@@ -190,9 +177,8 @@ impl Parser<'_> {
 
     /// `v x y z`, `v x y z w` (the weight is for curves only) or `v x y z r g b`.
     fn vertex(&mut self, at: usize, rest: &[u8]) -> Result<(), MeshError> {
-        let ([x, y, z, r, g, b], found) = self.any_numbers::<6>(at, rest, "vertex")?;
+        let ([x, y, z, r, g, b], found) = self.numbers::<6>(at, rest, "vertex")?;
         self.at_least(at, found, 3, "vertex")?;
-        self.all_finite(at, rest, "vertex", &[x, y, z])?;
         if found == 6 {
             let is_sound = r.is_finite() && g.is_finite() && b.is_finite();
             self.out.skipped.colors += usize::from(!is_sound);

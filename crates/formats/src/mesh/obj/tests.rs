@@ -171,14 +171,27 @@ fn colors_and_flipped_coordinates() {
     assert_eq!(mesh.attributes[0].data, [1., 0.5, 0., 1., 1., 1., 0., 0., 1.]);
 }
 
+/// A vertex that is not finite takes its faces with it, one that nothing uses nothing; other numbers become zero.
+#[test]
+fn numbers_that_are_not_finite_are_left_out_and_counted() {
+    let vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 nan 0\nv inf 1 1e99\nvn 0 1e99 0\nvt nan 0\n";
+    for (faces, left, left_out) in
+        [("f 1 2 3", 1, 0), ("f 1 2 4\nf 1//1 2//1 3//1\nf 5 1 2 3", 1, 2), ("f 1 2 5", 0, 1)]
+    {
+        let file = read((vertices.to_owned() + faces).as_bytes(), &ObjOptions::default()).unwrap();
+        assert_eq!((file.skipped.bad_faces, file.skipped.not_finite), (left_out, 2), "{faces}");
+        assert_eq!(file.meshes.iter().map(|m| m.mesh.triangles.len()).sum::<usize>(), left, "{faces}");
+        file.meshes.iter().for_each(|m| m.mesh.validate().unwrap());
+        assert!(file.skipped.warning().unwrap().contains("not finite"));
+    }
+}
+
 #[test]
 fn faults_are_located() {
     let start = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     for (line, kind, text) in [
         ("v 1 2", Kind::Syntax, "line 4: vertex: 2 numbers where 3 are needed"),
         ("v 1 2 x", Kind::Syntax, "line 4: vertex: 'x' is not a number"),
-        ("v 1 2 nan", Kind::NotFinite, "line 4: vertex: 'nan' is not a finite number"),
-        ("vn 1 1e99 0", Kind::NotFinite, "line 4: normal: '1e99' is not a finite number"),
         ("vt", Kind::Syntax, "line 4: texture coordinate: 0 numbers"),
         ("f 1 2 4", Kind::IndexOutOfRange, "line 4: the face refers to number 4 of the vertices, but the file has 3"),
         ("f 0 1 2", Kind::IndexOutOfRange, "line 4: the face refers to vertex 0"),

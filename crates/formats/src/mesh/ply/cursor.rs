@@ -6,6 +6,19 @@ use crate::mesh::{
     text::{double, float, integer, is_space, shown},
 };
 
+/// The lists of a record that are read.
+#[derive(Default)]
+pub(super) struct Lists {
+    /// The property that has the vertices at the corners of a face.
+    pub(super) corner_slot: Option<usize>,
+    /// The property that has the texture coordinates at the corners, `u v` of each.
+    pub(super) uv_slot: Option<usize>,
+    /// Items of the first.
+    pub(super) corners: Vec<i64>,
+    /// Items of the second.
+    pub(super) uvs: Vec<f32>,
+}
+
 /// A number type as it lies in a binary file.
 pub(super) trait Stored: Copy {
     /// Reads the value that starts at `at`; the caller has checked that it is there.
@@ -202,26 +215,29 @@ impl<'a> Cursor<'a> {
         self.take(n.saturating_mul(item.size()), what).map(|_| ())
     }
 
-    /// Reads one record: its single numbers into `row` (one place per property), the items of the property `list` into
-    /// `items`.
+    /// Reads one record: its single numbers into `row` (one place per property), and the items of `lists`.
     pub(super) fn record(
         &mut self,
         element: &Element,
         index: usize,
-        list: Option<usize>,
         row: &mut [f32],
-        items: &mut Vec<i64>,
+        lists: &mut Lists,
     ) -> Result<(), MeshError> {
-        items.clear();
+        lists.corners.clear();
+        lists.uvs.clear();
         for (slot, p) in element.properties.iter().enumerate() {
             let what = || format!("{} {index}, property '{}'", element.name, p.name);
             match p.length {
                 None => row[slot] = self.number(p.item, &what)?,
                 Some(length) => {
                     let n = self.length(length, p.item, &what)?;
-                    if list == Some(slot) {
+                    if lists.corner_slot == Some(slot) {
                         for _ in 0..n {
-                            items.push(self.whole(p.item, &what)?);
+                            lists.corners.push(self.whole(p.item, &what)?);
+                        }
+                    } else if lists.uv_slot == Some(slot) {
+                        for _ in 0..n {
+                            lists.uvs.push(self.number(p.item, &what)?);
                         }
                     } else {
                         self.skip_values(n, p.item, &what)?;

@@ -2,9 +2,11 @@
 
 use super::{
     PlyOptions,
-    cursor::{Cursor, Stored},
+    cursor::{Cursor, Lists, Stored},
     header::{Element, Encoding, Type},
     layout::attributes,
+    vertices::is_finite,
+    wedges,
 };
 use crate::mesh::{MeshError, MeshErrorKind as Kind, polygon::Triangulator};
 use steradian_scene::{Attribute, Domain, Mesh};
@@ -25,13 +27,14 @@ fn out_of_range(cursor: &Cursor<'_>, at: usize, name: &str, face: usize, index: 
 }
 
 /// Reads the faces of a mesh whose vertices are known. Lists of less than three corners are no surface and are passed
-/// over.
+/// over. Faces at vertices that are not finite are left out; gives how many.
 pub(super) fn read(
     cursor: &mut Cursor<'_>,
     element: &Element,
     mesh: &mut Mesh,
     options: &PlyOptions,
-) -> Result<(), MeshError> {
+    has_bad_vertices: bool,
+) -> Result<usize, MeshError> {
     let list = corner_list(element, cursor)?;
     let p = &element.properties[list];
     let layouts = attributes(element, &[]);
@@ -52,10 +55,19 @@ pub(super) fn read(
             _ => 0,
         };
     }
+    let mut left_out = if has_bad_vertices { leave_out_bad(mesh) } else { 0 };
     if index < element.count {
-        general(cursor, element, list, index, &layouts, mesh, options)?;
+        left_out += general(cursor, element, list, index, &layouts, mesh, options)?;
     }
-    Ok(())
+    Ok(left_out)
+}
+
+/// Leaves out the triangles at vertices that are not finite, of a mesh without data for each face; gives how many.
+pub(super) fn leave_out_bad(mesh: &mut Mesh) -> usize {
+    let before = mesh.triangles.len();
+    let positions = &mesh.positions;
+    mesh.triangles.retain(|t| t.iter().all(|&i| is_finite(&positions[i as usize])));
+    before - mesh.triangles.len()
 }
 
 /// The usual layout: records of a length (`L` bytes) and 32-bit indices. Reads triangles up to the first face that is
@@ -88,22 +100,32 @@ fn general(
     layouts: &[super::layout::AttributeLayout],
     mesh: &mut Mesh,
     options: &PlyOptions,
-) -> Result<(), MeshError> {
+) -> Result<usize, MeshError> {
     let count = mesh.positions.len();
     let mut row = vec![0.0; element.properties.len()];
-    let (mut items, mut corners) = (Vec::new(), Vec::new());
+    let uv_slot = options.corner_uvs.then(|| wedges::slot(element)).flatten();
+    let mut lists = Lists { corner_slot: Some(list), uv_slot, ..Lists::default() };
+    let (mut corners, mut left_out) = (Vec::new(), 0);
+    let mut wedges = uv_slot.map(|_| wedges::Wedges::new(mesh));
     let mut cutter = Triangulator::default();
     // Values of triangles and of patches apart, for they are numbered one after the other.
     let mut data: Vec<[Vec<f32>; 2]> = vec![[Vec::new(), Vec::new()]; layouts.len()];
     for face in first..element.count {
         let at = cursor.at;
-        cursor.record(element, face, Some(list), &mut row, &mut items)?;
+        cursor.record(element, face, &mut row, &mut lists)?;
         corners.clear();
-        for &i in &items {
+        for &i in &lists.corners {
             match u32::try_from(i) {
                 Ok(v) if (v as usize) < count => corners.push(v),
                 _ => return Err(out_of_range(cursor, at, &element.name, face, i, count)),
             }
+        }
+        if !corners.iter().all(|&v| is_finite(&mesh.positions[v as usize])) {
+            left_out += 1;
+            continue;
+        }
+        if let Some(wedges) = &mut wedges {
+            wedges.split(mesh, &mut corners, &lists.uvs);
         }
         let (triangles, patches) = (mesh.triangles.len(), mesh.patches.len());
         match *corners.as_slice() {
@@ -132,7 +154,7 @@ fn general(
         let (name, channels) = (layout.name.clone(), layout.slots.len());
         mesh.attributes.push(Attribute { name, domain: Domain::Face, channels, data: values });
     }
-    Ok(())
+    Ok(left_out)
 }
 
 /// Reads triangle strips: each corner after the second makes a triangle with the two before it, every other one turned;
@@ -141,12 +163,12 @@ pub(super) fn read_strips(cursor: &mut Cursor<'_>, element: &Element, mesh: &mut
     let list = corner_list(element, cursor)?;
     let count = mesh.positions.len();
     let mut row = vec![0.0; element.properties.len()];
-    let mut items = Vec::new();
+    let mut lists = Lists { corner_slot: Some(list), ..Lists::default() };
     for strip in 0..element.count {
         let at = cursor.at;
-        cursor.record(element, strip, Some(list), &mut row, &mut items)?;
+        cursor.record(element, strip, &mut row, &mut lists)?;
         let (mut last, mut length) = ([0u32; 2], 0usize);
-        for &i in &items {
+        for &i in &lists.corners {
             if i == -1 {
                 length = 0;
                 continue;

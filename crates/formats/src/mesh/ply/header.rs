@@ -111,6 +111,8 @@ pub(super) struct Header {
     pub(super) elements: Vec<Element>,
     /// Offset of the first byte of data.
     pub(super) data: usize,
+    /// Pictures that comments `TextureFile NAME` name, as MeshLab and photogrammetry write them.
+    pub(super) pictures: Vec<String>,
 }
 
 impl Header {
@@ -153,6 +155,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Header, MeshError> {
 
     let mut encoding = None;
     let mut elements: Vec<Element> = Vec::new();
+    let mut pictures = Vec::new();
     let mut at = 0;
     let mut first = true;
     loop {
@@ -166,6 +169,11 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Header, MeshError> {
         }
         let parts: Vec<&[u8]> = words(trim(text)).take(6).collect();
         match parts.as_slice() {
+            [b"comment", word, _, ..] if word.eq_ignore_ascii_case(b"TextureFile") => {
+                // A name may hold spaces: it is the rest of the line.
+                let comment = trim(&trim(text)[b"comment".len()..]);
+                pictures.push(String::from_utf8_lossy(trim(&comment[word.len()..])).into_owned());
+            }
             [] | [b"comment" | b"obj_info", ..] => {}
             [b"format", name, b"1.0"] => {
                 encoding = Some(match *name {
@@ -239,5 +247,5 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Header, MeshError> {
         }
     }
     let encoding = encoding.ok_or_else(|| fault(Kind::Missing, at, "the header has no 'format' line".into()))?;
-    Ok(Header { encoding, elements, data: at })
+    Ok(Header { encoding, elements, data: at, pictures })
 }

@@ -94,14 +94,16 @@ fn color_scale(item: Type, channel: usize) -> Scale {
     }
 }
 
-/// Groups properties into attributes by Mitsuba's rules: `r g b [a]` or `red green blue [alpha]` are `color`;
+/// Groups properties into attributes by Mitsuba's rules: `r g b [a]` or `red green blue [alpha]` are `color`, as are
+/// `diffuse_red diffuse_green diffuse_blue [diffuse_alpha]`;
 /// neighbours `{prefix}_x, _y, …` (also `_r _g _b _a`, `_0 _1 …`, `_1 _2 …`) are `{prefix}`, with `_color` added for
 /// the letters of a colour.
 pub(super) fn attributes(element: &Element, used: &[usize]) -> Vec<AttributeLayout> {
     const SUFFIXES: [&[u8]; 4] = [b"xyzw", b"rgba", b"0123", b"1234"];
     let mut out = Vec::new();
     let scale = |slot: usize, channel: usize| color_scale(element.properties[slot].item, channel);
-    for names in [["r", "g", "b", "a"], ["red", "green", "blue", "alpha"]] {
+    let diffuse = ["diffuse_red", "diffuse_green", "diffuse_blue", "diffuse_alpha"];
+    for names in [["r", "g", "b", "a"], ["red", "green", "blue", "alpha"], diffuse] {
         let [r, g, b, a] = names;
         if let Some(rgb) = find(element, [r, g, b]) {
             let alpha = find(element, [a]);

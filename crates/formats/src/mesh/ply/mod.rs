@@ -6,6 +6,7 @@ mod faces;
 mod header;
 mod layout;
 mod vertices;
+mod wedges;
 
 pub(crate) use encode::encode;
 
@@ -19,6 +20,8 @@ use steradian_scene::Mesh;
 pub struct PlyOptions {
     /// Faces of four corners become bilinear patches (pbrt's meaning) instead of two triangles.
     pub keep_quads: bool,
+    /// Texture coordinates at the corners of faces are read, for which vertices are split.
+    pub corner_uvs: bool,
 }
 
 /// What a PLY file holds.
@@ -28,12 +31,27 @@ pub struct PlyFile {
     pub mesh: Mesh,
     /// Vertices whose normal is not finite, as exporters write where faces have no area; it is zero in the mesh.
     pub bad_normals: usize,
+    /// Vertices whose texture coordinates are not finite; they are zero in the mesh.
+    pub bad_uvs: usize,
+    /// Vertices whose position is not finite; no face has them.
+    pub bad_vertices: usize,
+    /// Faces that were left out since they have such a vertex.
+    pub bad_faces: usize,
+    /// Names of the pictures that the mesh is textured with.
+    pub pictures: Vec<String>,
 }
 
 impl PlyFile {
     /// What there is to say of the file beyond the mesh.
     pub fn warning(&self) -> Option<String> {
-        (self.bad_normals > 0).then(|| format!("{} normals are not finite; they are left out", self.bad_normals))
+        let parts = [
+            (self.bad_vertices, format!("vertices are not finite; the {} faces at them are left out", self.bad_faces)),
+            (self.bad_normals, "normals are not finite; they are left out".into()),
+            (self.bad_uvs, "texture coordinates are not finite; they are zero".into()),
+        ];
+        let said: Vec<String> =
+            parts.iter().filter(|p| p.0 > 0).map(|(count, what)| format!("{count} {what}")).collect();
+        (!said.is_empty()).then(|| said.join("; "))
     }
 }
 
@@ -46,8 +64,7 @@ impl PlyFile {
 ///
 /// # Errors
 /// [`MeshError`] with the line (header, text) or byte (binary data) for anything that is malformed: truncated data,
-/// counts the file cannot hold, unknown types, absent coordinates, positions and texture coordinates that are not
-/// finite, indices out of range.
+/// counts the file cannot hold, unknown types, absent coordinates, indices out of range.
 pub fn read(bytes: &[u8], options: &PlyOptions) -> Result<PlyFile, MeshError> {
     let header = header::parse(bytes)?;
     let mut cursor = Cursor::new(bytes, &header);
@@ -80,15 +97,24 @@ pub fn read(bytes: &[u8], options: &PlyOptions) -> Result<PlyFile, MeshError> {
     }
     let mut file =
         mesh.ok_or_else(|| MeshError::in_text(Kind::Missing, bytes, header.data, "the file has no element 'vertex'"))?;
+    file.pictures.clone_from(&header.pictures);
     let mesh = &mut file.mesh;
+    let bad: Vec<usize> = (0..mesh.positions.len()).filter(|&i| !vertices::is_finite(&mesh.positions[i])).collect();
+    file.bad_vertices = bad.len();
     let has_faces = surfaces.iter().any(|(e, _)| e.name == "face" && e.count > 0);
     for (element, at) in surfaces {
         cursor.at = at;
         if element.name == "face" {
-            faces::read(&mut cursor, element, mesh, options)?;
+            file.bad_faces += faces::read(&mut cursor, element, mesh, options, !bad.is_empty())?;
         } else if !has_faces {
             faces::read_strips(&mut cursor, element, mesh)?;
+            file.bad_faces += if bad.is_empty() { 0 } else { faces::leave_out_bad(mesh) };
         }
+    }
+    // Their places are those of sound vertices, so that boxes around all vertices stay what they are.
+    let sound = mesh.positions.iter().copied().find(|p| vertices::is_finite(p)).unwrap_or_default();
+    for vertex in bad {
+        mesh.positions[vertex] = sound;
     }
     Ok(file)
 }

@@ -166,7 +166,7 @@ fn quads_are_kept_in_the_order_of_patches() {
     let text = "format ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n\
         property list uchar int vertex_indices\nproperty float red\nproperty float green\nproperty float blue";
     let bytes = file(text, b"0 0 0 1 0 0 1 1 0 0 1 0\n4 0 1 2 3 1 0 0\n3 0 1 2 0 1 0\n");
-    let mesh = read(&bytes, &PlyOptions { keep_quads: true }).unwrap().mesh;
+    let mesh = read(&bytes, &PlyOptions { keep_quads: true, ..PlyOptions::default() }).unwrap().mesh;
     mesh.validate().unwrap();
     assert_eq!((mesh.patches.as_slice(), mesh.triangles.as_slice()), (&[[0, 1, 3, 2]][..], &[[0, 1, 2]][..]));
     // Triangles come first.
@@ -217,8 +217,6 @@ fn faults_are_located() {
         (edit("list uchar", "list float"), Kind::Syntax, "length of a list must be an integer"),
         (edit("element face", "elephant face"), Kind::Syntax, "line 7: unknown keyword 'elephant'"),
         (edit("end_header\n", ""), Kind::Syntax, "line 9: unknown keyword '0'"),
-        (edit("1 0 0", "1 nan 0"), Kind::NotFinite, "line 11: the position of vertex 1 is not a finite number"),
-        (edit("1 0 0", "1 1e60 0"), Kind::NotFinite, "line 11: the position of vertex 1"),
         (edit("1 0 0", "1 zero 0"), Kind::Syntax, "line 11: vertex 1, property 'y': 'zero' is not a number"),
         (edit("3 0 1 2", "3 0 1 3"), Kind::IndexOutOfRange, "face 0 refers to vertex 3, but there are 3 vertices"),
         (edit("3 0 1 2", "3 0 -1 2"), Kind::IndexOutOfRange, "face 0 refers to vertex -1"),
@@ -238,12 +236,57 @@ fn faults_are_located() {
     ] {
         assert!(error.kind == kind && error.to_string().contains(text), "{text:?} is not in {error:?}");
     }
-    let binary = file(
-        "format binary_little_endian 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z",
-        &[[0u8; 4], f32::INFINITY.to_le_bytes(), [0; 4]].concat(),
-    );
-    let error = fault(&binary);
-    assert_eq!((error.kind, error.offset), (Kind::NotFinite, binary.len() - 12));
+}
+
+/// Faces at vertices that are not finite are left out and counted, of every layout; one that nothing uses takes nothing
+/// with it.
+#[test]
+fn vertices_that_are_not_finite_lose_their_faces() {
+    let quad = "0 0 0\n1 0 0\n1 1 0\n0 1 0\nnan 0 0\n0 1e60 0\n";
+    for (faces, list, triangles, left_out) in [
+        ("3 0 1 2\n3 0 2 3", "", 2, 0),
+        ("3 0 1 2\n3 0 2 4\n3 0 2 3", "", 2, 1),
+        ("4 0 1 2 3\n4 0 1 5 3", "", 2, 1),
+        ("3 0 1 2 9\n3 0 5 4 8", "property int label_x\n", 1, 1),
+    ] {
+        let text = TRIANGLE
+            .replace("vertex 3", "vertex 6")
+            .replace("0 0 0\n1 0 0\n0 1 0\n3 0 1 2", &(quad.to_owned() + faces));
+        let text = text.replace("face 1", &format!("face {}", faces.lines().count()));
+        let text = text.replace("end_header", &format!("{list}end_header"));
+        let file = read(text.as_bytes(), &PlyOptions::default()).unwrap();
+        file.mesh.validate().unwrap();
+        assert_eq!((file.mesh.triangles.len(), file.bad_vertices, file.bad_faces), (triangles, 2, left_out), "{faces}");
+        assert!(file.warning().unwrap().contains("2 vertices are not finite"));
+    }
+    // Packed binary records have a loop of their own.
+    let mesh = Mesh {
+        positions: vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [f32::INFINITY, 0., 0.]],
+        triangles: vec![[0, 1, 2], [1, 2, 3]].into(),
+        ..Mesh::default()
+    };
+    for format in ["binary_little_endian", "binary_big_endian"] {
+        let file = read(&write(&mesh, format), &PlyOptions::default()).unwrap();
+        assert_eq!((&file.mesh.triangles[..], file.bad_faces), (&[[0, 1, 2]][..], 1));
+    }
+}
+
+/// Texture coordinates at corners split the vertices where they differ, with all that these have.
+#[test]
+fn texture_coordinates_of_corners_split_vertices() {
+    let header = "format ascii 1.0\ncomment TextureFile a picture.png\nelement vertex 4\nproperty float x\nproperty float y\n\
+        property float z\nproperty uchar diffuse_red\nproperty uchar diffuse_green\nproperty uchar diffuse_blue\nelement face 2\n\
+        property list uchar int vertex_indices\nproperty list uchar float texcoord";
+    let data = b"0 0 0 255 0 0 1 0 0 0 255 0 1 1 0 0 0 255 0 1 0 255 255 255\n3 0 1 2 6 0 0 1 0 1 1\n3 0 2 3 6 .5 .5 1 1 nan 1";
+    let options = PlyOptions { corner_uvs: true, ..PlyOptions::default() };
+    let read = read(&file(header, data), &options).unwrap();
+    let mesh = read.mesh;
+    mesh.validate().unwrap();
+    assert_eq!(read.pictures, ["a picture.png"]);
+    assert_eq!(&mesh.triangles[..], [[0, 1, 2], [4, 2, 3]]);
+    assert_eq!(mesh.uvs, [[0., 0.], [1., 0.], [1., 1.], [0., 1.], [0.5, 0.5]]);
+    assert_eq!((mesh.positions[4], mesh.attributes[0].name.as_str()), ([0.0; 3], "color"));
+    assert_eq!(mesh.attributes[0].data[12..], [1.0, 0.0, 0.0]);
 }
 
 #[test]
@@ -299,7 +342,7 @@ fn mutants_neither_panic_nor_swell() {
         let seed = std::fs::read(root.join("ply").join(name)).unwrap();
         mutants(&seed, 2_500, |bytes| {
             for keep_quads in [false, true] {
-                if let Ok(PlyFile { mesh, .. }) = read(bytes, &PlyOptions { keep_quads }) {
+                if let Ok(PlyFile { mesh, .. }) = read(bytes, &PlyOptions { keep_quads, corner_uvs: keep_quads }) {
                     mesh.validate().unwrap();
                     assert!(mesh.bytes() < 1 << 20, "{} bytes from {}", mesh.bytes(), bytes.len());
                 }

@@ -2,7 +2,7 @@
 
 use super::{
     PlyFile,
-    cursor::{Cursor, Stored},
+    cursor::{Cursor, Lists, Stored},
     header::{Element, Encoding, Type},
     layout::{AttributeLayout, Scale, VertexLayout},
 };
@@ -24,15 +24,20 @@ pub(super) fn read(cursor: &mut Cursor<'_>, element: &Element) -> Result<PlyFile
         }
         None => rows(cursor, element, &layout)?,
     };
-    let bad_normals = leave_out_bad_normals(&mut mesh.normals);
-    check_finite(&mesh, element, cursor, start)?;
-    Ok(PlyFile { mesh, bad_normals })
+    let bad_normals = leave_out_bad(&mut mesh.normals);
+    let bad_uvs = leave_out_bad(&mut mesh.uvs);
+    Ok(PlyFile { mesh, bad_normals, bad_uvs, ..PlyFile::default() })
 }
 
-/// Replaces normals that are not finite by zero, and counts them.
-fn leave_out_bad_normals(normals: &mut [[f32; 3]]) -> usize {
-    let bad = normals.iter_mut().filter(|n| !n.iter().fold(true, |ok, v| ok & v.is_finite()));
-    bad.map(|n| *n = [0.0; 3]).count()
+/// Replaces values that are not finite by zero, and counts them.
+fn leave_out_bad<const N: usize>(values: &mut [[f32; N]]) -> usize {
+    let bad = values.iter_mut().filter(|v| !is_finite(&v[..]));
+    bad.map(|v| *v = [0.0; N]).count()
+}
+
+/// Whether all numbers are finite.
+pub(super) fn is_finite(values: &[f32]) -> bool {
+    values.iter().fold(true, |ok, v| ok & v.is_finite())
 }
 
 /// Binary records of one size: each quantity is gathered in a loop of its own, made for its type.
@@ -142,9 +147,9 @@ fn rows(cursor: &mut Cursor<'_>, element: &Element, layout: &VertexLayout) -> Re
     };
     mesh.attributes = layout.attributes.iter().map(attribute).collect();
     let mut row = vec![0.0; element.properties.len()];
-    let mut unused = Vec::new();
+    let mut unused = Lists::default();
     for index in 0..count {
-        cursor.record(element, index, None, &mut row, &mut unused)?;
+        cursor.record(element, index, &mut row, &mut unused)?;
         mesh.positions.push(layout.position.map(|s| row[s]));
         if let Some(slots) = layout.normal {
             mesh.normals.push(slots.map(|s| row[s]));
@@ -157,39 +162,4 @@ fn rows(cursor: &mut Cursor<'_>, element: &Element, layout: &VertexLayout) -> Re
         }
     }
     Ok(mesh)
-}
-
-/// Refuses NaN and infinite values, and numbers past single precision.
-fn check_finite(mesh: &Mesh, element: &Element, cursor: &Cursor<'_>, start: usize) -> Result<(), MeshError> {
-    let bad = |values: &[f32]| !values.iter().fold(true, |ok, v| ok & v.is_finite());
-    let first =
-        |values: &[f32], n: usize| bad(values).then(|| values.iter().position(|v| !v.is_finite()).unwrap_or(0) / n);
-    let found = [
-        ("position", first(mesh.positions.as_flattened(), 3)),
-        ("texture coordinate", first(mesh.uvs.as_flattened(), 2)),
-    ];
-    for (what, vertex) in found {
-        if let Some(vertex) = vertex {
-            let message = format!("the {what} of vertex {vertex} is not a finite number");
-            let offset = match element.fixed_record(cursor.encoding) {
-                Some(size) => start + vertex * size,
-                None => record_start(cursor, element, start, vertex),
-            };
-            return Err(cursor.fault(Kind::NotFinite, offset, message));
-        }
-    }
-    Ok(())
-}
-
-/// Where a record starts, found by reading up to it again.
-fn record_start(cursor: &Cursor<'_>, element: &Element, start: usize, index: usize) -> usize {
-    let mut again = Cursor { at: start, ..*cursor };
-    let before = Element { count: index, ..element.clone() };
-    let _ = again.skip(&before);
-    while again.encoding == Encoding::Ascii
-        && again.bytes.get(again.at).is_some_and(|&b| crate::mesh::text::is_space(b))
-    {
-        again.at += 1;
-    }
-    again.at
 }
