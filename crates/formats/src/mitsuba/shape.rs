@@ -342,7 +342,8 @@ impl Reader<'_> {
             node: node.with("radius", radius).with("z_min", 0.0).with("z_max", length),
             mesh: None,
             world_from_object: to_world * from_axis,
-            reverse_orientation: flip != to_world.swaps_handedness(),
+            // A mirrored cylinder faces outwards in Mitsuba, unlike a sphere.
+            reverse_orientation: flip,
         })
     }
 }

@@ -31,6 +31,35 @@ fn cylinders_run_from_p0_to_p1() {
     assert!(!shape.world_from_object.swaps_handedness());
 }
 
+/// Which side of a mirrored shape is its front: inside for spheres, outside for cylinders, and for flat shapes that to
+/// which the mirrored normal points.
+#[test]
+fn mirrored_shapes_face_as_in_mitsuba() {
+    for (plugin, mirrored) in
+        [("sphere", true), ("cylinder", false), ("disk", false), ("rectangle", false), ("cube", false)]
+    {
+        let is_mesh = matches!(plugin, "rectangle" | "cube");
+        for flip in [false, true] {
+            for (scale, expected) in [("1", flip && !is_mesh), ("1, 1, -1", (mirrored != flip) && !is_mesh)] {
+                let desc = good(&format!(
+                    "<shape type=\"{plugin}\"><transform name=\"to_world\"><scale value=\"{scale}\"/></transform>
+                     <boolean name=\"flip_normals\" value=\"{flip}\"/><emitter type=\"area\"/></shape>"
+                ));
+                assert_eq!(desc.shapes[0].reverse_orientation, expected, "{plugin} {scale} {flip}");
+                // Meshes are turned over themselves.
+                if let Some(mesh) = desc.shapes[0].mesh {
+                    let z = if plugin == "cube" {
+                        desc.meshes[mesh].normals[12][2]
+                    } else {
+                        desc.meshes[mesh].normals[0][2]
+                    };
+                    assert_eq!(z, if flip { -1.0 } else { 1.0 }, "{plugin} {scale} {flip}");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn height_fields_reach_from_minus_one_to_one() {
     let desc = good(

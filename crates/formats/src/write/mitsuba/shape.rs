@@ -238,7 +238,7 @@ impl Writer<'_> {
                 for (name, z) in [("p0", z[0]), ("p1", z[1])] {
                     out.push(Element::new("point").named(name).with("value", triple([0.0, 0.0, z])));
                 }
-                (world, shape.reverse_orientation != world.swaps_handedness())
+                (world, shape.reverse_orientation)
             }
             Quadric::Disk { radius, height, .. } => {
                 let size = Transform::scale(DVec3::new(radius, radius, 1.0));
