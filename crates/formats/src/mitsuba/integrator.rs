@@ -1,4 +1,16 @@
 //! Integrators. Mitsuba's many estimators of one picture become the few that Steradian has for it.
+//!
+//! | Mitsuba | the picture | Steradian |
+//! |---|---|---|
+//! | `path`, `prb`, `prb_basic`, `prb_projective`, `prb_reparam`, `ptracer` | all light | `path`, `volpath` where there are media |
+//! | `volpath`, `volpathmis`, `prbvolpath` | all light, with media | `volpath` |
+//! | `direct`, `direct_projective`, `direct_reparam` | light of one scattering event | `direct` |
+//! | `emission_reparam` | lights that the camera sees | `path` without scattering |
+//! | `aov`, `moment`, `stokes` | that of the integrator inside, with further channels | the integrator inside |
+//! | `depth` | distances | `path`, approximated |
+//!
+//! Paths of Mitsuba's differentiable integrators have 6 segments at most by default, but for `prbvolpath`; those of others
+//! have no limit.
 
 use super::{
     graph::{Category, ObjectId},
@@ -32,12 +44,16 @@ impl Reader<'_> {
                 }
                 "path"
             }
-            "direct" => "direct",
-            "path" => "path",
-            "volpath" | "volpathmis" => "volpath",
-            "volpath_simple" | "prbvolpath" => "volpath",
+            "direct" | "direct_projective" | "direct_reparam" => "direct",
+            "path" | "emission_reparam" => "path",
+            "volpath" | "volpathmis" | "volpath_simple" | "prbvolpath" => "volpath",
             "ao" => return Some(self.ambient_occlusion(object)),
-            "field" | "depth" | "irrcache" | "vpl" => {
+            "depth" => {
+                let what = "'depth' shows distances, which '--aov depth' writes as the layer 'depth.Z'; 'path' renders the picture";
+                self.approximated(self.span(object), what);
+                "path"
+            }
+            "field" | "irrcache" | "vpl" => {
                 self.approximated(self.span(object), format!("there is no integrator '{plugin}'; 'path' is used"));
                 "path"
             }
@@ -58,8 +74,14 @@ impl Reader<'_> {
             }
         };
         let mut node = self.node(Family::Integrator, kind, object);
-        if kind != "direct" {
-            let depth = self.int(object, "max_depth").unwrap_or(-1);
+        if plugin == "emission_reparam" {
+            node.set("max_depth", 0i64, None);
+        } else if kind != "direct" {
+            let depth = self.int(object, "max_depth").unwrap_or(if plugin.starts_with("prb_") || plugin == "prb" {
+                6
+            } else {
+                -1
+            });
             let span = self.value_span(object, "max_depth");
             if depth < -1 {
                 self.error(span, "'max_depth' is -1 for no limit, or the number of segments of a path");

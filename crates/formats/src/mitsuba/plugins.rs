@@ -2,7 +2,7 @@
 
 use super::graph::Category;
 
-const INTEGRATORS: [&str; 28] = [
+const INTEGRATORS: [&str; 31] = [
     "path",
     "direct",
     "volpath",
@@ -29,7 +29,10 @@ const INTEGRATORS: [&str; 28] = [
     "prb",
     "prb_basic",
     "prbvolpath",
+    "prb_reparam",
     "direct_projective",
+    "direct_reparam",
+    "emission_reparam",
     "prb_projective",
 ];
 

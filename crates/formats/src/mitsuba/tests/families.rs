@@ -394,6 +394,57 @@ fn integrators() {
     assert_eq!(integrator("<integrator type=\"aov\"><string name=\"aovs\" value=\"d:depth\"/><integrator type=\"direct\"/></integrator>").kind, "direct");
 }
 
+/// Each of Mitsuba's integrators becomes what computes its picture, to the depth that is its default.
+#[test]
+fn integrators_compute_the_picture_of_theirs() {
+    for (plugin, kind, max_depth) in [
+        ("path", "path", Some(-1)),
+        ("prb", "path", Some(5)),
+        ("prb_basic", "path", Some(5)),
+        ("prb_projective", "path", Some(5)),
+        ("prb_reparam", "path", Some(5)),
+        ("prbvolpath", "volpath", Some(-1)),
+        ("volpath", "volpath", Some(-1)),
+        ("volpathmis", "volpath", Some(-1)),
+        ("ptracer", "path", Some(-1)),
+        ("direct", "direct", None),
+        ("direct_projective", "direct", None),
+        ("direct_reparam", "direct", None),
+        ("emission_reparam", "path", Some(0)),
+        ("depth", "path", Some(-1)),
+    ] {
+        let import = read(&format!("<integrator type=\"{plugin}\"/>"));
+        assert_eq!(errors(&import), Vec::<String>::new(), "{plugin}");
+        let node = import.desc.node(import.desc.integrator.unwrap());
+        assert_eq!((node.kind.as_str(), node.int("max_depth")), (kind, max_depth), "{plugin}");
+        assert_eq!(import.diagnostics.is_lossy(), plugin == "depth", "{plugin}");
+    }
+    let deep = good("<integrator type=\"prb\"><integer name=\"max_depth\" value=\"-1\"/></integrator>");
+    assert_eq!(deep.node(deep.integrator.unwrap()).int("max_depth"), Some(-1));
+    for plugin in ["aov", "moment", "stokes"] {
+        let desc =
+            good(&format!("<integrator type=\"{plugin}\"><integrator type=\"direct_projective\"/></integrator>"));
+        assert_eq!(desc.node(desc.integrator.unwrap()).kind, "direct", "{plugin}");
+    }
+}
+
+/// Bands of a film, and distances beyond which nothing is seen, are told while there is nothing for them.
+#[test]
+fn bands_and_far_planes_are_told() {
+    let sensor = |inside: &str| read(&format!("<sensor type=\"perspective\">{inside}</sensor>"));
+    let said = |import: &Import| import.diagnostics.iter().map(|d| format!("{d}\n")).collect::<String>();
+    let bands = sensor(
+        "<film type=\"specfilm\"><spectrum name=\"band1\" value=\"500:1, 600:1\"/><spectrum name=\"near\" type=\"regular\">
+         <float name=\"wavelength_min\" value=\"600\"/><float name=\"wavelength_max\" value=\"700\"/><string name=\"values\" value=\"1, 1\"/></spectrum><rfilter type=\"box\"/></film>",
+    );
+    assert!(said(&bands).contains("bands 'band1', 'near'") && bands.diagnostics.is_lossy(), "{}", said(&bands));
+    let far = sensor("<float name=\"far_clip\" value=\"7\"/>");
+    assert!(said(&far).contains("'far_clip'") && far.diagnostics.is_lossy(), "{}", said(&far));
+    for plain in ["", "<float name=\"far_clip\" value=\"10000\"/>", "<film type=\"hdrfilm\"/>"] {
+        assert!(!sensor(plain).diagnostics.is_lossy(), "{plain}");
+    }
+}
+
 #[test]
 fn media() {
     let desc = good(
