@@ -176,6 +176,11 @@ impl Reader<'_> {
         }
         node.set("near", near, Some(self.value_span(object, "near_clip")));
         node.set("far", far, Some(self.value_span(object, "far_clip")));
+        // Mitsuba's default is beyond most scenes, and mostly written by exporters.
+        if far < 1e4 {
+            let span = self.value_span(object, "far_clip");
+            self.dropped(span, format!("'far_clip' is left out: what is further away than {far} is seen"));
+        }
         self.ignore(object, &["focus_distance"]);
     }
 
@@ -221,12 +226,26 @@ impl Reader<'_> {
             ],
         );
         if kind == "spectral" {
-            // Its bands are properties of any name.
-            self.graph.objects[object].props.iter_mut().for_each(|p| p.used = true);
+            self.bands(object);
         }
         let filters = self.graph.children(object, Category::Filter);
         self.desc.film = Some(self.desc.add(node));
         self.filter(filters.first().map(|f| f.1));
+    }
+
+    /// Says which bands of a `specfilm`, which are spectra of any name, are left out.
+    fn bands(&mut self, object: ObjectId) {
+        let span = self.span(object);
+        // The filter is asked for afterwards.
+        self.graph.children(object, Category::Filter);
+        let props = &mut self.graph.objects[object].props;
+        let names: Vec<String> = props.iter().filter(|p| !p.used).map(|p| format!("'{}'", p.name)).collect();
+        props.iter_mut().for_each(|p| p.used = true);
+        if !names.is_empty() {
+            let message =
+                format!("the bands {} of this film are left out: the picture has R, G and B", names.join(", "));
+            self.dropped(span, message);
+        }
     }
 
     fn crop(&mut self, node: &mut Node, object: ObjectId, [width, height]: [i64; 2]) {

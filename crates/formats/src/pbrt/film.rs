@@ -43,6 +43,9 @@ pub(super) fn film(scene: &mut Scene, dict: &Dict, exposure: f64) -> Option<Node
     // The size of the film matters to lens systems only, and is theirs; the precision to the file that is written.
     b.dict.float(&mut b.scene.report, "diagonal");
     b.dict.bool(&mut b.scene.report, "savefp16");
+    if let Some(lost) = lost_channels(kind) {
+        b.scene.report.dropped(dict.span, lost);
+    }
     match kind {
         "gbuffer" => {
             b.choice("coordinatesystem", "coordinatesystem", &[("camera", "camera"), ("world", "world")], "camera")
@@ -55,6 +58,17 @@ pub(super) fn film(scene: &mut Scene, dict: &Dict, exposure: f64) -> Option<Node
         _ => {}
     }
     Some(b.finish())
+}
+
+/// A message about what a kind of film writes beside the picture, and is left out.
+fn lost_channels(kind: &str) -> Option<&'static str> {
+    match kind {
+        "gbuffer" => Some(
+            "the layers of a 'gbuffer' film are left out: '--aov albedo,normal,position,depth,uv,variance' writes layers of the kind",
+        ),
+        "spectral" => Some("the wavelength buckets of a 'spectral' film are left out: the picture has R, G and B"),
+        _ => None,
+    }
 }
 
 /// `pixelbounds` in pixels or `cropwindow` in fractions, of which the latter goes first.

@@ -112,8 +112,9 @@ fn look_at_gives_the_camera_of_the_vocabulary() {
 #[test]
 fn films() {
     let film = |text: &str| {
-        let d = options(text);
-        d.node(d.film.unwrap()).clone()
+        let import = load(&format!("{text}\nWorldBegin"));
+        assert!(errors(&import).is_empty(), "{text}");
+        import.desc.node(import.desc.film.unwrap()).clone()
     };
     let f = film(
         "Film \"rgb\" \"integer xresolution\" 100 \"integer yresolution\" 50 \"float cropwindow\" [0.25 0.5 1 0] \"string filename\" \"a.exr\"
@@ -136,6 +137,18 @@ fn films() {
     );
     check(&f, "gbuffer", &[("crop", some(vec![10i64, 20, 30, 40])), ("white_balance", None)]);
     assert_eq!(film("Film \"spectral\" \"integer nbuckets\" 31").kind, "spectral");
+}
+
+/// What films of pbrt write beside the picture is told while it is left out.
+#[test]
+fn layers_and_buckets_of_films_are_told() {
+    for (kind, lost) in
+        [("gbuffer", "layers of a 'gbuffer' film"), ("spectral", "buckets of a 'spectral' film"), ("rgb", "")]
+    {
+        let import = load(&format!("Film \"{kind}\"\nWorldBegin\n"));
+        let said: String = import.diagnostics.iter().map(|d| format!("{d}\n")).collect();
+        assert_eq!((import.diagnostics.is_lossy(), said.contains(lost)), (kind != "rgb", true), "{said}");
+    }
 }
 
 #[test]
