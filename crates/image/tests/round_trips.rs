@@ -2,8 +2,8 @@
 #![allow(clippy::print_stdout, reason = "a skipped test says so")]
 
 use steradian_image::{
-    Compression, Error, FileKind, Image, Limits, Precision, TexelData, Value, Window, WriteOptions, encode, read,
-    read_bytes, read_texels_bytes, tone::Tone, write,
+    Compression, Error, FileKind, Image, Limits, Precision, TexelData, Texels, Value, Window, WriteOptions, encode,
+    read, read_bytes, read_texels_bytes, tone::Tone, write,
 };
 
 /// A picture of smooth and random parts with values from 2⁻¹⁰ to 2⁹.
