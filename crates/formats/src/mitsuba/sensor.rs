@@ -176,10 +176,10 @@ impl Reader<'_> {
         }
         node.set("near", near, Some(self.value_span(object, "near_clip")));
         node.set("far", far, Some(self.value_span(object, "far_clip")));
-        // Mitsuba's default is beyond most scenes, and mostly written by exporters.
+        // Exporters write it always, mostly beyond all that there is: that is no loss.
         if far < 1e4 {
             let span = self.value_span(object, "far_clip");
-            self.dropped(span, format!("'far_clip' is left out: what is further away than {far} is seen"));
+            self.note(span, format!("'far_clip' has no effect: what is further away than {far} is seen"));
         }
         self.ignore(object, &["focus_distance"]);
     }

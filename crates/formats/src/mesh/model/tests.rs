@@ -120,7 +120,7 @@ fn malformed_models_are_errors_with_a_place() {
     for (name, bytes, expected) in [
         ("a.obj", &b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"[..], "a.obj:4:1\n  |\n4 | f 1 2 9\n  | ^^^^^^^"),
         ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 1\nproperty flat x\nend_header\n", "a.ply:4:1"),
-        ("a.ply", b"ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n\0\0\x80\x7f\0\0\0\0\0\0\0\0", "byte 115: the position of vertex 0"),
+        ("a.ply", b"ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n\0\0\x80\x7f\0\0\0\0\0\0\0\0", "1 vertices are not finite"),
         ("a.obj", b"", "has no faces"),
         ("a.obj", b"v 1 2 3\np 1\n", "has no faces"),
         ("a.ply", b"ply", "this is not a PLY file"),
