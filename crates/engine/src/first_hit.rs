@@ -18,19 +18,22 @@ const SETS: usize = 4;
 /// Mirrors and panes that are seen through at most.
 const MIRRORS: usize = 16;
 
-/// The first surface that scatters, along a camera ray; where it `sees_through`, with what mirrors and smooth glass
-/// show; with its motion since the frame `before`. Nothing is said to move where that is not known.
-pub fn first_hit(
-    scene: &Scene,
-    ray: Ray,
-    lambda: &Wavelengths,
-    sees_through: bool,
-    before: Option<&Scene>,
-) -> FirstHit {
+/// Which surfaces count as seen by a camera ray.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sight {
+    /// Whether what mirrors and smooth glass show is gathered, too.
+    pub sees_through: bool,
+    /// Whether camera rays pass what emits.
+    pub hide_emitters: bool,
+}
+
+/// The first surface that scatters, along a camera ray, by what counts as seen; with its motion since the frame
+/// `before`. Nothing is said to move where that is not known.
+pub fn first_hit(scene: &Scene, ray: Ray, lambda: &Wavelengths, sight: Sight, before: Option<&Scene>) -> FirstHit {
     let forward = scene.camera().forward();
     let eye = ray.origin;
     let motion = |moved: Option<Moved>| moved.map_or([0.0; 3], |m| m.pixels.extend(m.depth).to_array());
-    let Some((i, albedo, frame)) = next_hit(scene, ray, lambda) else {
+    let Some((i, albedo, frame)) = next_hit(scene, ray, lambda, sight.hide_emitters) else {
         let moved = before.and_then(|before| scene.far_moved_since(before, &ray));
         return FirstHit { motion: motion(moved), ..FirstHit::default() };
     };
@@ -51,7 +54,7 @@ pub fn first_hit(
         coverage: 1.0,
         ..FirstHit::default()
     };
-    if sees_through {
+    if sight.sees_through {
         let [albedo, normal] = seen(scene, i, [albedo, frame.z], lambda);
         (first.seen_albedo, first.seen_normal) = (albedo.to_array(), normal.to_array());
     }
@@ -59,10 +62,19 @@ pub fn first_hit(
 }
 
 /// The first surface along a ray that scatters, with its albedo and shading frame. Rays meet few interfaces before
-/// anything else; beyond that there is none.
-fn next_hit(scene: &Scene, mut ray: Ray, lambda: &Wavelengths) -> Option<(Interaction, Vec3, Frame)> {
+/// anything else; beyond that there is none. Lights are passed where they are hidden.
+fn next_hit(
+    scene: &Scene,
+    mut ray: Ray,
+    lambda: &Wavelengths,
+    hide_emitters: bool,
+) -> Option<(Interaction, Vec3, Frame)> {
     for _ in 0..64 {
-        let i = scene.interaction(&ray, &scene.intersect(&ray)?);
+        let (from, hit) = match hide_emitters {
+            true => scene.intersect_past_emitters(&ray)?,
+            false => (ray, scene.intersect(&ray)?),
+        };
+        let i = scene.interaction(&from, &hit);
         match albedo(scene, &i, lambda) {
             Some((albedo, frame)) => return Some((i, albedo, frame)),
             None => ray = i.spawn(ray.direction),
@@ -81,7 +93,9 @@ fn seen(scene: &Scene, mut i: Interaction, [mut albedo, mut normal]: [Vec3; 2], 
         let drawn = s.bsdf.sample(frame.to_local(i.wo), 0.5, Vec2::splat(0.5), TransportMode::Radiance);
         // What goes below the surface shows nothing else.
         let Some(drawn) = drawn.filter(|drawn| !drawn.lobe.is_subsurface()) else { break };
-        let Some((next, more, frame)) = next_hit(scene, i.spawn(frame.to_world(drawn.wi)), lambda) else { break };
+        let Some((next, more, frame)) = next_hit(scene, i.spawn(frame.to_world(drawn.wi)), lambda, false) else {
+            break;
+        };
         (i, albedo, normal) = (next, albedo * more, frame.z);
     }
     [albedo, normal]

@@ -24,7 +24,7 @@ mod tiles;
 pub use context::PathContext;
 pub use counters::{Counters, Stop};
 pub use estimate::Doubt;
-pub use first_hit::{albedo, albedo_of, first_hit};
+pub use first_hit::{Sight, albedo, albedo_of, first_hit};
 pub use integrator::{GroupIntegrator, Integrator, OneByOne, PixelSample};
 pub use passes::{CameraSample, Pass, Passes, Run};
 pub use plan::{Control, Plan};

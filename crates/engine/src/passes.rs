@@ -266,12 +266,12 @@ impl<P: Pass> Passes<P> {
         if self.features.is_empty() && self.mattes.is_empty() {
             return Some(());
         }
-        let (crop, sees_through) = (self.scene.film().crop, self.plan.sees_through);
+        let (crop, sight) = (self.scene.film().crop, self.plan.sight());
         let before = self.before.as_deref();
         let (rows, _) = run.in_order(crop.height() as usize, |row, _| {
             let hit = |x| {
                 let (ray, lambda) = self.integrator.first_ray(run, [x, crop.y0 + row as u32], number);
-                first_hit(run.scene, ray, &lambda, sees_through, before)
+                first_hit(run.scene, ray, &lambda, sight, before)
             };
             (crop.x0..crop.x1).map(hit).collect::<Vec<_>>()
         })?;

@@ -1,5 +1,6 @@
 //! What is asked of a render, and what is shared with whoever watches it.
 
+use crate::Sight;
 use std::sync::{
     Arc,
     atomic::{AtomicBool, AtomicU64},
@@ -28,6 +29,8 @@ pub struct Plan {
     pub halves: bool,
     /// Whether samples whose camera rays meet no surface are black: what lies behind everything is not in the picture.
     pub transparent: bool,
+    /// Whether camera rays pass what emits: lights are hidden from the camera, in layers as in the picture.
+    pub hide_emitters: bool,
     /// Whether cells that err more get more samples, where the first ones tell that it pays; `spp` is the mean then.
     pub adaptive: bool,
     /// The relative error of the picture ([`crate::Session::error`]) at which to stop, unless it is in doubt.
@@ -47,9 +50,15 @@ impl Plan {
             by_light: false,
             halves: false,
             transparent: false,
+            hide_emitters: false,
             adaptive: false,
             error: None,
         }
+    }
+
+    /// What counts as seen by camera rays.
+    pub fn sight(&self) -> Sight {
+        Sight { sees_through: self.sees_through, hide_emitters: self.hide_emitters }
     }
 
     /// Threads that a step uses.

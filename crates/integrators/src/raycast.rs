@@ -29,13 +29,14 @@ impl Integrator for Raycast {
                 return nee::background(scene, ray.origin, ray.direction, &None, lambda);
             };
             let i = scene.interaction_of_light(&ray, &hit);
+            let passes_straight = self.hide_emitters && scene.geometries()[i.geometry as usize].emitter.is_some();
             match scene.scattering_along(&i, differential.as_ref(), 0.5, lambda) {
-                Some((s, frame)) => {
+                Some((s, frame)) if !passes_straight => {
                     let albedo = s.bsdf.albedo_estimate(frame.to_local(i.wo));
                     let color = role::under_white(albedo, lambda, scene.mode());
                     return if self.hide_emitters { color } else { color + nee::emission(scene, &i, &None, lambda) };
                 }
-                None => {
+                _ => {
                     ray = i.spawn(ray.direction);
                     differential = differential.map(|d| d.advance(i.t));
                 }

@@ -62,11 +62,13 @@ impl Stokes {
             if !hidden {
                 sum = sum + chain.of_unpolarized(nee::emission(scene, &i, &origin, lambda));
             }
-            if events >= self.depth.max {
+            let passes_straight = self.depth.hides(scene, i.geometry, events);
+            if events >= self.depth.max && !passes_straight {
                 return sum;
             }
             let choice = sampler.get_1d_lazily(dimension::at(events, dimension::MIXTURE), scene.has_mixtures());
-            let Some((scattering, frame)) = scene.scattering(&i, choice, lambda) else {
+            let surface = if passes_straight { None } else { scene.scattering(&i, choice, lambda) };
+            let Some((scattering, frame)) = surface else {
                 passes += 1;
                 if passes > crate::MAX_PASSES {
                     return sum;

@@ -87,7 +87,11 @@ impl Whitted {
                 sum += nee::emission(scene, &i, &None, lambda);
             }
             let choice = sampler.get_1d(dimension::at(events, dimension::MIXTURE));
-            let Some((scattering, frame)) = scene.scattering_along(&i, differential.as_ref(), choice, lambda) else {
+            let surface = match self.depth.hides(scene, i.geometry, events) {
+                true => None,
+                false => scene.scattering_along(&i, differential.as_ref(), choice, lambda),
+            };
+            let Some((scattering, frame)) = surface else {
                 ray = i.spawn(ray.direction);
                 differential = differential.map(|d| d.advance(i.t));
                 continue;

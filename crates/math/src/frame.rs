@@ -20,7 +20,8 @@ impl Frame {
     /// A frame around a unit vector, without branches on its direction (Duff et al. 2017).
     #[inline(always)]
     pub fn from_z(z: Vec3) -> Self {
-        let sign = 1.0_f32.copysign(z.z);
+        // Not by the sign bit: frames of 0 and −0 are one.
+        let sign = if z.z < 0.0 { -1.0_f32 } else { 1.0 };
         let a = -1.0 / (sign + z.z);
         let b = z.x * z.y * a;
         Self {
@@ -59,6 +60,14 @@ impl Frame {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn frames_do_not_depend_on_signs_of_zero() {
+        for z in [Vec3::X, Vec3::Y, Vec3::new(0.6, 0.8, 0.0)] {
+            let [a, b] = [0.0, -0.0].map(|zero| Frame::from_z(Vec3::new(z.x, z.y, zero)));
+            assert_eq!((a.x, a.y), (b.x, b.y));
+        }
+    }
 
     #[test]
     fn frames_are_orthonormal_and_right_handed() {

@@ -9,9 +9,14 @@
 use crate::{Frame, Spectrum, Vec3};
 use std::ops::{Add, Mul};
 
-/// The reference direction that goes with a direction of travel, where no other is agreed on.
+/// The oblique axis to which [`basis`] is orthogonal: a direction that scenes are not likely to have.
+const BASIS_AXIS: Vec3 = Vec3::new(0.408, -0.544, 0.733);
+
+/// The reference direction that goes with a direction of travel, where no other is agreed on. It is continuous but at
+/// the two directions of one oblique axis: directions that are equal up to rounding, or up to the sign of a zero, have
+/// the same reference.
 pub fn basis(k: Vec3) -> Vec3 {
-    Frame::from_z(k).x
+    BASIS_AXIS.cross(k).try_normalize().unwrap_or_else(|| Frame::from_z(k).x)
 }
 
 /// Light with its polarisation.

@@ -1,6 +1,6 @@
 //! The camera as a projection to clip space.
 
-use steradian_core::{Scene, camera::Projection};
+use steradian_core::{Scene, camera::Projection, scene::Geometry};
 use steradian_math::{Ray, Vec2, Vec3, Vec4, transform::Affine};
 use steradian_raster::{
     Extent,
@@ -25,6 +25,8 @@ pub struct Projected {
     offset: Vec2,
     /// Of a light's view; none for the scene's camera.
     light: Option<LightFrame>,
+    /// Whether what emits is left out: of cameras from which lights are hidden.
+    hide_emitters: bool,
 }
 
 /// The square picture of a light's view.
@@ -64,6 +66,16 @@ impl Warp {
 }
 
 impl Projected {
+    /// This view, from which lights are hidden if so asked.
+    pub fn hiding_emitters(self, hide_emitters: bool) -> Self {
+        Self { hide_emitters, ..self }
+    }
+
+    /// Whether this view leaves a geometry out.
+    pub(crate) fn hides(&self, geometry: &Geometry) -> bool {
+        self.hide_emitters && geometry.emitter.is_some()
+    }
+
     /// The scene's camera, looking at this place of each pixel (0…1 from its top left).
     ///
     /// # Errors
@@ -108,6 +120,7 @@ impl Projected {
             length: (far - near).max(1e-6 * radius),
             offset,
             light: None,
+            hide_emitters: false,
         })
     }
 
@@ -125,6 +138,7 @@ impl Projected {
             length: range[1] - range[0],
             offset: Vec2::splat(0.5),
             light: Some(LightFrame { size, warp: None }),
+            hide_emitters: false,
         }
     }
 

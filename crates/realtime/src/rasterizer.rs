@@ -17,7 +17,7 @@ use steradian_core::{
     Scene,
     film::{FilmSpec, PassFilm},
 };
-use steradian_engine::{Counters, Pass, Plan, Run, Stop, first_hit};
+use steradian_engine::{Counters, Pass, Plan, Run, Sight, Stop, first_hit};
 use steradian_math::{Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
 use steradian_transport::Depth;
 
@@ -120,7 +120,7 @@ impl Rasterizer {
         let (offset, weight) = place(run.scene.film(), number);
         // One sample alone is the whole pixel.
         let weight = if run.sampler.spp > 1 { weight } else { 1.0 };
-        let projected = Projected::new(run.scene, offset)?;
+        let projected = Projected::new(run.scene, offset)?.hiding_emitters(self.depth.hide_emitters);
         let visibility = Visibility::draw_with(run.scene, list, &projected, Some(self.options.visibility))?;
         Ok(Drawing { run, list, number, projected, weight, visibility })
     }
@@ -162,7 +162,8 @@ impl Rasterizer {
         counters.by_group.resize(groups, Spectrum::ZERO);
         counters.stop = Stop::by(&run.control.cancel);
         let mut radiance = shader.radiance(&ray, seen, at, &mut lambda, counters);
-        if self.transparent && first_hit(scene, ray, &lambda, false, None).coverage == 0.0 {
+        let sight = Sight { sees_through: false, hide_emitters: self.depth.hide_emitters };
+        if self.transparent && first_hit(scene, ray, &lambda, sight, None).coverage == 0.0 {
             radiance = Spectrum::ZERO;
             counters.by_group.fill(radiance);
         }

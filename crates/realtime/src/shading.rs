@@ -68,6 +68,11 @@ pub struct CameraPath {
 }
 
 impl CameraPath {
+    /// Whether it passes a surface straight: what emits, where lights are hidden from the camera.
+    pub fn passes_straight(&self, scene: &Scene, i: &Interaction) -> bool {
+        self.events == 0 && !self.sees_lights && scene.geometries()[i.geometry as usize].emitter.is_some()
+    }
+
     /// From the camera.
     pub fn start(shader: &Shader<'_>, ray: &Ray, seen: Option<Seen>) -> Self {
         let differential = shader.scene.ray_differential(ray);
@@ -192,7 +197,11 @@ impl<'a> Shader<'a> {
                 sum += self.emission(&i, beta, lambda, trace);
             }
             let choice = numbers.get_2d(1 + 8 * round, self.pass).x;
-            match scene.scattering_along(&i, path.differential.as_ref(), choice, lambda) {
+            let surface = match path.passes_straight(scene, &i) {
+                true => None,
+                false => scene.scattering_along(&i, path.differential.as_ref(), choice, lambda),
+            };
+            match surface {
                 None => {
                     path.differential = path.differential.map(|d| d.advance(i.t));
                     path.ray = i.spawn(ray.direction);

@@ -176,7 +176,8 @@ impl Stage<'_> {
         for (i, item) in self.list.items.iter().enumerate() {
             let shape = &self.list.geometry(self.scene, item).shape;
             let count = count(item, shape);
-            if count > 0 && self.in_view(item, shape) && !self.parts.add(i as u32, count) {
+            let is_hidden = self.projected.hides(self.list.geometry(self.scene, item));
+            if count > 0 && !is_hidden && self.in_view(item, shape) && !self.parts.add(i as u32, count) {
                 return Err(Error::Scene(
                     "raster draws up to 119 million primitives at once, and more are in the view".into(),
                 ));

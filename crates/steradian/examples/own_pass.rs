@@ -4,7 +4,7 @@
 #![allow(clippy::print_stderr)]
 
 use std::{error::Error, path::Path, sync::Arc};
-use steradian::engine::{Control, Counters, Pass, Passes, Run, Session, first_hit};
+use steradian::engine::{Control, Counters, Pass, Passes, Run, Session, Sight, first_hit};
 use steradian::film::{PassFilm, Splat};
 use steradian::math::{Vec2, Vec3};
 use steradian::{Layer, Quality, image};
@@ -27,7 +27,9 @@ impl Pass for Sprinkled {
                 // As many rays as pixels: each stands for the area of one.
                 Splat {
                     at,
-                    rgb: Vec3::from_array(first_hit(run.scene, ray, &run.wavelengths(&sampler), false, None).albedo),
+                    rgb: Vec3::from_array(
+                        first_hit(run.scene, ray, &run.wavelengths(&sampler), Sight::default(), None).albedo,
+                    ),
                 }
             };
             (0..spec.width).map(splat).collect::<Vec<_>>()

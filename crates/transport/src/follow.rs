@@ -11,7 +11,11 @@ use crate::{
     vertex::Vertex,
     volume_emission,
 };
-use steradian_core::{material::Scattering, scene::Hit};
+use steradian_core::{
+    Scene,
+    material::Scattering,
+    scene::{Hit, Interaction},
+};
 use steradian_engine::{PathContext, dimension};
 use steradian_math::{Frame, Spectrum};
 
@@ -110,6 +114,14 @@ pub fn meet<'s, const MEDIA: bool>(
             counters.note(|| emitter().map(|e| scene.light_groups().of_emitters[e as usize]), light);
             sink.add(light);
         }
+        if depth.hides(scene, i.geometry, path_state.events) {
+            if !go_straight::<MEDIA>(path_state, &i, sink, scene) {
+                return;
+            }
+            counters.rays += 1;
+            hit = scene.intersect(&path_state.ray);
+            continue;
+        }
         let is_last = path_state.events >= depth.max;
         if is_last && !scene.is_see_through() || scene.is_black(i.geometry) {
             return;
@@ -134,14 +146,25 @@ pub fn meet<'s, const MEDIA: bool>(
         }
         let i = *i;
         *arrival = Arrival::End;
-        sink.tell(Step::Passed);
-        path_state.pass::<MEDIA>(scene, &i);
-        if path_state.passes > MAX_PASSES {
+        if !go_straight::<MEDIA>(path_state, &i, sink, scene) {
             return;
         }
         counters.rays += 1;
         hit = scene.intersect(&path_state.ray);
     }
+}
+
+/// Leaves a surface straight on the other side; whether the path has passed few enough to go on.
+#[inline]
+fn go_straight<const MEDIA: bool>(
+    path_state: &mut PathState,
+    i: &Interaction,
+    sink: &mut impl Sink,
+    scene: &Scene,
+) -> bool {
+    sink.tell(Step::Passed);
+    path_state.pass::<MEDIA>(scene, i);
+    path_state.passes <= MAX_PASSES
 }
 
 /// Adds the light of the environments that a path met to `sink`.

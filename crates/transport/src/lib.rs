@@ -25,6 +25,7 @@ pub use state::PathState;
 pub use vertex::Vertex;
 pub use walk::{along, leaving};
 
+use steradian_core::Scene;
 use steradian_math::{Spectrum, spectra::Wavelengths};
 
 /// Surfaces that scatter nothing are passed at most this often on a path.
@@ -39,6 +40,15 @@ pub struct Depth {
     pub roulette_after: u32,
     /// Whether lights are invisible to the camera.
     pub hide_emitters: bool,
+}
+
+impl Depth {
+    /// Whether a path passes a surface straight after so many scattering events: camera rays pass all that emits where
+    /// lights are hidden from the camera, as in Mitsuba 3.9.
+    #[inline]
+    pub fn hides(&self, scene: &Scene, geometry: u32, events: u32) -> bool {
+        self.hide_emitters && events == 0 && scene.geometries()[geometry as usize].emitter.is_some()
+    }
 }
 
 /// The power heuristic with exponent two for one sample of each of two techniques (Veach 1997, eq. 9.13).

@@ -305,6 +305,9 @@ pub fn shadow_ray(p: Vec3, origin: Vec3, direction: Vec3, distance: f32) -> Ray 
 /// Shadow rays end this share of the way to the light, so that they do not meet it.
 pub const SHADOW_END: f32 = 1.0 - 1e-4;
 
+/// Emitting surfaces that a camera ray passes at most where lights are hidden.
+const MAX_EMITTERS_PASSED: u32 = 1 << 16;
+
 /// Shadow rays that start off the surface by less than this share of the way keep their direction.
 const MOVED: f32 = 1e-5;
 
@@ -507,6 +510,41 @@ impl Scene {
     pub fn occluded(&self, ray: &Ray) -> bool {
         let meets_plane = || self.nearest_plane::<true>(&mut ray.clone()).is_some();
         !self.facts.planes.is_empty() && meets_plane() || self.parts.accel.occluded(ray, &Query::<true>(self))
+    }
+
+    /// The nearest surface along a camera ray where lights are hidden from the camera, and the part of the ray that
+    /// begins behind the last light it passed: emitting surfaces let camera rays pass on both sides, as in Mitsuba 3.9.
+    pub fn intersect_past_emitters(&self, ray: &Ray) -> Option<(Ray, Hit)> {
+        let mut ray = *ray;
+        for _ in 0..MAX_EMITTERS_PASSED {
+            let hit = self.intersect(&ray)?;
+            if self.geometry(hit.id).emitter.is_none() {
+                return Some((ray, hit));
+            }
+            let next = self.interaction_of_light(&ray, &hit).spawn(ray.direction);
+            ray = Ray { t_max: ray.t_max - (next.origin - ray.origin).length(), ..next };
+            if ray.t_max <= 0.0 {
+                return None;
+            }
+        }
+        None
+    }
+
+    /// Whether anything that scatters and emits no light is met within the ray's interval: whether it hides a point
+    /// from a camera that does not see lights.
+    pub fn occluded_past_emitters(&self, ray: &Ray) -> bool {
+        let mut ray = *ray;
+        while let Some((from, hit)) = self.intersect_past_emitters(&ray) {
+            if !self.geometry(hit.id).is_interface {
+                return true;
+            }
+            let next = self.interaction_of_light(&from, &hit).spawn(ray.direction);
+            ray = Ray { t_max: from.t_max - (next.origin - from.origin).length(), ..next };
+            if ray.t_max <= 0.0 {
+                break;
+            }
+        }
+        false
     }
 
     /// What [`Scene::intersect`] costs in the structure.

@@ -296,7 +296,7 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
             return (l, None);
         }
         let before = self.frame.before.as_deref();
-        let hit = first_hit(scene, pixel_sample.ray, &pixel_sample.lambda, plan.sees_through, before);
+        let hit = first_hit(scene, pixel_sample.ray, &pixel_sample.lambda, plan.sight(), before);
         let l = if plan.transparent && hit.coverage == 0.0 { Spectrum::ZERO } else { l };
         (l, (plan.features || plan.mattes).then_some(hit))
     }

@@ -225,6 +225,10 @@ impl Reader<'_> {
                 "has_variance",
             ],
         );
+        if let Some(format) = self.string(object, "pixel_format").filter(|f| f.ends_with('a')) {
+            let said = format!("the alpha channel of '{format}' is not written by itself; --transparent writes it");
+            self.note(self.value_span(object, "pixel_format"), said);
+        }
         if kind == "spectral" {
             self.bands(object);
         }

@@ -170,7 +170,7 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
             }
         };
         counters.rays += 1;
-        if scene.occluded(&v.i.spawn_towards(seen.to_camera, seen.distance)) {
+        if super::is_hidden_from_camera(scene, &self.tracer.settings.depth, &v.i, (seen.to_camera, seen.distance)) {
             return;
         }
         let light = v.beta * e.value * (seen.density / self.ways.light_paths * weight as f32);
@@ -181,7 +181,7 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
     fn camera(&self, sample: &CameraSample, found: &mut Found<'s>, counters: &mut Counters) {
         let (scene, settings) = (self.scene(), &self.tracer.settings);
         let only_lights = settings.strategy == Strategy::Light;
-        let mut path = Subpath::from_camera(scene, sample.ray, sample.lambda, &self.ways);
+        let mut path = Subpath::from_camera(scene, sample.ray, sample.lambda, &self.ways, &settings.depth);
         loop {
             let mut emitted = Spectrum::ZERO;
             let arrival = path.arrive(scene, self.numbers, counters, |path, i, distance, sums| {

@@ -52,7 +52,7 @@ fn path(run: &Run<'_>, emission: &Emission, depth: &Depth, numbers: &PixelSample
             break;
         }
         if is_focused && !v.scattering.bsdf.is_specular() {
-            sum += seen(run, &v, numbers);
+            sum += seen(run, &v, numbers, depth);
         }
         if !path.scatter(scene, &v, numbers, &ways, depth) || !(is_focused || path.is_specular) {
             break;
@@ -62,7 +62,7 @@ fn path(run: &Run<'_>, emission: &Emission, depth: &Depth, numbers: &PixelSample
 }
 
 /// What a vertex of a light path brings to the crop.
-fn seen(run: &Run<'_>, v: &Vertex<'_>, numbers: &PixelSampler) -> Vec3 {
+fn seen(run: &Run<'_>, v: &Vertex<'_>, numbers: &PixelSampler, depth: &Depth) -> Vec3 {
     let (scene, crop) = (run.scene, run.scene.film().crop);
     let lens = numbers.get_2d(dimension::at(LIGHT_EVENTS + v.events, dimension::BRANCHES));
     let Some(seen) = scene.camera().receive(scene.film(), v.i.surface.p, lens) else { return Vec3::ZERO };
@@ -71,7 +71,7 @@ fn seen(run: &Run<'_>, v: &Vertex<'_>, numbers: &PixelSampler) -> Vec3 {
         return Vec3::ZERO;
     }
     let Some(e) = v.eval(scene, seen.to_camera, TransportMode::Importance) else { return Vec3::ZERO };
-    if scene.occluded(&v.i.spawn_towards(seen.to_camera, seen.distance)) {
+    if super::is_hidden_from_camera(scene, depth, &v.i, (seen.to_camera, seen.distance)) {
         return Vec3::ZERO;
     }
     run.developed(v.beta * e.value * (seen.density / PATHS as f32), &v.lambda)

@@ -21,10 +21,11 @@ pub use registry::PassKind;
 pub(crate) use registry::for_paths_alone;
 pub use sppm::Sppm;
 
+use crate::Depth;
 use steradian_bsdf::TransportMode;
-use steradian_core::{Scene, light::Light};
+use steradian_core::{Scene, light::Light, scene::Interaction};
 use steradian_engine::Run;
-use steradian_math::{Vec2, spectra::Wavelengths};
+use steradian_math::{Vec2, Vec3, spectra::Wavelengths};
 
 /// The wavelengths and the moment that all paths of a pass share.
 fn pass_wavelengths(run: &Run<'_>, number: u32) -> Wavelengths {
@@ -36,6 +37,16 @@ fn light_reaches_all(scene: &Scene) -> Option<String> {
     let is_infinite = |l: &Light| matches!(l, Light::Distant(..) | Light::Environment(_));
     let is_lost = !scene.planes().is_empty() && scene.lights().lights.iter().any(is_infinite);
     is_lost.then(|| "light from infinity on infinite planes".into())
+}
+
+/// Whether the camera, at a direction and a distance, does not see a point of a surface. Where lights are hidden from
+/// it, it sees nothing that emits, and sees past all that does.
+fn is_hidden_from_camera(scene: &Scene, depth: &Depth, i: &Interaction, (to_camera, distance): (Vec3, f32)) -> bool {
+    let ray = i.spawn_towards(to_camera, distance);
+    match depth.hide_emitters {
+        true => depth.hides(scene, i.geometry, 0) || scene.occluded_past_emitters(&ray),
+        false => scene.occluded(&ray),
+    }
 }
 
 /// The material of a surface that the camera sees and that reflects or refracts in one direction, by a grid of rays.

@@ -106,7 +106,8 @@ impl Mapped {
         let (scene, depth) = (run.scene, &self.settings.depth);
         let sample = run.camera_sample(x, y, maps.number);
         let (ways, sampler) = (Ways::connections(1.0, false), &sample.sampler);
-        let mut path = Subpath::from_camera(scene, sample.ray, super::pass_wavelengths(run, maps.number), &ways);
+        let lambda = super::pass_wavelengths(run, maps.number);
+        let mut path = Subpath::from_camera(scene, sample.ray, lambda, &ways, depth);
         let (mut sum, mut stage) = (Vec3::ZERO, Stage::Open);
         loop {
             let (v, seen) = next(scene, &mut path, sampler, depth, counters);

@@ -205,7 +205,7 @@ impl Progressive {
         let (scene, depth) = (run.scene, &self.settings.depth);
         let sample = run.camera_sample(x, y, landed.number);
         let (ways, sampler) = (Ways::connections(landed.paths, false), &sample.sampler);
-        let mut path = Subpath::from_camera(scene, sample.ray, landed.lambda, &ways);
+        let mut path = Subpath::from_camera(scene, sample.ray, landed.lambda, &ways, depth);
         let mut sum = Vec3::ZERO;
         // Whether photons brought all light that comes without passing a curve.
         let mut is_gathered = false;

@@ -104,6 +104,8 @@ pub(super) struct Subpath {
     /// Surfaces passed straight.
     passes: u32,
     first_event: u32,
+    /// Whether it passes what emits until its first event: camera rays do where lights are hidden from the camera.
+    passes_emitters: bool,
 }
 
 /// What a subpath comes to.
@@ -116,7 +118,7 @@ pub(super) enum Arrival<'s> {
 
 impl Subpath {
     /// From the camera along one of its rays.
-    pub fn from_camera(scene: &Scene, ray: Ray, lambda: Wavelengths, ways: &Ways) -> Self {
+    pub fn from_camera(scene: &Scene, ray: Ray, lambda: Wavelengths, ways: &Ways, depth: &Depth) -> Self {
         let d = scene.camera().ray_density(scene.film(), &ray);
         let vcm = if ways.to_camera { squared(ways.light_paths / d.density) } else { 0.0 };
         Self {
@@ -134,6 +136,7 @@ impl Subpath {
             scale: 1.0,
             passes: 0,
             first_event: 0,
+            passes_emitters: depth.hide_emitters,
         }
     }
 
@@ -162,6 +165,7 @@ impl Subpath {
             scale: 1.0 / live,
             passes: 0,
             first_event: LIGHT_EVENTS,
+            passes_emitters: false,
         })
     }
 
@@ -206,7 +210,10 @@ impl Subpath {
             let sums = self.sums_at(distance, cos);
             met(self, &i, distance, sums);
             let choice = if scene.has_mixtures() { numbers.one(self.at(dimension::MIXTURE)) } else { 0.5 };
-            if let Some(side) = scene.scattering(&i, choice, &mut self.lambda) {
+            let passes_straight =
+                self.passes_emitters && self.events == 0 && scene.geometries()[i.geometry as usize].emitter.is_some();
+            let surface = if passes_straight { None } else { scene.scattering(&i, choice, &mut self.lambda) };
+            if let Some(side) = surface {
                 let carried = (self.beta, self.lambda);
                 let mut v = Vertex::new(scene, i, side, choice, carried, (self.events, sums));
                 if v.view == View::Curve {

@@ -60,7 +60,9 @@ impl Integrator for View {
                 l += beta * nee::emission(scene, &i, &None, lambda);
             }
             let u = sampler.get_1d_lazily(dimension::at(event, dimension::MIXTURE), scene.has_mixtures());
-            let Some((s, frame)) = scene.scattering(&i, u, lambda) else {
+            let passes_straight = is_camera_ray && self.depth.hides(scene, i.geometry, 0);
+            let surface = if passes_straight { None } else { scene.scattering(&i, u, lambda) };
+            let Some((s, frame)) = surface else {
                 ray = i.spawn(ray.direction);
                 continue;
             };

@@ -152,7 +152,8 @@ impl Hybrid {
         let setting = Setting { run, list, world, pool, options, depth, shadows, before, number };
         // Each pass goes on from the frame before: it does not matter which others there were.
         let filters = before.map_or_else(Filters::new, |before| Ok(before.filters.clone()))?;
-        let mut frame = Frame::new(&setting, Projected::new(run.scene, offset)?, filters);
+        let projected = Projected::new(run.scene, offset)?.hiding_emitters(depth.hide_emitters);
+        let mut frame = Frame::new(&setting, projected, filters);
         let crop = run.scene.film().crop;
         let passes = passes(options.filter);
         let shown = shown(options.show, options.filter);

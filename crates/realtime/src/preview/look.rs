@@ -51,7 +51,11 @@ pub fn look<'a>(
             look.aside += shader.emission(&i, beta, lambda, trace);
         }
         let choice = numbers.get_2d(1 + 8 * round, shader.pass).x;
-        match scene.scattering_along(&i, path.differential.as_ref(), choice, lambda) {
+        let surface = match path.passes_straight(scene, &i) {
+            true => None,
+            false => scene.scattering_along(&i, path.differential.as_ref(), choice, lambda),
+        };
+        match surface {
             None => {
                 path.differential = path.differential.map(|d| d.advance(i.t));
                 path.ray = i.spawn(ray.direction);

@@ -114,7 +114,7 @@ impl Preview {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let is_flat = matches!(run.scene.camera().projection, Projection::Perspective | Projection::Orthographic);
         let seen = if is_flat && primitives(run.scene, list) <= TRIANGLES_PER_PIXEL * pixels {
-            let projected = Projected::new(run.scene, offset)?;
+            let projected = Projected::new(run.scene, offset)?.hiding_emitters(self.depth.hide_emitters);
             let visibility = pool.install(|| Visibility::draw(run.scene, list, &projected))?;
             Some((projected, visibility))
         } else {
