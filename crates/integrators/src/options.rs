@@ -43,7 +43,7 @@ const MAX_DEPTH: OptionInfo =
 const RR_DEPTH: OptionInfo =
     option("rr_depth", "whole number", "the scene's", "scattering events before Russian roulette");
 const HIDE_EMITTERS: OptionInfo =
-    option("hide_emitters", "true, false", "the scene's", "whether lights are invisible to the camera");
+    option("hide_emitters", "true, false", "the scene's", "whether camera rays pass lights, to what is behind them");
 const REUSE: OptionInfo =
     option("reuse", "1, 4, 16, auto", "auto", "neighbouring pixels that share what their paths find; auto: by a trial");
 const CAUSTICS: OptionInfo = option(
