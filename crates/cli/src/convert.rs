@@ -108,7 +108,8 @@ fn beyond_display(picture: &Image) -> Option<String> {
     let greatest = values.iter().copied().reduce(f32::max)?;
     (least < 0.0 || greatest > 1.0).then(|| {
         format!(
-            "the values go from {least} to {greatest}, and this format shows 0 to 1 of them; --false-color shows all, .exr and .pfm keep them"
+            "the values go from {least} to {greatest}, and this format shows 0 to 1 of them; \
+             --false-color shows all, .exr and .pfm keep them"
         )
     })
 }

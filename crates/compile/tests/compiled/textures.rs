@@ -295,8 +295,8 @@ fn masks_from_afar_keep_their_coverage() {
     assert!(uneven > 3, "without footprints each spot is a hole or not: {uneven}");
 }
 
-/// The alpha of a picture without alpha is 1, before scale and inversion; only glTF has that as a rule, so other formats
-/// are told.
+/// The alpha of a picture without alpha is 1, before scale and inversion; only glTF has that as a rule, so others are
+/// told.
 #[test]
 fn pictures_without_alpha_are_opaque() {
     let folder = tempfile::tempdir().unwrap();

@@ -2,21 +2,27 @@
 //!
 //! | Mitsuba | the picture | Steradian |
 //! |---|---|---|
-//! | `path`, `prb`, `prb_basic`, `prb_projective`, `prb_reparam`, `ptracer` | all light | `path`, `volpath` where there are media |
+//! | `path` | all light | `path` |
+//! | `prb`, `prb_basic`, `prb_projective`, `prb_reparam`, `ptracer` | all light | `path`; `volpath` with media |
 //! | `volpath`, `volpathmis`, `prbvolpath` | all light, with media | `volpath` |
 //! | `direct`, `direct_projective`, `direct_reparam` | light of one scattering event | `direct` |
 //! | `emission_reparam` | lights that the camera sees | `path` without scattering |
 //! | `aov`, `moment`, `stokes` | that of the integrator inside, with further channels | the integrator inside |
 //! | `depth` | distances | `path`, approximated |
 //!
-//! Paths of Mitsuba's differentiable integrators have 6 segments at most by default, but for `prbvolpath`; those of others
-//! have no limit.
+//! Paths of Mitsuba's differentiable integrators have 6 segments at most by default, but for `prbvolpath`; those of
+//! others have no limit.
 
 use super::{
     graph::{Category, ObjectId},
     reader::Reader,
 };
 use steradian_scene::{Family, Node, NodeId};
+
+/// The `max_depth` of an integrator that does not say it.
+fn default_depth(plugin: &str) -> i64 {
+    if plugin == "prb" || plugin.starts_with("prb_") { 6 } else { -1 }
+}
 
 impl Reader<'_> {
     /// The integrator, unwrapped from those that only add outputs to another.
@@ -49,7 +55,8 @@ impl Reader<'_> {
             "volpath" | "volpathmis" | "volpath_simple" | "prbvolpath" => "volpath",
             "ao" => return Some(self.ambient_occlusion(object)),
             "depth" => {
-                let what = "'depth' shows distances, which '--aov depth' writes as the layer 'depth.Z'; 'path' renders the picture";
+                let what = "'depth' shows distances, which '--aov depth' writes as the layer 'depth.Z'; \
+                     'path' renders the picture";
                 self.approximated(self.span(object), what);
                 "path"
             }
@@ -77,11 +84,7 @@ impl Reader<'_> {
         if plugin == "emission_reparam" {
             node.set("max_depth", 0i64, None);
         } else if kind != "direct" {
-            let depth = self.int(object, "max_depth").unwrap_or(if plugin.starts_with("prb_") || plugin == "prb" {
-                6
-            } else {
-                -1
-            });
+            let depth = self.int(object, "max_depth").unwrap_or(default_depth(&plugin));
             let span = self.value_span(object, "max_depth");
             if depth < -1 {
                 self.error(span, "'max_depth' is -1 for no limit, or the number of segments of a path");

@@ -64,7 +64,8 @@ pub(super) fn film(scene: &mut Scene, dict: &Dict, exposure: f64) -> Option<Node
 fn lost_channels(kind: &str) -> Option<&'static str> {
     match kind {
         "gbuffer" => Some(
-            "the layers of a 'gbuffer' film are left out: '--aov albedo,normal,position,depth,uv,variance' writes layers of the kind",
+            "the layers of a 'gbuffer' film are left out: \
+             '--aov albedo,normal,position,depth,uv,variance' writes layers of the kind",
         ),
         "spectral" => Some("the wavelength buckets of a 'spectral' film are left out: the picture has R, G and B"),
         _ => None,

@@ -233,7 +233,8 @@ impl Opener<'_> {
         names.sort_unstable();
         let some = names.iter().take(5).map(|n| format!("'{n}'")).collect::<Vec<_>>().join(", ");
         let message = format!(
-            "no face has a material of '{}', so the model is grey: a line 'usemtl NAME' before the faces gives them one of {some}",
+            "no face has a material of '{}', so the model is grey: \
+             a line 'usemtl NAME' before the faces gives them one of {some}",
             library.name
         );
         let span = Span::new(source, library.offset, library.offset + "mtllib ".len() + library.name.len());

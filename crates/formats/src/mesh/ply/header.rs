@@ -13,6 +13,21 @@ pub(super) enum Encoding {
     Big,
 }
 
+impl Encoding {
+    /// `Err` says which there are.
+    fn named(name: &[u8]) -> Result<Self, String> {
+        match name {
+            b"ascii" => Ok(Self::Ascii),
+            b"binary_little_endian" => Ok(Self::Little),
+            b"binary_big_endian" => Ok(Self::Big),
+            other => Err(format!(
+                "unknown format '{}' (known: ascii, binary_little_endian, binary_big_endian)",
+                shown(other)
+            )),
+        }
+    }
+}
+
 /// Type of a stored number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Type {
@@ -143,6 +158,12 @@ fn line(bytes: &[u8], at: usize, cr_only: bool) -> Option<(&[u8], usize)> {
     Some((&bytes[at..at + length], at + length + 1))
 }
 
+/// The name after a word of a comment: the rest of the line, for it may hold spaces.
+fn picture(text: &[u8], word: &[u8]) -> String {
+    let comment = trim(&trim(text)[b"comment".len()..]);
+    String::from_utf8_lossy(trim(&comment[word.len()..])).into_owned()
+}
+
 /// Reads the header.
 pub(super) fn parse(bytes: &[u8]) -> Result<Header, MeshError> {
     let fault = |kind, at, message: String| MeshError::in_text(kind, bytes, at, message);
@@ -170,24 +191,11 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Header, MeshError> {
         let parts: Vec<&[u8]> = words(trim(text)).take(6).collect();
         match parts.as_slice() {
             [b"comment", word, _, ..] if word.eq_ignore_ascii_case(b"TextureFile") => {
-                // A name may hold spaces: it is the rest of the line.
-                let comment = trim(&trim(text)[b"comment".len()..]);
-                pictures.push(String::from_utf8_lossy(trim(&comment[word.len()..])).into_owned());
+                pictures.push(picture(text, word));
             }
             [] | [b"comment" | b"obj_info", ..] => {}
             [b"format", name, b"1.0"] => {
-                encoding = Some(match *name {
-                    b"ascii" => Encoding::Ascii,
-                    b"binary_little_endian" => Encoding::Little,
-                    b"binary_big_endian" => Encoding::Big,
-                    other => {
-                        let message = format!(
-                            "unknown format '{}' (known: ascii, binary_little_endian, binary_big_endian)",
-                            shown(other)
-                        );
-                        return Err(text_fault(start, message));
-                    }
-                });
+                encoding = Some(Encoding::named(name).map_err(|message| text_fault(start, message))?);
             }
             [b"format", ..] => {
                 return Err(fault(

@@ -1,4 +1,5 @@
-//! Texture coordinates at the corners of faces ("wedges"), as MeshLab writes them: vertices are split where they differ.
+//! Texture coordinates at the corners of faces ("wedges"), as MeshLab writes them: vertices are split where they
+//! differ.
 
 use super::header::Element;
 use std::collections::HashMap;
