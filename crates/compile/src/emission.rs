@@ -49,10 +49,22 @@ impl Compiler<'_> {
         // Rays pass it from behind.
         emitter.two_sided &= !geometry.is_single_sided;
         let varies = emitter.varies();
+        let far_share = match &geometry.shape {
+            Shape::Quadric(q) if emitter.alpha.is_some() || geometry.is_single_sided => {
+                if emitter.two_sided {
+                    0.5
+                } else if q.flip {
+                    1.0
+                } else {
+                    0.0
+                }
+            }
+            _ => 0.0,
+        };
         self.emitters.push(emitter);
         let emitter = self.emitters.len() as u32 - 1;
         let add = |lights: &mut Vec<Light>, shape: AreaShape, mesh: Option<(Arc<TriMesh>, u32)>| {
-            let light = AreaLight { shape, emitter, mesh };
+            let light = AreaLight { shape, emitter, mesh, far_share };
             lights.push(if directional { Light::DirectionalArea(light) } else { Light::Area(light) });
             lights.len() as u32 - 1
         };

@@ -64,6 +64,9 @@ impl Receiver {
     }
 }
 
+/// The radius, in radians, of the cone of directions of which a meter takes the radiance of one direction.
+const ACCEPTANCE: f32 = 1e-6;
+
 impl<const MEDIA: bool> PathTracer<MEDIA> {
     /// One sample of what a receiver takes: of directions by a light sample and a direction in proportion to the
     /// weight, combined by the power heuristic.
@@ -81,6 +84,9 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
         let time = context.lambda.time;
         let (p, n) = match *receiver {
             Receiver::Radiance(p, w) => {
+                // Opacity is decided by a hash of the ray: directions differ a little, so that a meter sees its mean.
+                let aside = warp::concentric_disk(context.sampler.get_2d(dimension::FILM)) * ACCEPTANCE;
+                let w = Frame::from_z(w).to_world(aside.extend(1.0)).normalize();
                 let ray = Ray { time, ..Ray::new(p, w) };
                 return self.along(PathState::camera(context.scene, ray), None::<&NoGuide>, context, Spectrum::ZERO);
             }

@@ -56,6 +56,51 @@ fn a_disc_gives_its_closed_forms() {
     assert_eq!((seen(Vec3::new(0.5, 0.0, 1.0)), seen(Vec3::new(1.5, 0.0, 1.0))), (1.0, 0.0));
 }
 
+/// A scene in Steradian's own language, with a black material `k`.
+fn own(what: &str) -> Scene {
+    let text = format!("steradian: 1\ncamera: {{camera: perspective}}\nmaterials: {{k: {{material: diffuse, reflectance: 0}}}}\n{what}\n");
+    let loaded = load::load_bytes("l.steradian", text.into_bytes(), Some("steradian"), &Options::default());
+    assert!(!loaded.diagnostics.has_errors(), "{:?}", loaded.diagnostics);
+    let options = CompileOptions { mode: Some(ColorMode::Rgb), ..CompileOptions::default() };
+    compile(&loaded.desc, &options).scene.expect("a scene")
+}
+
+/// Lamps with holes: a sphere of radius 1 and opacity α at distance 3 gives a plane π L/9 times the part of each
+/// direction that shines, in the mean: α of its near side, and through the holes (1 − α) α of its far side.
+#[test]
+fn far_sides_shine_through_holes() {
+    let lit = |what: &str| {
+        let scene = own(&format!("shapes: [{{shape: sphere, radius: 1, alpha: 0.4, material: k, {what}}}]"));
+        meter::read(&scene, &Receiver::Plane(Vec3::new(0.0, 0.0, -3.0), Vec3::Z), &SETTINGS).rgb[0]
+    };
+    let [near, far] = [0.4, 0.24].map(|part| part * PI / 9.0);
+    assert_is(lit("emission: {light: area, radiance: 1, two_sided: true}"), near + far, 0.01);
+    assert_is(lit("emission: {light: area, radiance: 1}"), near, 0.01);
+    assert_is(lit("reversed: true, emission: {light: area, radiance: 1}"), far, 0.01);
+}
+
+/// A mask is seen in its mean by a meter of one direction, and by a sensor of one ray.
+#[test]
+fn masks_are_met_by_chance() {
+    let mask = "<emitter type='constant'/><shape type='disk'><bsdf type='mask'><float name='opacity' value='.4'/>
+        <bsdf type='diffuse'><rgb name='reflectance' value='0'/></bsdf></bsdf></shape>";
+    let disk = "lights: [{light: environment, radiance: 1}]\nshapes: [{shape: disk, alpha: 0.4, material: k}]";
+    let along = Receiver::Radiance(Vec3::new(0.1, 0.2, 2.0), -Vec3::Z);
+    assert_is(meter::read(&own(disk), &along, &SETTINGS).rgb[1], 0.6, 0.01);
+    let xml = format!(
+        "<scene version='3.0.0'><sensor type='radiancemeter'><point name='origin' x='.1' y='.2' z='2'/>
+        <vector name='direction' x='0' y='0' z='-1'/><film type='hdrfilm'><integer name='width' value='1'/>
+        <integer name='height' value='1'/></film></sensor>{mask}</scene>"
+    );
+    let loaded = load::load_bytes("meter.xml", xml.into_bytes(), Some("xml"), &Options::default());
+    let options = CompileOptions { mode: Some(ColorMode::Rgb), ..CompileOptions::default() };
+    let scene = Arc::new(compile(&loaded.desc, &options).scene.expect("a scene"));
+    let picture = render(&scene, &Quality::of("path").spp(4096)).expect("a picture");
+    let green = picture.channel("G").expect("green")[0];
+    // Four standard errors of 4096 draws.
+    assert!((green - 0.6).abs() < 4.0 * (0.24f32 / 4096.0).sqrt(), "{green}");
+}
+
 /// An even sky gives a plane π L and a sphere 4π L; a point light I cosθ/d² and I/d².
 #[test]
 fn skies_and_points_give_their_closed_forms() {

@@ -110,6 +110,9 @@ pub struct Pinhole {
     place: [Vec3; 4],
 }
 
+/// The width, in radians, of the cone of directions that [`Projection::Ray`] takes.
+const ACCEPTANCE: f32 = 1e-6;
+
 impl Pinhole {
     /// Origin and unit direction of the ray through a point of the full frame, with the bits of [`Camera::ray`].
     #[inline(always)]
@@ -145,7 +148,8 @@ impl Camera {
         let (mut origin, mut direction) = match &self.projection {
             Projection::Realistic(lenses) => return self.lens_ray(lenses, w, lens, lens::D_LINE).0,
             Projection::Patch(patch, is_inward) => return self.ray_of_patch(*patch, *is_inward, s, lens),
-            Projection::Ray => (Vec3::ZERO, Vec3::Z),
+            // Opacity is decided by a hash of the ray: samples differ a little in direction, so that the mean is seen.
+            Projection::Ray => (Vec3::ZERO, ((s - Vec2::splat(0.5)) * ACCEPTANCE).extend(1.0)),
             Projection::Perspective => (Vec3::ZERO, Vec3::new(w.x, w.y, 1.0)),
             Projection::Orthographic => (Vec3::new(w.x, w.y, 0.0), Vec3::Z),
             Projection::SphericalEqualArea => (Vec3::ZERO, swap_yz(warp::equal_area_square_to_sphere(s))),

@@ -9,6 +9,7 @@ use crate::shape::{Quadric, QuadricKind, TriMesh, level::Swept, quadric::one_min
 use std::{borrow::Cow, sync::Arc};
 use steradian_math::{
     Bounds3, Frame, Ray, Spectrum, Vec2, Vec3,
+    hash::ONE_MINUS_EPSILON,
     spectra::{ColorMode, Wavelengths, role::Color},
     warp,
 };
@@ -132,26 +133,32 @@ pub struct AreaLight {
     pub emitter: u32,
     /// The mesh and triangle to look textures up on, where it is one.
     pub mesh: Option<(Arc<TriMesh>, u32)>,
+    /// The probability with which a point outside a whole sphere samples its far side: above zero where rays pass the
+    /// near side (by its alpha, or since it is culled) and the far side shines at the point.
+    pub far_share: f32,
 }
 
 /// From this (rough) solid angle on, in sr, sampling by solid angle pays for its cost.
 const SOLID_ANGLE_FROM: f32 = 0.25;
 
 /// A point of the sphere with centre `c` and radius `r` as seen from `p`: direction, distance, outward normal, and
-/// density per solid angle.
-fn sample_sphere(c: Vec3, r: f32, p: Vec3, u: Vec2) -> (Vec3, f32, Vec3, f32) {
+/// density per solid angle. A share of the samples is on the far side, where it is seen through the near one.
+fn sample_sphere(c: Vec3, r: f32, p: Vec3, u: Vec2, far_share: f32) -> (Vec3, f32, Vec3, f32) {
     let to_center = c - p;
     let d2 = to_center.length_squared();
     if d2 > r * r * 1.000_01 {
         let m = one_minus_cos_max(r, d2);
-        let w = warp::uniform_cone(u, m);
+        let is_far = u.x < far_share;
+        let share = if is_far { far_share } else { 1.0 - far_share };
+        let u = Vec2::new(if is_far { u.x / share } else { (u.x - far_share) / share }, u.y);
+        let w = warp::uniform_cone(Vec2::new(u.x.min(ONE_MINUS_EPSILON), u.y), m);
         let wi = Frame::from_z(to_center / d2.sqrt()).to_world(w);
-        // Nearest point along wi; tangent rays count as touching.
+        // The point along wi; tangent rays count as touching.
         let b = to_center.dot(wi);
         let h2 = (r * r - (to_center - wi * b).length_squared()).max(0.0);
-        let distance = b - h2.sqrt();
+        let distance = if is_far { b + h2.sqrt() } else { b - h2.sqrt() };
         let n = (p + wi * distance - c) / r;
-        (wi, distance, n, warp::uniform_cone_pdf(m))
+        (wi, distance, n, warp::uniform_cone_pdf(m) * share)
     } else {
         let n = warp::uniform_sphere(u);
         let to = c + n * r - p;
@@ -239,9 +246,7 @@ impl AreaLight {
     #[inline(always)]
     pub fn at(&self, time: f32) -> Cow<'_, Self> {
         match &self.shape {
-            AreaShape::Moving(moving) => {
-                Cow::Owned(Self { shape: moving.at(time), emitter: self.emitter, mesh: self.mesh.clone() })
-            }
+            AreaShape::Moving(moving) => Cow::Owned(Self { shape: moving.at(time), mesh: self.mesh.clone(), ..*self }),
             _ => Cow::Borrowed(self),
         }
     }
@@ -307,7 +312,7 @@ impl AreaLight {
             }
             AreaShape::Rectangle { .. } => return None,
             AreaShape::Sphere(c, r, inward) => {
-                let (wi, distance, n, pdf) = sample_sphere(*c, *r, p, u);
+                let (wi, distance, n, pdf) = sample_sphere(*c, *r, p, u, self.far_share);
                 if !(pdf > 0.0 && pdf.is_finite() && distance > 0.0) {
                     return None;
                 }
@@ -318,7 +323,7 @@ impl AreaLight {
             }
             AreaShape::Quadric(q) => match whole_sphere(q) {
                 Some((c, r)) => {
-                    let (wi, distance, n, pdf) = sample_sphere(c, r, p, u);
+                    let (wi, distance, n, pdf) = sample_sphere(c, r, p, u, self.far_share);
                     let s = q.surface_at(q.place.inverse().vector(n * r));
                     (p + wi * distance, s.n, Ok(pdf), s.uv)
                 }
@@ -374,7 +379,9 @@ impl AreaLight {
         let of_sphere = |c: Vec3, r: f32| {
             let d2 = (c - p).length_squared();
             if d2 > r * r * 1.000_01 {
-                warp::uniform_cone_pdf(one_minus_cos_max(r, d2))
+                let is_far = self.far_share > 0.0 && (p + wi * distance - c).dot(wi) > 0.0;
+                let share = if is_far { self.far_share } else { 1.0 - self.far_share };
+                warp::uniform_cone_pdf(one_minus_cos_max(r, d2)) * share
             } else {
                 by_area(4.0 * std::f32::consts::PI * r * r)
             }
@@ -462,7 +469,7 @@ impl AreaLight {
             },
             AreaShape::Swept(swept) => (swept.level().bounds(), Vec3::Z, -1.0, swept.area() * 0.25),
             AreaShape::Moving(moving) => {
-                let of = |shape| Self { shape, emitter: self.emitter, mesh: None }.bounds(emitter);
+                let of = |shape| Self { shape, mesh: None, ..*self }.bounds(emitter);
                 return moving.bounds(of);
             }
         };
