@@ -2,7 +2,7 @@
 
 use super::{Compiler, materials::combine};
 use std::sync::Arc;
-use steradian_core::medium::{Cloud, Field, Glow, GlowSource, Grid, Heat, Medium, Variation};
+use steradian_core::medium::{Cloud, Field, Glow, GlowSource, Grid, Heat, Lobe, Medium, Phase, Table, Variation};
 use steradian_math::{
     Bounds3, Transform, Vec3,
     spectra::{
@@ -15,6 +15,9 @@ use steradian_scene::{Family, Node, NodeId, SpectrumValue, Value};
 use steradian_texture::{Wrap, grid::Interpolation};
 
 const ONE: SpectrumValue = SpectrumValue::Constant(1.0);
+
+/// Blends of phase functions are nested at most this deep, which bounds their lobes to 64.
+const DEEPEST_BLEND: u32 = 6;
 
 impl Compiler<'_> {
     /// The index of a compiled medium; `None` for none, and for media that are not implemented (reported).
@@ -54,29 +57,71 @@ impl Compiler<'_> {
                 self.constant_color(node, "sigma_s", Role::Unbounded, zero),
             )
         };
-        let mut g = self.float(node, "g", 0.0);
-        if let Some(phase) = self.reference(node, "phase") {
-            let phase = self.node(phase);
-            match phase.kind.as_str() {
-                "isotropic" => g = 0.0,
-                "hg" => g = self.float(phase, "g", 0.8),
-                other => {
-                    let what = format!("phase function '{other}' is not implemented; Henyey–Greenstein stands in");
-                    self.approximated(phase.span, what);
-                    g = self.float(phase, "g", 0.0);
-                }
-            }
-        }
-        if g.abs() >= 1.0 {
-            self.error(node.span, format!("the mean cosine g of a phase function lies between -1 and 1, not at {g}"));
-            g = 0.0;
-        }
+        let phase = match self.reference(node, "phase") {
+            Some(phase) => self.phase(phase, 0),
+            None => self.henyey_greenstein(node, 0.0),
+        };
         let scale = self.float(node, "scale", 1.0);
         if scale < 0.0 {
             self.error(node.span, format!("a medium's scale of {scale} is negative"));
         }
         let glow = self.glow(node);
-        Medium { field: None, glow, sigma_a, sigma_s, scale: scale.max(0.0), g }
+        Medium { field: None, glow, sigma_a, sigma_s, scale: scale.max(0.0), phase }
+    }
+
+    /// A phase function; a sum flattens the sums in it, which are nested to a bounded depth.
+    fn phase(&mut self, id: NodeId, depth: u32) -> Phase {
+        let node = self.node(id);
+        match node.kind.as_str() {
+            "isotropic" => Phase::ISOTROPIC,
+            "hg" => self.henyey_greenstein(node, 0.8),
+            "rayleigh" => Phase::of(Lobe::Rayleigh),
+            "tabulated" => {
+                let table = match node.get("values") {
+                    Some(Value::Floats(values)) => Table::new(values),
+                    _ => None,
+                };
+                if table.is_none() {
+                    let what = "a tabulated phase function needs two or more 'values', none negative and not all zero";
+                    self.error(node.span, what);
+                }
+                table.map_or(Phase::ISOTROPIC, |table| Phase::of(Lobe::Table(table)))
+            }
+            "blend" => {
+                let weight = self.float(node, "weight", 0.5);
+                if !(0.0..=1.0).contains(&weight) {
+                    self.error(node.span, format!("the weight of a blend lies between 0 and 1, not at {weight}"));
+                }
+                if depth >= DEEPEST_BLEND {
+                    self.error(node.span, format!("phase functions are nested more than {DEEPEST_BLEND} deep"));
+                    return Phase::ISOTROPIC;
+                }
+                let weight = weight.clamp(0.0, 1.0);
+                let parts = [("first", 1.0 - weight), ("second", weight)].map(|(name, weight)| {
+                    let part = self.reference(node, name);
+                    if part.is_none() {
+                        self.error(node.span, format!("a blend of phase functions needs '{name}'"));
+                    }
+                    (weight, part.map_or(Phase::ISOTROPIC, |part| self.phase(part, depth + 1)))
+                });
+                Phase::sum(&parts)
+            }
+            other => {
+                let what = format!("phase function '{other}' is not implemented; Henyey–Greenstein stands in");
+                self.approximated(node.span, what);
+                self.henyey_greenstein(node, 0.0)
+            }
+        }
+    }
+
+    /// Henyey and Greenstein's phase function with the `g` of a node.
+    fn henyey_greenstein(&mut self, node: &Node, default: f64) -> Phase {
+        let g = self.float(node, "g", default);
+        if g.abs() >= 1.0 {
+            self.error(node.span, format!("the mean cosine g of a phase function lies between -1 and 1, not at {g}"));
+            return Phase::ISOTROPIC;
+        }
+        Phase::HenyeyGreenstein(g)
     }
 
     /// What a medium gives off: `Le`, as bright as `Lescale` says. Lists are grids, which media that vary look at.

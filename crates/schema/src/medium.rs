@@ -143,6 +143,31 @@ pub const PHASES: &[Model] = &[
         groups: &[],
         source: "Henyey, Greenstein, Diffuse radiation in the galaxy (1941)",
     },
+    Model {
+        kind: "rayleigh",
+        doc: "Rayleigh's, of particles much smaller than the wavelength: 3 (1 + cos²)/(16π)",
+        parameters: &[],
+        groups: &[],
+        source: "Rayleigh, On the light from the sky, its polarization and colour (1871)",
+    },
+    Model {
+        kind: "tabulated",
+        doc: "values at even steps of the cosine of the deflection, from back to straight on, linear in between",
+        parameters: &[list("values", "needed", "two or more, in any scale, none below 0")],
+        groups: &[],
+        source: "Mitsuba 3, plugin documentation: tabphase",
+    },
+    Model {
+        kind: "blend",
+        doc: "a weighted sum of two",
+        parameters: &[
+            Parameter::new(Type::Phase, "first", ANY, "needed", "one phase function"),
+            Parameter::new(Type::Phase, "second", ANY, "needed", "the other one"),
+            number("weight", (0.0, 1.0), "0.5", "part of the second one").refused(),
+        ],
+        groups: &[],
+        source: "Mitsuba 3, plugin documentation: blendphase",
+    },
 ];
 
 /// The box of a medium.

@@ -58,7 +58,9 @@ fn a_disc_gives_its_closed_forms() {
 
 /// A scene in Steradian's own language, with a black material `k`.
 fn own(what: &str) -> Scene {
-    let text = format!("steradian: 1\ncamera: {{camera: perspective}}\nmaterials: {{k: {{material: diffuse, reflectance: 0}}}}\n{what}\n");
+    let text = format!(
+        "steradian: 1\ncamera: {{camera: perspective}}\nmaterials: {{k: {{material: diffuse, reflectance: 0}}}}\n{what}\n"
+    );
     let loaded = load::load_bytes("l.steradian", text.into_bytes(), Some("steradian"), &Options::default());
     assert!(!loaded.diagnostics.has_errors(), "{:?}", loaded.diagnostics);
     let options = CompileOptions { mode: Some(ColorMode::Rgb), ..CompileOptions::default() };

@@ -3,18 +3,19 @@
 mod cells;
 mod emissive_volume;
 mod field;
+mod phase;
 
 use cells::Cells;
 pub use emissive_volume::EmissiveVolume;
 pub use field::{Cloud, Field, Glow, GlowSource, Grid, Heat, Variation, into_cube};
+pub use phase::{Lobe, Phase, Table};
 use std::sync::Arc;
 use steradian_math::{
     Spectrum, Vec2, Vec3, elementary,
     spectra::{Wavelengths, role::Color},
-    warp,
 };
 
-/// A medium with a Henyey–Greenstein phase function.
+/// A medium.
 #[derive(Clone, Debug)]
 pub struct Medium {
     /// Where it varies: the coefficients are for a variation of one then.
@@ -27,15 +28,16 @@ pub struct Medium {
     pub sigma_s: Color,
     /// Factor on both coefficients.
     pub scale: f32,
-    /// Mean cosine of the phase function; 0 is isotropic.
-    pub g: f32,
+    /// The phase function.
+    pub phase: Phase,
 }
 
 impl Medium {
-    /// Whether it is the same everywhere and gives off no light.
+    /// The mean cosine of its phase function, if that is Henyey and Greenstein's, and the medium is the same everywhere
+    /// and gives off no light.
     #[inline]
-    pub fn is_plain(&self) -> bool {
-        self.field.is_none() && self.glow.is_none()
+    pub fn plain_asymmetry(&self) -> Option<f32> {
+        self.phase.henyey_greenstein().filter(|_| self.field.is_none() && self.glow.is_none())
     }
 
     /// Absorption and scattering coefficients at the wavelengths of a path.
@@ -86,13 +88,13 @@ impl Medium {
     /// Phase function and density (they are equal) for directions pointing away from the point.
     #[inline]
     pub fn phase(&self, wo: Vec3, wi: Vec3) -> f32 {
-        warp::hg_phase(wo.dot(wi), self.g)
+        self.phase.value(wo.dot(wi))
     }
 
     /// A direction by the phase function, and its density.
     #[inline]
     pub fn sample_phase(&self, wo: Vec3, u: Vec2) -> (Vec3, f32) {
-        warp::sample_hg(wo, self.g, u)
+        self.phase.sample(wo, u)
     }
 }
 
@@ -118,8 +120,14 @@ mod tests {
     #[test]
     fn phase_is_the_density_of_its_samples() {
         for g in [-0.7, 0.0, 0.4, 0.9] {
-            let m =
-                Medium { field: None, glow: None, sigma_a: Color::BLACK, sigma_s: Color::constant(1.0), scale: 1.0, g };
+            let m = Medium {
+                field: None,
+                glow: None,
+                sigma_a: Color::BLACK,
+                sigma_s: Color::constant(1.0),
+                scale: 1.0,
+                phase: Phase::HenyeyGreenstein(g),
+            };
             let wo = Vec3::new(0.36, -0.48, 0.8);
             for i in 0..64 {
                 let (wi, pdf) = m.sample_phase(wo, Vec2::new((i as f32 + 0.5) / 64.0, 0.3));
@@ -138,14 +146,20 @@ mod tests {
             sigma_a: Color::constant(0.3),
             sigma_s: Color::constant(0.2),
             scale: 2.0,
-            g: 0.0,
+            phase: Phase::ISOTROPIC,
         };
         let w = Wavelengths::sample_visible(0.3);
         let (a, b) = (m.transmittance(0.7, &w)[0], m.transmittance(1.1, &w)[0]);
         assert!((a * b - m.transmittance(1.8, &w)[0]).abs() < 1e-6);
         assert!((a - (-0.7_f32).exp()).abs() < 1e-6);
-        let empty =
-            Medium { field: None, glow: None, sigma_a: Color::BLACK, sigma_s: Color::BLACK, scale: 1.0, g: 0.0 };
+        let empty = Medium {
+            field: None,
+            glow: None,
+            sigma_a: Color::BLACK,
+            sigma_s: Color::BLACK,
+            scale: 1.0,
+            phase: Phase::ISOTROPIC,
+        };
         assert_eq!(empty.transmittance(f32::INFINITY, &w), Spectrum::ONE);
     }
 }

@@ -1,11 +1,11 @@
 //! Participating media and phase functions.
 
 use super::{
-    graph::{Category, ObjectId, Raw},
+    graph::{Category, ObjectId, Prop, Raw},
     reader::Reader,
     texture::Role,
 };
-use steradian_scene::{Family, NodeId, Span, Transform};
+use steradian_scene::{Family, NodeId, Span, Transform, Value};
 
 impl Reader<'_> {
     /// A medium node; `None` after an error.
@@ -85,6 +85,22 @@ impl Reader<'_> {
                     node.set("g", g, Some(span));
                     Some(r.desc.add(node))
                 }
+                "rayleigh" => {
+                    let node = r.node(Family::Phase, "rayleigh", object);
+                    Some(r.desc.add(node))
+                }
+                "tabphase" => {
+                    let mut node = r.node(Family::Phase, "tabulated", object);
+                    let (text, span) = (r.string(object, "values").unwrap_or_default(), r.value_span(object, "values"));
+                    let values = text.split([' ', ',']).filter(|v| !v.is_empty()).map(str::parse::<f64>);
+                    let Ok(values) = values.collect::<Result<Vec<_>, _>>() else {
+                        r.error(span, "'values' are numbers with spaces or commas between them");
+                        return None;
+                    };
+                    node.set("values", Value::Floats(values), Some(span));
+                    Some(r.desc.add(node))
+                }
+                "blendphase" => r.blended_phase(object),
                 _ if r.is_known(object) => r.verbatim(object, Family::Phase),
                 _ => {
                     r.unknown_plugin(object);
@@ -92,5 +108,28 @@ impl Reader<'_> {
                 }
             }
         })
+    }
+
+    /// A `blendphase` of two phase functions, in the order of the file, as Mitsuba 3.9 takes them whatever their names.
+    fn blended_phase(&mut self, object: ObjectId) -> Option<NodeId> {
+        let parts = self.graph.children(object, Category::Phase);
+        let &[(_, first), (_, second)] = &*parts else {
+            self.error(self.span(object), "a 'blendphase' has two phase functions");
+            return None;
+        };
+        let mut node = self.node(Family::Phase, "blend", object);
+        let span = self.value_span(object, "weight");
+        let varies = |p: &Prop| p.name == "weight" && matches!(p.value, Raw::Object(_));
+        if self.graph.objects[object].props.iter().any(varies) {
+            self.graph.take(object, "weight");
+            self.approximated(span, "the weight of a 'blendphase' that varies is not supported; 0.5 stands in");
+        } else {
+            node.set("weight", self.float(object, "weight").unwrap_or(0.5), Some(span));
+        }
+        let parts = [self.phase(first), self.phase(second)];
+        for (name, part) in ["first", "second"].into_iter().zip(parts) {
+            node.set(name, part?, None);
+        }
+        Some(self.desc.add(node))
     }
 }

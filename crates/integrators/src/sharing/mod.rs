@@ -266,6 +266,6 @@ fn is_shareable(v: &Vertex<'_>) -> bool {
             Bsdf::Dielectric(b) => b.microfacet.mean_alpha() > NARROW,
             _ => false,
         },
-        Vertex::Medium { scattering, .. } => scattering.g.abs() < FORWARD,
+        Vertex::Medium { scattering, .. } => scattering.phase.sharpest() < FORWARD,
     }
 }

@@ -40,7 +40,7 @@ fn is_lambertian(scene: &Scene, y: &Vertex<'_>) -> bool {
         Vertex::Surface { scattering, .. } => {
             matches!(scattering.bsdf, Bsdf::Diffuse(_) | Bsdf::DiffuseTransmission(_)) && !is_bent(scene, y)
         }
-        Vertex::Medium { scattering, .. } => scattering.g == 0.0,
+        Vertex::Medium { scattering, .. } => scattering.phase.henyey_greenstein() == Some(0.0),
     }
 }
 

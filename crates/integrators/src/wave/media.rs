@@ -26,11 +26,11 @@ pub const SCATTERS: u32 = 1;
 pub const IS_BLACK: u32 = 2;
 
 impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
-    /// The medium of a path, if it is the same everywhere.
+    /// The medium of a path, if it is the same everywhere and scatters by one lobe of Henyey and Greenstein.
     #[inline]
     pub fn plain_medium(&self, walker: &Walker) -> Option<&'s Medium> {
         let medium = &self.scene.media()[walker.state.medium.filter(|_| MEDIA)? as usize];
-        medium.is_plain().then_some(medium)
+        medium.plain_asymmetry().map(|_| medium)
     }
 
     /// Samples free flights of paths, up to a block of them, through such media: to scatter there, or to their hits.
@@ -81,7 +81,7 @@ pub fn gather_medium(b: &mut Block, k: usize, medium: &Medium, (scene, lambda): 
     let (sigma_a, sigma_s) = medium.coefficients(lambda);
     set4(&mut b.sigma_a, k, sigma_a.to_array());
     set4(&mut b.sigma_s, k, sigma_s.to_array());
-    (b.asymmetry[k], b.lanes[k]) = (medium.g, lanes(scene, lambda) as u32);
+    (b.asymmetry[k], b.lanes[k]) = (medium.plain_asymmetry().unwrap_or(0.0), lanes(scene, lambda) as u32);
 }
 
 kernel! {

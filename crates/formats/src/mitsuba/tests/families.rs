@@ -171,6 +171,25 @@ fn bsdfs_that_steradian_lacks_keep_their_parameters() {
     assert_eq!(cloud.get("albedo"), Some(&rgb([0.5; 3])));
 }
 
+/// Phase functions and their blends, nested ones too; the order is that of the file.
+#[test]
+fn phase_functions_are_read() {
+    let desc = good(
+        "<shape type=\"cube\"><medium name=\"interior\" type=\"homogeneous\"><phase type=\"blendphase\">
+         <float name=\"weight\" value=\".3\"/>
+         <phase name=\"b\" type=\"blendphase\"><phase type=\"rayleigh\"/><phase type=\"hg\"/></phase>
+         <phase name=\"a\" type=\"tabphase\"><string name=\"values\" value=\"0.5, 1, 4\"/></phase>
+         </phase></medium></shape>",
+    );
+    let medium = desc.node(desc.shapes[0].interior.unwrap());
+    let blend = child(&desc, medium, "phase");
+    assert_eq!((blend.kind.as_str(), blend.float("weight")), ("blend", Some(0.3)));
+    let (first, second) = (child(&desc, blend, "first"), child(&desc, blend, "second"));
+    assert_eq!((first.kind.as_str(), second.kind.as_str()), ("blend", "tabulated"));
+    assert_eq!(second.get("values"), Some(&Value::Floats(vec![0.5, 1.0, 4.0])));
+    assert_eq!(child(&desc, first, "first").kind, "rayleigh");
+}
+
 #[test]
 fn emission_means_multiples_of_d65() {
     let radiance = |value: &str| {

@@ -517,12 +517,38 @@ impl Writer<'_> {
             Some(&Value::Node(id)) => self.x.node(id).clone(),
             _ => Node::new(Family::Phase, if own.is_some() { "hg" } else { "isotropic" }, medium.span),
         };
+        self.phase_node(&node, own)
+    }
+
+    /// A phase function; Henyey and Greenstein's takes the `g` of its medium where it has none.
+    fn phase_node(&mut self, node: &Node, own: Option<f64>) -> Element {
         let g = node.float("g").or(own).unwrap_or(0.0);
         match node.kind.as_str() {
+            "rayleigh" => Element::plugin("phase", "rayleigh"),
+            "tabulated" => {
+                let mut out = Element::plugin("phase", "tabphase");
+                let values = match node.get("values") {
+                    Some(Value::Floats(values)) => values.iter().map(f64::to_string).collect::<Vec<_>>().join(", "),
+                    _ => String::new(),
+                };
+                out.string("values", &values);
+                out
+            }
+            "blend" => {
+                let mut out = Element::plugin("phase", "blendphase");
+                out.float("weight", node.float("weight").unwrap_or(0.5));
+                for (name, theirs) in [("first", "phase_0"), ("second", "phase_1")] {
+                    if let Some(&Value::Node(id)) = node.get(name) {
+                        let part = self.x.node(id).clone();
+                        out.push(self.phase_node(&part, None).named(theirs));
+                    }
+                }
+                out
+            }
             "isotropic" => Element::plugin("phase", "isotropic"),
             kind => {
                 if kind != "hg" {
-                    self.x.approximated(&node, format!("the phase function '{kind}' becomes Henyey–Greenstein's"));
+                    self.x.approximated(node, format!("the phase function '{kind}' becomes Henyey–Greenstein's"));
                 }
                 let mut out = Element::plugin("phase", "hg");
                 // Mitsuba excludes the ends.
