@@ -141,10 +141,7 @@ impl Compiler<'_> {
     fn complex_index(&mut self, node: &Node, names: [&str; 2]) -> [SpectrumTexture; 2] {
         if node.get("permittivity").is_none() && node.get("conductivity").is_none() {
             let zero = SpectrumValue::Constant(0.0);
-            return [
-                self.spectrum(node, names[0], Role::Unbounded, ONE),
-                self.spectrum(node, names[1], Role::Unbounded, zero),
-            ];
+            return [self.spectrum(node, names[0], Role::Index, ONE), self.spectrum(node, names[1], Role::Index, zero)];
         }
         let [epsilon, mu, sigma] = [("permittivity", 1.0), ("permeability", 1.0), ("conductivity", 0.0)]
             .map(|(name, default)| f64::from(self.float(node, name, default)));
@@ -156,9 +153,7 @@ impl Compiler<'_> {
             };
             let values: Vec<f32> = lambdas.iter().map(of).collect();
             match Curve::new(lambdas.clone(), values) {
-                Ok(curve) => {
-                    SpectrumTexture::Constant(Color::curve(&Spd::Curve(curve.into()), Role::Unbounded, self.mode))
-                }
+                Ok(curve) => SpectrumTexture::Constant(Color::curve(&Spd::Curve(curve.into()), Role::Index, self.mode)),
                 Err(e) => {
                     self.error(node.span, format!("the index of refraction: {e}"));
                     constant(1.0)

@@ -12,7 +12,7 @@ use steradian_math::{
     Vec2, Vec3,
     hash::HashRng,
     spectra::{
-        BispectralTable, ColorMode, LAMBDA_MAX, LAMBDA_MIN, Reradiation, Wavelengths,
+        BispectralTable, ColorMode, LAMBDA_COUNT, LAMBDA_MIN, Reradiation, Wavelengths, cie,
         role::{Color, Role},
     },
     warp,
@@ -59,7 +59,7 @@ impl Compiler<'_> {
         if let Some(path) = self.typed(node, "matrix", "a file", |n| n.path("matrix")) {
             self.superseded(node, "matrix", &["absorption", "emission", "quantum_yield"]);
             return match read(path) {
-                Ok(table) => Some(Reradiation::new(|out, from| table.eval(out, from))),
+                Ok(table) => Some(Reradiation::new(|out, from| table.mean(out, from))),
                 Err(e) => {
                     self.error(span, format!("cannot use the matrix in '{}': {e}", path.display()));
                     None
@@ -78,7 +78,7 @@ const LIGHT_SAMPLES: usize = 256;
 
 /// Has fluorescent materials draw wavelengths by the light of the scene.
 pub(super) fn set_illuminants(mut scene: Scene) -> Scene {
-    let count = (LAMBDA_MAX - LAMBDA_MIN) as usize;
+    let count = LAMBDA_COUNT;
     if !scene.is_fluorescent() {
         return scene;
     }
@@ -97,8 +97,9 @@ pub(super) fn set_illuminants(mut scene: Scene) -> Scene {
         let chosen = lights.choose(&ctx, choice).map(|(light, _)| light);
         // Each light counts by the shape of its spectrum: one far away is not lost beside one near by.
         let mut add = |of: &dyn Fn(&Wavelengths) -> f32| {
-            let at =
-                |bin: usize| of(&Wavelengths::at([0.125, 0.375, 0.625, 0.875].map(|p| LAMBDA_MIN + bin as f32 + p)));
+            let at = |bin: usize| {
+                of(&Wavelengths::at([0.125, 0.375, 0.625, 0.875].map(|p| LAMBDA_MIN + bin as f32 - 0.5 + p)))
+            };
             let found: Vec<f32> = (0..count).map(at).collect();
             let most = found.iter().copied().fold(0.0, f32::max);
             if most > 0.0 && most.is_finite() {
@@ -118,7 +119,7 @@ pub(super) fn set_illuminants(mut scene: Scene) -> Scene {
         parts.lights.timetable = timetable;
         for material in &mut parts.materials {
             if let Model::Fluorescent(m) = &mut material.model {
-                let of = |l: f32| light[((l - LAMBDA_MIN) as usize).min(count - 1)];
+                let of = |l: f32| light[((l - LAMBDA_MIN + 0.5) as usize).min(count - 1)];
                 Arc::make_mut(&mut m.reradiation).set_illuminant(of);
             }
         }
@@ -140,7 +141,6 @@ fn too_many(reradiation: &Reradiation, reflectance: &SpectrumTexture) -> Option<
         SpectrumTexture::Constant(color) => at(color, lambda),
         SpectrumTexture::Texture(..) => 0.0,
     };
-    let count = (LAMBDA_MAX - LAMBDA_MIN) as u32;
-    let all = (0..count).map(|k| LAMBDA_MIN + k as f32 + 0.5).map(|l| (l, reradiation.photons(l) + plain(l)));
+    let all = cie::lambdas().map(|l| (l, reradiation.photons(l) + plain(l)));
     all.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|worst| worst.1 > 1.0 + SLACK)
 }

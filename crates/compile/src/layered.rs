@@ -18,8 +18,8 @@ impl Compiler<'_> {
         } else {
             let copper = |part: &str| SpectrumValue::Named(format!("metal-Cu-{part}"));
             LayeredBase::Conductor(
-                self.spectrum(node, "conductor.eta", Role::Unbounded, copper("eta")),
-                self.spectrum(node, "conductor.k", Role::Unbounded, copper("k")),
+                self.spectrum(node, "conductor.eta", Role::Index, copper("eta")),
+                self.spectrum(node, "conductor.k", Role::Index, copper("k")),
                 metal,
             )
         };

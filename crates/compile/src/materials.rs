@@ -376,8 +376,8 @@ impl Compiler<'_> {
             self.diagnostics.note(&self.desc.sources, node.span, what);
         }
         Model::Conductor {
-            eta: self.spectrum(node, "eta", Role::Unbounded, ONE),
-            k: self.spectrum(node, "k", Role::Unbounded, SpectrumValue::Constant(0.0)),
+            eta: self.spectrum(node, "eta", Role::Index, ONE),
+            k: self.spectrum(node, "k", Role::Index, SpectrumValue::Constant(0.0)),
             tint,
             roughness,
         }
@@ -399,7 +399,7 @@ impl Compiler<'_> {
     pub(super) fn eta_named(&mut self, node: &Node, name: &str, default: f64) -> Eta {
         let sodium = self.at_sodium_line(node, name, default);
         if self.mode == ColorMode::Spectral {
-            let color = self.constant_color(node, name, Role::Unbounded, SpectrumValue::Constant(default));
+            let color = self.constant_color(node, name, Role::Index, SpectrumValue::Constant(default));
             if let Color::Spectral(_) = color {
                 return Eta::Dispersive(color);
             }

@@ -183,7 +183,7 @@ impl Compiler<'_> {
                 let rgb = Vec3::new(v[0] as f32, v[1] as f32, v[2] as f32);
                 // Mitsuba takes the spectrum of a reflectance for coefficients of media too, where there is one.
                 let mitsuba = self.desc.format == Format::Mitsuba && rgb.max_element() <= 1.0;
-                let role = if role == Role::Unbounded && mitsuba { Role::Albedo } else { role };
+                let role = if matches!(role, Role::Unbounded | Role::Index) && mitsuba { Role::Albedo } else { role };
                 Color::rgb(rgb, rgb_space(*space), role, self.mode)
             }
             SpectrumValue::Constant(_) | SpectrumValue::Rgb(..) => {
@@ -207,7 +207,9 @@ impl Compiler<'_> {
             SpectrumValue::Named(word) => match spectra::named(word) {
                 Some(curve) => {
                     // In RGB mode Mitsuba takes the colours of its metals' constants as if these were emitted.
-                    let is_metal = self.desc.format == Format::Mitsuba && word.starts_with("metal-");
+                    let is_metal = self.mode == spectra::ColorMode::Rgb
+                        && self.desc.format == Format::Mitsuba
+                        && word.starts_with("metal-");
                     Color::curve(
                         &Spd::Curve(Arc::new(curve)),
                         if is_metal { Role::Illuminant } else { role },
@@ -291,7 +293,7 @@ impl Compiler<'_> {
             Some(v) if v.is_finite() => v,
             _ => {
                 // Reports what is wrong with it.
-                self.constant_color(node, name, Role::Unbounded, SpectrumValue::Constant(default));
+                self.constant_color(node, name, Role::Index, SpectrumValue::Constant(default));
                 default as f32
             }
         }

@@ -89,6 +89,33 @@ fn the_matrix_times_the_illuminant_is_seen() {
     }
 }
 
+/// Sharp edges of absorption and emission keep their wavelengths: a pigment of straight lines under a sky of one, and
+/// under a line between whole nanometres. The sums are integrals in steps of a hundredth of a nanometre.
+#[test]
+fn sharp_edges_keep_their_wavelengths() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let material = "reflectance: 0, quantum_yield: 0.7,
+        absorption: {wavelengths: [399.9, 400, 450, 450.1], values: [0, 0.8, 0.4, 0]},
+        emission: {wavelengths: [510, 510.1, 512.3, 512.4], values: [0, 1, 1, 0]}";
+    let absorbed = |l: f64| if (399.95..450.05).contains(&l) { 0.8 - 0.008 * (l - 400.0) } else { 0.0 };
+    let step = 0.01;
+    let at = |k: u32| 380.0 + (f64::from(k) + 0.5) * step;
+    let photons = |sky: &dyn Fn(f64) -> f64| (0..9000).map(at).map(|l| absorbed(l) * l * sky(l) * step).sum::<f64>();
+    let even = ("1", photons(&|_| 1.0));
+    let line = "{wavelengths: [404.6, 404.7, 404.8], values: [0, 200, 0]}";
+    for (sky, photons) in [even, (line, 20.0 * 404.7 * absorbed(404.7))] {
+        // What leaves is within 510.05 and 512.35 nm.
+        let energy = 0.7 * photons / 511.2;
+        let found = seen(
+            &scene(folder.path(), material, sky).expect("nothing is said"),
+            Quality { spp: Some(16384), ..Quality::default() },
+        );
+        let xyz = REC709.xyz_from_rgb() * steradian::math::DVec3::from(found);
+        let expected = energy * cie::matching_linear(511.2)[1] / 106.856895;
+        assert!((xyz.y / expected - 1.0).abs() < 0.015, "{sky}: {}, not {expected}", xyz.y);
+    }
+}
+
 /// A pigment that would give back more photons than it gets is refused, as is one of which something is missing; what
 /// follows no changes of wavelength refuses by name.
 #[test]

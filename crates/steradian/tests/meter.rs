@@ -150,6 +150,28 @@ fn media_dim_light() {
     assert_is(lit(false).rgb[0], 0.75, 1e-5);
 }
 
+/// Lines, bells and boxes between whole nanometres have their integrals over the wavelength.
+#[test]
+fn narrow_spectra_keep_their_power() {
+    let bell = (0..61).map(|k| {
+        let l = 541.0 + 0.1 * f64::from(k);
+        format!("{l}:{}, ", 100.0 * (-0.5 * ((l - 544.0) / 0.3).powi(2)).exp())
+    });
+    let bell = bell.collect::<String>();
+    for (curve, watts) in [
+        ("589.2:0, 589.4:100, 589.6:0", 20.0),
+        (bell.trim_end_matches(", "), 30.0 * (2.0 * PI).sqrt()),
+        ("499.9:0, 500:1, 600:1, 600.1:0", 100.1),
+        ("548.9:0, 549:1, 551:1, 551.1:0", 2.1),
+    ] {
+        let sun = format!(
+            "<emitter type='directional'><vector name='direction' x='0' y='0' z='-1'/><spectrum name='irradiance' value='{curve}'/></emitter>"
+        );
+        let found = meter::read(&scene(&sun, ColorMode::Spectral), &UP, &SETTINGS).radiant.expect("W");
+        assert!((found.value / watts - 1.0).abs() < 0.03, "{curve}: {found:?}, not {watts}");
+    }
+}
+
 /// M68: one W/m² within the nanometre about 555 nm is 683 lx; D65 of Y = 1 is 72 983 cd/m² at 184.4 lm/W (Mitsuba's
 /// table of D65 over its table of ȳ, both from 360 to 830 nm).
 #[test]

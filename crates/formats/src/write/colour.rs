@@ -99,7 +99,7 @@ impl Colour {
             Self::Grey(v) => *v,
             Self::Rgb([r, g, b]) => 0.2126 * r + 0.7152 * g + 0.0722 * b,
             Self::Curve(l, v) => match Curve::new(l.clone(), v.clone()) {
-                Ok(curve) => cie::to_xyz(|l| curve.eval(l)).y,
+                Ok(curve) => spectra::Spd::from(curve).to_xyz().y,
                 Err(_) => 0.0,
             },
         }

@@ -1,4 +1,8 @@
 //! Sampled curves over the wavelength: irregular samples joined by lines, and a table of every visible nanometre.
+//!
+//! Tables of emission, reflectance and absorption hold *means*: the exact mean of the curve over the nanometre around
+//! each wavelength. So they keep the integral of a curve whatever its samples, lines narrower than a nanometre
+//! included. Refractive indices are tabulated by their values at the wavelengths, since nothing integrates them.
 
 use super::cie::{lambdas, nearest, to_photometric};
 use super::{CIE_Y_INTEGRAL, LAMBDA_COUNT, LAMBDA_MAX, LAMBDA_MIN, Wavelengths};
@@ -70,7 +74,8 @@ impl Curve {
         Self { lambda: self.lambda.clone(), value: self.value.iter().map(|v| v * k).collect() }
     }
 
-    /// This curve scaled to luminance Y = 1; unchanged where its luminance is not positive.
+    /// This curve scaled to luminance Y = 1 by its values at whole nanometres, as standards and pbrt-v4 do for
+    /// illuminants; unchanged where that luminance is not positive.
     #[must_use]
     pub fn normalized(&self) -> Self {
         let y = to_photometric(|l| self.eval(l));
@@ -92,6 +97,29 @@ impl Curve {
             None if lambda == l0 => v0,
             None => 0.0,
         }
+    }
+
+    /// The mean over the wavelengths from `low` to `high` nm: exact, piece by piece between the samples. Parts beyond the
+    /// first and last sample count as zero. A single sample has no width: its value is the mean of what contains it.
+    pub fn mean(&self, low: f32, high: f32) -> f32 {
+        if let ([at], [value]) = (&*self.lambda, &*self.value) {
+            return if (low..high).contains(at) { *value } else { 0.0 };
+        }
+        let first = self.lambda.partition_point(|&l| l <= low).saturating_sub(1);
+        let mut sum = 0.0f64;
+        for (l, v) in self.lambda[first..].windows(2).zip(self.value[first..].windows(2)) {
+            if l[0] >= high {
+                break;
+            }
+            let [l0, l1, v0, v1] = [l[0], l[1], v[0], v[1]].map(f64::from);
+            let (from, to) = (f64::from(low).max(l0), f64::from(high).min(l1));
+            if to > from {
+                // The integral of a line is its value in the middle times the width.
+                let t = (0.5 * (from + to) - l0) / (l1 - l0);
+                sum += (v0 + (v1 - v0) * t) * (to - from);
+            }
+        }
+        (sum / (f64::from(high) - f64::from(low))) as f32
     }
 
     /// The values at four sampled wavelengths. For hot paths prefer a [`Dense`] table.
@@ -131,6 +159,14 @@ impl Dense {
         Self { values }
     }
 
+    /// Tabulates the means of a function `mean(from, to)` over the visible part of the nanometre around each wavelength.
+    pub fn of_means(mean: impl Fn(f32, f32) -> f32) -> Self {
+        Self::new(|l| {
+            let [low, high] = interval(l);
+            mean(low, high)
+        })
+    }
+
     /// The value at the whole nanometre nearest to `lambda` nm.
     #[inline]
     pub fn eval(&self, lambda: f32) -> f32 {
@@ -154,9 +190,15 @@ impl Dense {
     }
 }
 
+/// The wavelengths that an entry of a table stands for: the visible part of the nanometre around a whole one.
+pub(super) fn interval(whole: f32) -> [f32; 2] {
+    [(whole - 0.5).max(LAMBDA_MIN), (whole + 0.5).min(LAMBDA_MAX)]
+}
+
+/// The means of the curve, exact: the table has its integral.
 impl From<&Curve> for Dense {
     fn from(c: &Curve) -> Self {
-        Self::new(|l| c.eval(l))
+        Self::of_means(|low, high| c.mean(low, high))
     }
 }
 
@@ -209,12 +251,43 @@ mod tests {
     #[test]
     fn dense_agrees_with_its_curve_at_whole_nanometres() {
         let c = Curve::new([350.0, 470.0, 900.0], [0.0, 3.0, 9.0]).unwrap();
-        let d = Dense::from(&c);
+        let d = Dense::new(|l| c.eval(l));
         for l in [360.0, 470.0, 555.0, 830.0] {
             assert_eq!(d.eval(l), c.eval(l));
         }
         assert_eq!(d.eval(555.4), c.eval(555.0));
         assert_eq!(d.eval(831.0), 0.0);
         assert_eq!(d.max(), c.eval(830.0));
+        // Means along a line are its values in the middle; at the ends of the range half a nanometre is left.
+        let d = Dense::from(&c);
+        assert!((d.eval(555.0) - c.eval(555.0)).abs() < 1e-6 && (d.eval(360.0) - c.eval(360.25)).abs() < 1e-6);
+        assert!((d.eval(830.0) - c.eval(829.75)).abs() < 1e-6 && d.eval(831.0) == 0.0);
+        let flat = Dense::from(&Curve::new([360.0, 400.1, 830.0], [0.7; 3]).unwrap());
+        assert!(flat.values().iter().all(|v| *v == flat.values()[0]), "a flat curve is flat");
+    }
+
+    /// Integrals of narrow lines, boxes and Gaussians, by their triangles and trapezoids: whatever lies between whole
+    /// nanometres is kept.
+    #[test]
+    fn tables_keep_integrals() {
+        let gauss: Vec<f32> = (0..61).map(|k| 100.0 * (-0.5 * ((k as f32 - 30.0) / 6.0).powi(2)).exp()).collect();
+        let cases = [
+            (Curve::new([589.2, 589.4, 589.6], [0.0, 100.0, 0.0]).unwrap(), 20.0),
+            (Curve::new([589.1, 589.2, 589.3], [0.0, 100.0, 0.0]).unwrap(), 10.0),
+            (Curve::new([404.0, 405.0, 406.0], [0.0, 100.0, 0.0]).unwrap(), 100.0),
+            (Curve::new([499.9, 500.0, 600.0, 600.1], [0.0, 1.0, 1.0, 0.0]).unwrap(), 100.1),
+            (Curve::new([548.9, 549.0, 551.0, 551.1], [0.0, 1.0, 1.0, 0.0]).unwrap(), 2.1),
+            (Curve::new([400.0, 700.0], [2.0, 2.0]).unwrap(), 600.0),
+            (Curve::new([300.0, 360.25, 361.0], [0.0, 1.0, 0.0]).unwrap(), 0.25 * (2.0 - 0.25 / 60.25) * 0.5 + 0.375),
+            (Curve::regular(541.0, 547.0, gauss).unwrap(), 0.1 * 100.0 * 6.0 * (2.0 * std::f64::consts::PI).sqrt()),
+        ];
+        for (curve, expected) in cases {
+            let table = Dense::from(&curve);
+            let width = |l: f32| f64::from(interval(l)[1] - interval(l)[0]);
+            let sum: f64 = lambdas().map(|l| f64::from(table.eval(l)) * width(l)).sum();
+            assert!((sum / expected - 1.0).abs() < 1e-3, "{curve:?}: {sum}, not {expected}");
+        }
+        let line = Dense::from(&Curve::new([500.0], [2.0]).unwrap());
+        assert_eq!([499.0, 500.0, 501.0].map(|l| line.eval(l)), [0.0, 2.0, 0.0]);
     }
 }

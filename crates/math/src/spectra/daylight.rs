@@ -43,7 +43,8 @@ pub fn daylight(nominal: f64) -> Result<Dense, Error> {
     let m2 = (0.0300 - 31.4424 * x + 30.0717 * y) / m;
     let value = |s: &[f32; 3]| ((f64::from(s[0]) + m1 * f64::from(s[1]) + m2 * f64::from(s[2])) * 0.01) as f32;
     let curve = Curve::regular(300.0, 830.0, S.iter().map(value).collect::<Box<[f32]>>())?;
-    Ok(Dense::from(&curve))
+    // The CIE tabulates daylight by its values at whole nanometres.
+    Ok(Dense::new(|l| curve.eval(l)))
 }
 
 #[cfg(test)]

@@ -112,7 +112,8 @@ pub fn aces_d60() -> &'static Dense {
 
 fn white(name: &str) -> Dense {
     // Both callers name an entry of the table, so the equal-energy white never stands in.
-    named(name).map_or_else(|| Dense::new(|_| 1.0), |c| Dense::from(&c))
+    // Standards tabulate whites by their values at whole nanometres.
+    named(name).map_or_else(|| Dense::new(|_| 1.0), |c| Dense::new(|l| c.eval(l)))
 }
 
 /// XYZ, at Y = 1, of an illuminant: at compile time, for the matrices of the colour spaces. The

@@ -1,11 +1,11 @@
 //! Fluorescence: light that is absorbed at one wavelength and leaves at another, by a matrix (Donaldson 1954,
 //! "Spectrophotometry of fluorescent pigments").
 
-use super::{LAMBDA_MAX, LAMBDA_MIN, Wavelengths, parse::number};
+use super::{LAMBDA_COUNT, LAMBDA_MIN, Wavelengths, curve::interval, parse::number};
 use crate::{Error, Spectrum};
 
-/// Wavelengths in steps of one nanometre.
-const BINS: usize = (LAMBDA_MAX - LAMBDA_MIN) as usize;
+/// Bins of wavelengths, each the visible part of the nanometre around a whole one, as in the tables of all spectra.
+const BINS: usize = LAMBDA_COUNT;
 
 /// A matrix of reradiation: the radiant exitance per nanometre at a wavelength, of irradiance at another.
 #[derive(Clone, Debug)]
@@ -26,20 +26,27 @@ struct Illuminant {
     sums: Vec<f32>,
 }
 
-/// A wavelength from a bin's place.
-fn middle(bin: usize) -> f32 {
-    LAMBDA_MIN + bin as f32 + 0.5
+/// The whole wavelength of a bin, nm.
+fn whole(bin: usize) -> f32 {
+    LAMBDA_MIN + bin as f32
+}
+
+/// The width of a bin, nm: half at both ends of the visible range.
+fn width(bin: usize) -> f32 {
+    let [low, high] = interval(whole(bin));
+    high - low
 }
 
 impl Reradiation {
-    /// Of a function of the wavelengths, in nm, that light leaves with and that it comes with, in 1/nm.
+    /// Of a function of the whole wavelengths, in nm, that light leaves with and that it comes with, in 1/nm: means over
+    /// the nanometres around them.
     pub fn new(matrix: impl Fn(f32, f32) -> f32) -> Self {
         let mut sums = Vec::with_capacity(BINS * BINS);
         for out in 0..BINS {
             let mut sum = 0.0f64;
             sums.extend((0..BINS).map(|from| {
-                let value = matrix(middle(out), middle(from));
-                sum += if value > 0.0 && value.is_finite() { f64::from(value) } else { 0.0 };
+                let value = matrix(whole(out), whole(from));
+                sum += if value > 0.0 && value.is_finite() { f64::from(value * width(from)) } else { 0.0 };
                 sum as f32
             }));
         }
@@ -47,15 +54,16 @@ impl Reradiation {
     }
 
     /// Of one pigment: the part of photons that it absorbs by wavelength, how many of these leave again, and the shape
-    /// of their spectrum (photons per nanometre, in any unit). A photon has an energy in proportion to 1/λ.
+    /// of their spectrum (photons per nanometre, in any unit), both as tables of whole wavelengths. A photon has an
+    /// energy in proportion to 1/λ.
     pub fn of_pigment(absorbed: impl Fn(f32) -> f32, quantum_yield: f32, emitted: impl Fn(f32) -> f32) -> Self {
-        let all: f32 = (0..BINS).map(|bin| emitted(middle(bin)).max(0.0)).sum();
+        let all: f32 = (0..BINS).map(|bin| emitted(whole(bin)).max(0.0) * width(bin)).sum();
         let factor = if all > 0.0 { quantum_yield / all } else { 0.0 };
         Self::new(|out, from| absorbed(from).clamp(0.0, 1.0) * factor * emitted(out).max(0.0) * (from / out))
     }
 
     fn row(lambda: f32) -> usize {
-        ((lambda - LAMBDA_MIN).max(0.0) as usize).min(BINS - 1)
+        ((lambda - LAMBDA_MIN + 0.5).max(0.0) as usize).min(BINS - 1)
     }
 
     /// What leaves at a wavelength of light of one per nanometre at all.
@@ -66,7 +74,7 @@ impl Reradiation {
     /// Draws half of the wavelengths by the row times an illuminant, in any unit: lamps of narrow spectra are found
     /// then.
     pub fn set_illuminant(&mut self, light: impl Fn(f32) -> f32) {
-        let values: Vec<f32> = (0..BINS).map(|bin| light(middle(bin))).collect();
+        let values: Vec<f32> = (0..BINS).map(|bin| light(whole(bin))).collect();
         let most = values.iter().copied().fold(0.0, f32::max);
         if !(most > 0.0 && most.is_finite()) {
             return;
@@ -104,9 +112,10 @@ impl Reradiation {
         let target = u * sums[BINS - 1];
         let bin = sums.partition_point(|s| *s <= target).min(BINS - 1);
         let before = if bin > 0 { sums[bin - 1] } else { 0.0 };
-        let width = sums[bin] - before;
-        let part = if width > 0.0 { ((target - before) / width).clamp(0.0, 1.0) } else { 0.5 };
-        LAMBDA_MIN + bin as f32 + part
+        let share = sums[bin] - before;
+        let part = if share > 0.0 { ((target - before) / share).clamp(0.0, 1.0) } else { 0.5 };
+        // A number just below the upper limit, so that rounding never leaves the bin.
+        (interval(whole(bin))[0] + width(bin) * part).min(interval(whole(bin))[1].next_down())
     }
 
     /// How many photons leave for one that comes with a wavelength.
@@ -115,7 +124,7 @@ impl Reradiation {
         let of = |out: usize| {
             let row = &self.sums[out * BINS..];
             let value = row[bin] - if bin > 0 { row[bin - 1] } else { 0.0 };
-            f64::from(value * middle(out) / middle(bin))
+            f64::from(value / width(bin) * width(out) * whole(out) / whole(bin))
         };
         (0..BINS).map(of).sum::<f64>() as f32
     }
@@ -186,6 +195,14 @@ impl BispectralTable {
         Ok(table)
     }
 
+    /// The mean over the nanometres around two whole wavelengths, exact: light that leaves, light that comes.
+    pub fn mean(&self, out: f32, from: f32) -> f32 {
+        let (outs, froms) = (pieces(&self.out, out), pieces(&self.from, from));
+        // Within a cell of the table the mean is the value in the middle.
+        let row = |from: f32| outs.iter().map(|(out, share)| self.eval(*out, from) * share).sum::<f32>();
+        froms.iter().map(|(from, share)| row(*from) * share).sum()
+    }
+
     /// The value at two wavelengths, linear between those of the table, zero beyond.
     pub fn eval(&self, out: f32, from: f32) -> f32 {
         let place = |l: &[f32], x: f32| {
@@ -199,6 +216,23 @@ impl BispectralTable {
         let row = |j: usize| at(i, j) + s * (at(i + 1, j) - at(i, j));
         row(j) + t * (row(j + 1) - row(j))
     }
+}
+
+/// The pieces that wavelengths of a table cut the nanometre around a whole one into: their middles, and their shares
+/// of it.
+fn pieces(knots: &[f32], around: f32) -> Vec<(f32, f32)> {
+    let [low, high] = interval(around);
+    let first = knots.partition_point(|k| *k <= low);
+    let inner = knots[first..].iter().copied().take_while(|k| *k < high);
+    let mut from = low;
+    inner
+        .chain([high])
+        .map(|to| {
+            let piece = (0.5 * (from + to), (to - from) / (high - low));
+            from = to;
+            piece
+        })
+        .collect()
 }
 
 #[cfg(test)]
@@ -231,7 +265,7 @@ mod tests {
         brings_what_it_does(&matrix);
         matrix.set_illuminant(|l| 1.0 - (l - 500.0) * 0.001);
         brings_what_it_does(&matrix);
-        let lamp = |l: f32| if (404.0..406.0).contains(&l) { 3.0 } else { 0.0 };
+        let lamp = |l: f32| if (403.5..405.5).contains(&l) { 3.0 } else { 0.0 };
         matrix.set_illuminant(lamp);
         brings_what_it_does(&matrix);
         let values: Vec<f64> = (0..4000)
@@ -242,7 +276,7 @@ mod tests {
             .collect();
         let mean = values.iter().sum::<f64>() / 4000.0;
         let row = 0.8 * 0.9 / (25.0 * std::f64::consts::PI.sqrt());
-        let expected = row * (-0.25f64).exp() * (405.0 / 520.5) * 3.0 * 2.0;
+        let expected = row * (-(15.5f64 / 30.0).powi(2)).exp() * (404.5 / 520.0) * 3.0 * 2.0;
         assert!((mean / expected - 1.0).abs() < 0.01, "{mean}, not {expected}");
         let deviation = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / 4000.0).sqrt();
         assert!(deviation < 1.1 * mean, "{deviation} of {mean}");
@@ -263,10 +297,34 @@ mod tests {
         let expected: f64 = (3600..8300)
             .map(|l| {
                 let l = f64::from(l) * 0.1 + 0.05;
-                row * (-((l - 420.0) / 30.0).powi(2)).exp() * (l / 520.5) * f64::from(light(l as f32)) * 0.1
+                row * (-((l - 420.0) / 30.0).powi(2)).exp() * (l / 520.0) * f64::from(light(l as f32)) * 0.1
             })
             .sum();
         assert!((sampled / expected - 1.0).abs() < 5e-3, "{sampled}, not {expected}");
+    }
+
+    /// A matrix whose wavelengths lie between whole nanometres keeps its integral, and a sharp edge of absorption its
+    /// place: of light of 450.2 nm and above nothing is absorbed.
+    #[test]
+    fn edges_between_whole_nanometres_keep_their_place() {
+        let table =
+            BispectralTable::parse("599.4 599.5 599.6 599.7\n400 0 0 0 0\n400.1 0 10 10 0\n400.2 0 0 0 0").unwrap();
+        let sum: f32 =
+            (590..610).map(|out| (395..405).map(|from| table.mean(out as f32, from as f32)).sum::<f32>()).sum();
+        // A trapezoid by a triangle: 10 · 0.2 · 0.1.
+        assert!((sum / 0.2 - 1.0).abs() < 1e-3, "{sum}");
+        let edge = |l: f32| (450.2 - (l - 0.5)).clamp(0.0, 1.0);
+        let matrix = Reradiation::of_pigment(edge, 1.0, |l| if (500.0..600.0).contains(&l) { 1.0 } else { 0.0 });
+        let n = 2000;
+        let below: f64 = (0..n)
+            .map(|k| {
+                let (from, factor) = matrix.sample(550.0, (k as f32 + 0.5) / n as f32);
+                assert!(from < 450.5, "{from}");
+                f64::from(factor * if from < 449.5 { 0.0 } else { 1.0 }) / f64::from(n)
+            })
+            .sum();
+        // Of the nanometre around 450 the part 0.7 absorbs, and leaves in a hundred nanometres.
+        assert!((below / (0.7 * 0.01 * 450.0 / 550.0) - 1.0).abs() < 0.05, "{below}");
     }
 
     /// Tables are linear between their lines, and what is wrong in them is told with its line.

@@ -18,6 +18,8 @@ pub enum Role {
     Albedo,
     /// Any other quantity that is not negative.
     Unbounded,
+    /// A refractive index or extinction coefficient: looked up at wavelengths, never integrated over them.
+    Index,
     /// Emission: RGB white means D65 of luminance one.
     Illuminant,
 }
@@ -50,21 +52,25 @@ impl Color {
         let grey = rgb.x == rgb.y && rgb.y == rgb.z;
         match role {
             Role::Albedo if grey => Self::constant(rgb.x.clamp(0.0, 1.0)),
-            Role::Unbounded if grey => Self::constant(rgb.x.max(0.0)),
+            Role::Unbounded | Role::Index if grey => Self::constant(rgb.x.max(0.0)),
             Role::Albedo => Self::Spectral(Spd::Albedo(RgbAlbedo::new(space, rgb))),
-            Role::Unbounded => Self::Spectral(Spd::Unbounded(RgbUnbounded::new(space, rgb))),
+            Role::Unbounded | Role::Index => Self::Spectral(Spd::Unbounded(RgbUnbounded::new(space, rgb))),
             Role::Illuminant => Self::Spectral(Spd::Illuminant(RgbIlluminant::new(space, rgb))),
         }
     }
 
-    /// A curve over wavelength in a role. In RGB mode emission becomes its tristimulus (luminance `∫sȳ/∫ȳ`); other
+    /// A curve over wavelength in a role: its means over each nanometre, so that integrals are exact, and the values of
+    /// an index. In RGB mode emission becomes its tristimulus (luminance `∫sȳ/∫ȳ`); other
     /// quantities become the colour they have under D65.
     pub fn curve(curve: &Spd, role: Role, mode: ColorMode) -> Self {
-        let dense = Dense::new(|l| curve.eval(l));
+        let dense = match role {
+            Role::Index => Arc::new(Dense::new(|l| curve.eval(l))),
+            _ => curve.table(),
+        };
         let flat = dense.values().windows(2).all(|w| w[0] == w[1]).then(|| dense.values()[0]);
         match (mode, flat) {
             (ColorMode::Spectral, Some(v)) => Self::constant(v),
-            (ColorMode::Spectral, None) => Self::Spectral(Spd::Dense(Arc::new(dense))),
+            (ColorMode::Spectral, None) => Self::Spectral(Spd::Dense(dense)),
             (ColorMode::Rgb, Some(v)) if role != Role::Illuminant => {
                 Self::constant(if role == Role::Albedo { v.clamp(0.0, 1.0) } else { v.max(0.0) })
             }
@@ -95,7 +101,10 @@ impl Color {
         match self {
             _ if k == 1.0 => self.clone(),
             Self::Lanes(s) => Self::Lanes(*s * k),
-            Self::Spectral(s) => Self::Spectral(Spd::Dense(Arc::new(Dense::new(|l| s.eval(l) * k)))),
+            Self::Spectral(s) => {
+                let table = s.table();
+                Self::Spectral(Spd::Dense(Arc::new(Dense::new(|l| table.eval(l) * k))))
+            }
         }
     }
 
@@ -112,7 +121,7 @@ impl Color {
         match self {
             Self::Lanes(s) if mode == ColorMode::Spectral => s[0],
             Self::Lanes(s) => luminance(Vec3::from(s.to_rgb())),
-            Self::Spectral(s) => cie::to_xyz(|l| s.eval(l)).y as f32,
+            Self::Spectral(s) => s.to_xyz().y as f32,
         }
     }
 }
@@ -136,7 +145,7 @@ pub fn texel(rgb: Vec3, role: Role, lambda: &Wavelengths, mode: ColorMode) -> Sp
         }
         (ColorMode::Rgb, _) => Spectrum::rgb(rgb.x.max(0.0), rgb.y.max(0.0), rgb.z.max(0.0)),
         (ColorMode::Spectral, Role::Albedo) => RgbAlbedo::new(&REC709, rgb).sample(lambda),
-        (ColorMode::Spectral, Role::Unbounded) => RgbUnbounded::new(&REC709, rgb).sample(lambda),
+        (ColorMode::Spectral, Role::Unbounded | Role::Index) => RgbUnbounded::new(&REC709, rgb).sample(lambda),
         (ColorMode::Spectral, Role::Illuminant) => RgbIlluminant::new(&REC709, rgb).sample(lambda),
     }
 }

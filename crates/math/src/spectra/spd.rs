@@ -1,6 +1,6 @@
 //! A spectrum of any kind: what a spectral parameter of a scene is once its units and colour space are settled.
 
-use super::{Blackbody, Curve, Dense, Wavelengths, cie, d65};
+use super::{Blackbody, CIE_Y_INTEGRAL, Curve, Dense, Wavelengths, cie, d65};
 use crate::color::space::REC709;
 use crate::color::upsample::{RgbAlbedo, RgbIlluminant, RgbUnbounded};
 use crate::{Spectrum, Vec3};
@@ -54,14 +54,25 @@ impl Spd {
         }
     }
 
-    /// The largest value at a whole visible nanometre.
+    /// The table of this spectrum whose integrals are those of the spectrum: means of a [`Curve`], values of what is
+    /// smooth.
+    pub fn table(&self) -> Arc<Dense> {
+        match self {
+            Self::Dense(d) => Arc::clone(d),
+            Self::Curve(c) => Arc::new(Dense::from(&**c)),
+            _ => Arc::new(Dense::new(|l| self.eval(l))),
+        }
+    }
+
+    /// The largest value in a visible nanometre.
     pub fn max(&self) -> f32 {
-        cie::lambdas().map(|l| self.eval(l)).fold(f32::MIN, f32::max)
+        self.table().max()
     }
 
     /// CIE XYZ, the constant spectrum 1 having Y = 1.
     pub fn to_xyz(&self) -> DVec3 {
-        cie::to_xyz(|l| self.eval(l))
+        let table = self.table();
+        cie::to_xyz(|l| table.eval(l))
     }
 
     /// The linear Rec.709 colour of this spectrum as emitted light. The constant spectrum is not white: it is the white
@@ -72,7 +83,8 @@ impl Spd {
 
     /// The linear Rec.709 colour of this spectrum as a reflectance, seen under D65: a constant is a grey.
     pub fn to_rgb_reflectance(&self) -> Vec3 {
-        (REC709.rgb_from_xyz() * cie::to_xyz(|l| self.eval(l) * d65().eval(l))).as_vec3()
+        let table = self.table();
+        (REC709.rgb_from_xyz() * cie::to_xyz(|l| table.eval(l) * d65().eval(l))).as_vec3()
     }
 
     /// `∫ s ȳ dλ`, pbrt-v4's photometric integral. Of an RGB illuminant it takes the illuminant alone, without the RGB
@@ -80,7 +92,7 @@ impl Spd {
     pub fn to_photometric(&self) -> f64 {
         match self {
             Self::Illuminant(i) => cie::to_photometric(|l| i.white().eval(l)),
-            _ => cie::to_photometric(|l| self.eval(l)),
+            _ => self.to_xyz().y * CIE_Y_INTEGRAL,
         }
     }
 }
@@ -106,7 +118,7 @@ impl From<Dense> for Spd {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spectra::{CIE_Y_INTEGRAL, named};
+    use crate::spectra::named;
 
     #[test]
     fn lanes_are_evaluations() {
