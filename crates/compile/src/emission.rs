@@ -200,7 +200,9 @@ impl Compiler<'_> {
             };
             (radiance, mean)
         };
-        if let Some(power) = self.if_positive(light, "power") {
+        // The luminance of a picture is counted below, and that of white is one.
+        let luminance = if light.get("file").is_some() { 1.0 } else { mean };
+        if let Some(power) = self.luminous_target(light, "power", luminance) {
             let sides = if two_sided { 2.0 } else { 1.0 };
             let k = if light.get("file").is_some() { mean } else { 1.0 };
             scale *= power / (k * sides * area * std::f32::consts::PI);

@@ -10,7 +10,10 @@ use steradian_image::Texels;
 use steradian_math::{
     Vec2, Vec3,
     color::luminance,
-    spectra::role::{Color, Role},
+    spectra::{
+        photometry::photometric_from_y,
+        role::{Color, Role},
+    },
     transform::Affine,
 };
 use steradian_scene::{ColorSpace, Family, Format, Node, NodeId, SpectrumValue, Value, names};
@@ -93,8 +96,21 @@ impl Compiler<'_> {
         place
     }
 
-    fn power(&mut self, node: &Node) -> Option<f32> {
-        self.if_positive(node, "power")
+    /// What the flux or illuminance `name` of a light, in lm or lx, comes to in units of the scene's radiance, over that
+    /// of one unit of its spectrum, of a luminance. With `normalize` it is that of a white light, as in pbrt: a colour
+    /// then takes its part away.
+    pub(super) fn luminous_target(&mut self, node: &Node, name: &str, luminance: f32) -> Option<f32> {
+        let units = f64::from(self.if_positive(node, name)?) / self.unit_luminance();
+        let of = if self.bool(node, "normalize", false) { 1.0 } else { f64::from(luminance) };
+        (of > 0.0).then_some((units / of) as f32)
+    }
+
+    /// The luminance of radiance of Y = 1, cd/m²: radiances are in W/(m² sr nm), but numbers of glTF files in cd/m².
+    pub(super) fn unit_luminance(&self) -> f64 {
+        match self.desc.format {
+            Format::Gltf => 1.0,
+            _ => photometric_from_y(1.0),
+        }
     }
 
     /// Compiles a light and adds it.
@@ -144,7 +160,7 @@ impl Compiler<'_> {
         use std::f32::consts::PI;
         let place = self.light_place(node)?;
         let (color, mut scale) = self.emission_color(node, "intensity");
-        if let Some(power) = self.power(node) {
+        if let Some(power) = self.luminous_target(node, "power", color.luminance(self.mode)) {
             scale *= power / (4.0 * PI);
         }
         let p = self.vec3(node, "position", Vec3::ZERO);
@@ -165,7 +181,7 @@ impl Compiler<'_> {
             node,
             "falloff",
             Falloff::Smoothstep,
-            &[("smoothstep", Falloff::Smoothstep), ("linear", Falloff::Linear)],
+            &[("smoothstep", Falloff::Smoothstep), ("linear", Falloff::Linear), ("quadratic", Falloff::Quadratic)],
         );
         let texture = self.reference(node, "texture").map(|id| self.texture(id, Role::Albedo));
         let mut spot = Spot {
@@ -177,7 +193,7 @@ impl Compiler<'_> {
             falloff,
             texture,
         };
-        if let Some(power) = self.power(node) {
+        if let Some(power) = self.luminous_target(node, "power", color.luminance(self.mode)) {
             scale *= power / spot.flux_share();
         }
         spot.intensity = color.scaled(scale);
@@ -186,7 +202,7 @@ impl Compiler<'_> {
 
     fn distant(&mut self, node: &Node) -> Option<Light> {
         let (color, mut scale) = self.emission_color(node, "radiance");
-        if let Some(e) = self.if_positive(node, "illuminance") {
+        if let Some(e) = self.luminous_target(node, "illuminance", color.luminance(self.mode)) {
             scale *= e;
         }
         let d = self.vec3(node, "direction", Vec3::Z);
@@ -202,9 +218,9 @@ impl Compiler<'_> {
     fn environment(&mut self, node: &Node) -> Option<Light> {
         use std::f32::consts::PI;
         let place = self.light_place(node)?;
-        let illuminance = self.if_positive(node, "illuminance");
         let portal = self.portal(node);
         let (radiance, mut scale) = self.emission_color(node, "radiance");
+        let illuminance = self.luminous_target(node, "illuminance", radiance.luminance(self.mode));
         let image = if node.get("file").is_some() {
             let texels = (*self.image(node)?).clone();
             let octahedral = texels.width == texels.height;
@@ -297,7 +313,7 @@ impl Compiler<'_> {
         let image = self.emitted_texels(node, texels);
         let mut light =
             Goniometric { position: place.point(Vec3::ZERO), world_from_light: place, intensity: Color::BLACK, image };
-        if let Some(power) = self.power(node) {
+        if let Some(power) = self.luminous_target(node, "power", color.luminance(self.mode)) {
             scale *= power / (4.0 * PI * light.mean()).max(1e-20);
         }
         light.intensity = color.scaled(scale);
@@ -331,7 +347,8 @@ impl Compiler<'_> {
         if is_irradiance {
             light.scale *= std::f32::consts::PI;
         }
-        if let (Some(power), Slide::Image(image)) = (self.power(node), &light.slide) {
+        // The flux of the picture has its colours in it.
+        if let (Some(power), Slide::Image(image)) = (self.luminous_target(node, "power", 1.0), &light.slide) {
             light.scale *= power / light.flux_of(image).max(1e-20);
         }
         Some(light.into())

@@ -209,7 +209,8 @@ impl Compiler<'_> {
         };
         let (response, sensor) = (self.response(node), self.sensor(node));
         let filter = self.filter()?;
-        Some(FilmSpec { width, height, crop, filter, imaging_ratio, max_component, response, sensor })
+        let unit_luminance = self.unit_luminance();
+        Some(FilmSpec { width, height, crop, filter, imaging_ratio, unit_luminance, max_component, response, sensor })
     }
 
     fn filter(&mut self) -> Option<Filter> {

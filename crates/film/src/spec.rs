@@ -46,6 +46,9 @@ pub struct FilmSpec {
     pub filter: Filter,
     /// Factor from radiance to film value (pbrt's exposure time × ISO / 100).
     pub imaging_ratio: f32,
+    /// Luminance of radiance of Y = 1 in the scene's numbers, cd/m²: 72 983 where these are W/(m² sr nm), 1 where they
+    /// are cd/m².
+    pub unit_luminance: f64,
     /// Samples with a larger component are scaled down to it; infinite where nothing is clamped.
     pub max_component: f32,
     /// How light becomes colours; `None` for the CIE 1931 observer.

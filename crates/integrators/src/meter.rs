@@ -89,7 +89,7 @@ pub fn read(scene: &Scene, receiver: &Receiver, settings: &Settings) -> Reading 
             }
         });
         done = asked;
-        let reading = reading(scene.mode(), &receiver, &sums, done);
+        let reading = reading(scene, &receiver, &sums, done);
         let Estimate { value, plus_minus } = reading.luminous;
         let is_enough = settings.error.is_none_or(|e| plus_minus <= e * value.abs());
         if is_enough || done.saturating_mul(REPLICATES) >= MOST_SAMPLES {
@@ -157,10 +157,12 @@ fn measures(mode: ColorMode, light: Spectrum, lambda: &Wavelengths) -> [f64; 5] 
 }
 
 /// Means and intervals of the replicates, each of `samples`.
-fn reading(mode: ColorMode, receiver: &Receiver, sums: &[Sums], samples: u32) -> Reading {
+fn reading(scene: &Scene, receiver: &Receiver, sums: &[Sums], samples: u32) -> Reading {
+    // Where numbers of the scene are cd/m², those of W are less.
+    let unit = scene.film().unit_luminance / photometric_from_y(1.0);
     let count = sums.len() as f64;
     let estimate = |k: usize| {
-        let means = || sums.iter().map(|s| s.values[k] / f64::from(samples));
+        let means = || sums.iter().map(|s| s.values[k] * unit / f64::from(samples));
         let value = means().sum::<f64>() / count;
         let variance = means().map(|m| (m - value).powi(2)).sum::<f64>() / (count - 1.0);
         Estimate { value, plus_minus: STUDENT * (variance / count).sqrt() }
@@ -173,7 +175,7 @@ fn reading(mode: ColorMode, receiver: &Receiver, sums: &[Sums], samples: u32) ->
             Receiver::Disc(..) | Receiver::Ball(..) => Quantity::Flux,
         },
         rgb: [0, 1, 2].map(estimate),
-        radiant: (mode == ColorMode::Spectral).then(|| estimate(3)),
+        radiant: (scene.mode() == ColorMode::Spectral).then(|| estimate(3)),
         luminous: Estimate { value: photometric_from_y(y.value), plus_minus: photometric_from_y(y.plus_minus) },
         samples: samples * REPLICATES,
         nonfinite: sums.iter().map(|s| s.nonfinite).sum(),

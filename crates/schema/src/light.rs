@@ -11,9 +11,16 @@ use crate::{
 const SCALE: Parameter = number("scale", ANY, "1", "factor on what is emitted");
 const NORMALIZE: Parameter =
     flag("normalize", "false", "whether a spectrum that is no colour is divided by its luminance, as in pbrt");
-const POWER: Parameter = number("power", ANY, "none", "the light's power, as in pbrt; counts above 0").unit("lm");
-const ILLUMINANCE: Parameter =
-    number("illuminance", ANY, "none", "illuminance of a surface that faces it, as in pbrt; counts above 0").unit("lx");
+const POWER: Parameter =
+    number("power", ANY, "none", "luminous flux, whatever the spectrum (of white with `normalize`); counts above 0")
+        .unit("lm");
+const ILLUMINANCE: Parameter = number(
+    "illuminance",
+    ANY,
+    "none",
+    "illuminance of a surface that faces it, whatever the spectrum (of white with `normalize`); counts above 0",
+)
+.unit("lx");
 const INTENSITY: Parameter = spectrum("intensity", ANY, "1", "radiant intensity");
 /// Of all lights.
 const SCHEDULE: Group = Group {
@@ -156,7 +163,12 @@ pub const LIGHTS: &[Model] = &[
                 "angle between the axis and where light begins to fade; held in [0, cone_angle]",
             )
             .unit("degrees"),
-            word("falloff", "smoothstep, linear", "smoothstep", "how it fades: as in pbrt, or as in Mitsuba"),
+            word(
+                "falloff",
+                "smoothstep, linear, quadratic",
+                "smoothstep",
+                "how it fades: as in pbrt, as in Mitsuba, or as in glTF",
+            ),
             map("texture", "none", "a slide in front of it"),
             SCALE,
             NORMALIZE,
@@ -263,8 +275,7 @@ pub const LIGHTS: &[Model] = &[
             ),
             SCALE,
             flag("normalize", "false", "without effect: what pbrt sets of every light"),
-            number("power", ANY, "none", "the light's power, as in pbrt; of a file alone, and counts above 0")
-                .unit("lm"),
+            number("power", ANY, "none", "luminous flux; of a file alone, and counts above 0").unit("lm"),
             transform("to_world", "identity", "places it; its own +z is the axis, +x right, +y up"),
         ],
         groups: &[&SCHEDULE],

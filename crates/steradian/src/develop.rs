@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use steradian_core::camera::Projection;
 use steradian_film::Names;
 use steradian_image::{Image, Value};
-use steradian_math::spectra::{CIE_Y_INTEGRAL, photometry::LUMINOUS_EFFICACY};
 use steradian_schema::material::MATERIALS;
 
 /// The picture: linear Rec.709 in `R G B`, premultiplied by [`Layer::Alpha`] where the background was left out, and the
@@ -25,7 +24,7 @@ pub fn develop(scene: &Scene, film: &Film, layers: &[Layer]) -> Image {
     }
     // Where a value is not a radiance that arrives at the camera, white has no luminance.
     if !matches!(scene.camera().projection, Projection::Patch(..) | Projection::Realistic(_)) {
-        let white = CIE_Y_INTEGRAL * LUMINOUS_EFFICACY / f64::from(scene.film().imaging_ratio);
+        let white = scene.film().unit_luminance / f64::from(scene.film().imaging_ratio);
         image.metadata.set("whiteLuminance", Value::Float(white as f32));
     }
     image.metadata.set("worldToCamera", Value::Matrix(world_from_camera.inv.to_cols_array()));

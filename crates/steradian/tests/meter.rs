@@ -320,3 +320,56 @@ fn flux_has_its_closed_forms() {
     assert_is(read(DISC, Receiver::Ball(Vec3::Z, 1.5)).rgb[0], PI * PI, 1e-2);
     assert_is(read(sky, Receiver::Ball(Vec3::ZERO, 0.5)).rgb[1], PI * PI, 1e-3);
 }
+
+fn read_text(name: &str, text: &str, receiver: Receiver) -> f64 {
+    let loaded = load::load_bytes(name, text.as_bytes().to_vec(), None, &Options::default());
+    assert!(!loaded.diagnostics.has_errors(), "{:?}", loaded.diagnostics);
+    let compiled = compile(&loaded.desc, &CompileOptions::default());
+    let scene = compiled.scene.unwrap_or_else(|| panic!("{name}: {:?}", compiled.diagnostics));
+    meter::read(&scene, &receiver, &SETTINGS).luminous.value
+}
+
+/// Flux and illuminance of our language are lm and lx, of coloured light too; what pbrt calls so is of spectra of Y = 1;
+/// numbers of glTF files are candela and lux, and pictures say which luminance a value of one has.
+#[test]
+fn luminous_units_are_those_of_the_si() {
+    let native = |light: &str| {
+        let text = format!("steradian: 1\nlights: [{{{light}}}]\ncamera: {{camera: perspective}}\nfilm: {{film: rgb}}");
+        read_text("a.steradian", &text, UP)
+    };
+    let above = "position: [0, 0, 2]";
+    for (light, lux) in [
+        (format!("light: point, power: 800, {above}"), 800.0 / (16.0 * PI)),
+        (format!("light: point, power: 800, intensity: {{rgb: [3, 0.2, 0.1]}}, {above}"), 800.0 / (16.0 * PI)),
+        (format!("light: point, power: 800, intensity: 7, {above}"), 800.0 / (16.0 * PI)),
+        ("light: distant, illuminance: 1000, direction: [0, 0, -1]".into(), 1000.0),
+        ("light: environment, illuminance: 1000".into(), 1000.0),
+    ] {
+        let found = native(&light);
+        assert!((found / lux - 1.0).abs() < 5e-3, "{light}: {found} lx, not {lux}");
+    }
+    let pbrt = "Camera \"perspective\" WorldBegin LightSource \"point\" \"float power\" 800 \"point3 from\" [0 0 2]";
+    let found = read_text("a.pbrt", pbrt, UP);
+    assert!((found / (72_983.26 * 800.0 / (16.0 * PI)) - 1.0).abs() < 1e-3, "pbrt: {found} lx");
+    let gltf = |light: &str| {
+        format!(
+            r#"{{"asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": [0]}}],
+            "nodes": [{{"translation": [0, 2, 0], "rotation": [-0.70710678, 0, 0, 0.70710678],
+            "extensions": {{"KHR_lights_punctual": {{"light": 0}}}}}}], "extensionsUsed": ["KHR_lights_punctual"],
+            "extensions": {{"KHR_lights_punctual": {{"lights": [{{{light}}}]}}}}}}"#
+        )
+    };
+    let spot = r#""type": "spot", "intensity": 100, "spot": {"innerConeAngle": 0.2, "outerConeAngle": 0.6}"#;
+    // Between the cones the square of a line in the cosine.
+    let at = Vec3::new(0.8, 0.0, 0.0);
+    let (cos, inner, outer) = (2.0 / 4.64f64.sqrt(), 0.2f64.cos(), 0.6f64.cos());
+    let share = ((cos - outer) / (inner - outer)).powi(2);
+    for (light, receiver, lux) in [
+        (r#""type": "point", "intensity": 27176"#, Receiver::Plane(Vec3::ZERO, Vec3::Y), 6794.0),
+        (r#""type": "directional", "intensity": 500"#, Receiver::Plane(Vec3::ZERO, Vec3::Y), 500.0),
+        (spot, Receiver::Plane(at, Vec3::Y), share * cos * 100.0 / 4.64),
+    ] {
+        let found = read_text("a.gltf", &gltf(light), receiver);
+        assert!((found / lux - 1.0).abs() < 1e-3, "{light}: {found} lx, not {lux}");
+    }
+}

@@ -111,6 +111,8 @@ pub enum Falloff {
     Smoothstep,
     /// Linear in the angle (Mitsuba).
     Linear,
+    /// Square of a line in the cosine (glTF's KHR_lights_punctual).
+    Quadratic,
 }
 
 /// A spot light; local +z is its axis.
@@ -147,6 +149,7 @@ impl Spot {
                     t * t * (3.0 - 2.0 * t)
                 }
                 Falloff::Linear => (self.total - cos.acos()) / (self.total - self.start),
+                Falloff::Quadratic => ((cos - outer) / (inner - outer)).powi(2),
             }
         }
     }
@@ -397,7 +400,7 @@ mod tests {
     /// cos α)).
     #[test]
     fn spot_flux() {
-        for falloff in [Falloff::Smoothstep, Falloff::Linear] {
+        for falloff in [Falloff::Smoothstep, Falloff::Linear, Falloff::Quadratic] {
             let mut s = Spot {
                 position: Vec3::ZERO,
                 world_from_light: Affine::IDENTITY,

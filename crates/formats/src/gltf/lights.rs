@@ -41,6 +41,7 @@ impl Reader<'_> {
                     .with("intensity", emitted)
                     .with("cone_angle", outer.to_degrees())
                     .with("falloff_start", inner.to_degrees())
+                    .with("falloff", "quadratic")
                     .with("to_world", Transform { matrix })
             }
             other => {

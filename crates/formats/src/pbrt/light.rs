@@ -11,7 +11,7 @@ use super::{
     spectrum::{self, Role},
     state::NameRef,
 };
-use steradian_math::DVec3;
+use steradian_math::{DVec3, spectra::photometry::photometric_from_y};
 use steradian_scene::{Family, NodeId, SpectrumValue, Transform, names};
 
 const KINDS: [&str; 6] = ["point", "spot", "distant", "infinite", "goniometric", "projection"];
@@ -80,11 +80,14 @@ fn scale(b: &mut Build) {
     b.set("normalize", true);
 }
 
-/// A photometric quantity to reach; not positive means none.
+/// A photometric quantity to reach; not positive means none. pbrt's unit is that of a spectrum whose CIE Y is 1, which is
+/// 72 983 lm or lx.
 fn target(b: &mut Build, name: &'static str) {
     b.float(name, name, None);
-    if b.node.float(name).is_some_and(|v| v <= 0.0) {
-        b.node.params.retain(|p| p.name != name);
+    match b.node.float(name) {
+        Some(v) if v > 0.0 => b.set(name, v * photometric_from_y(1.0)),
+        Some(_) => b.node.params.retain(|p| p.name != name),
+        None => {}
     }
 }
 

@@ -8,8 +8,8 @@ use std::{
     f64::consts::PI,
     path::Path,
 };
-use steradian_math::{DVec3, Transform};
-use steradian_scene::{Diagnostics, Node, NodeId, SceneDesc, Value};
+use steradian_math::{DVec3, Transform, spectra::photometry::photometric_from_y};
+use steradian_scene::{Diagnostics, Format, Node, NodeId, SceneDesc, Value};
 
 /// A parameter that may be textured.
 #[derive(Clone, Debug)]
@@ -227,10 +227,22 @@ impl<'a> Exchange<'a> {
         {
             k /= c.luminance();
         }
-        if let Some(power) = light.float(target).filter(|p| *p > 0.0) {
+        if let Some(power) = self.luminous_target(light, quantity, target) {
             k *= power / flux;
         }
         k
+    }
+
+    /// What the flux or illuminance `target` of a light, in lm or lx, comes to in units of the scene's radiance, over
+    /// that of one unit of its emission `quantity`; of white where the light is normalised.
+    pub fn luminous_target(&self, light: &Node, quantity: &str, target: &str) -> Option<f64> {
+        let unit = if self.desc.format == Format::Gltf { 1.0 } else { photometric_from_y(1.0) };
+        let power = light.float(target).filter(|p| *p > 0.0)? / unit;
+        let luminance = match self.source(light, quantity) {
+            Some(Source::Plain(c)) if !light.bool("normalize").unwrap_or(false) => c.luminance(),
+            _ => 1.0,
+        };
+        (luminance > 0.0).then_some(power / luminance)
     }
 
     /// The emission of a light in absolute numbers; white where the light names none.

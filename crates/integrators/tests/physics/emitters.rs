@@ -9,7 +9,7 @@ use crate::{
 };
 use std::f64::consts::PI;
 use steradian_core::Scene;
-use steradian_math::DVec3;
+use steradian_math::{DVec3, spectra::photometry::photometric_from_y};
 use steradian_scene::{Family, Group, Instance, Movement, Node, Transform};
 
 /// A white floor, whose point at the origin is looked at.
@@ -270,5 +270,5 @@ fn power_of_a_cone() {
         irradiance(&stage.scene(), "path", 1 << 14)
     };
     let area = PI * 0.7 * 0.7_f64.hypot(1.3);
-    of("power", 10.0).agrees("power", of("radiance", 1.0).times(10.0 / (PI * area)), 0.02);
+    of("power", 10.0 * photometric_from_y(1.0)).agrees("power", of("radiance", 1.0).times(10.0 / (PI * area)), 0.02);
 }

@@ -6,7 +6,7 @@ use crate::{
 };
 use std::f64::consts::PI;
 use steradian_core::Scene;
-use steradian_math::hash::HashRng;
+use steradian_math::{hash::HashRng, spectra::photometry::photometric_from_y};
 use steradian_scene::Node;
 
 /// M67: the radiance of an emitter, and of a lit wall, does not depend on the distance of the camera, from 10⁻³ to 10⁵.
@@ -100,7 +100,7 @@ fn spot_light_falloff_and_flux() {
         // ∫ I dω by the midpoint rule in the cosine.
         let n = 400;
         let h = (1.0 - outer.to_radians().cos()) / f64::from(n);
-        let node = || spot().with("intensity", white(1.0)).with("power", 10.0);
+        let node = || spot().with("intensity", white(1.0)).with("power", 10.0 * photometric_from_y(1.0));
         let flux: f64 =
             (0..n).map(|i| intensity_at(node(), (1.0 - (f64::from(i) + 0.5) * h).acos()) * 2.0 * PI * h).sum();
         assert!((flux - 10.0).abs() < 0.02, "{kind}: flux {flux}");

@@ -1,6 +1,7 @@
 //! Every model with its parameters and pbrt's defaults.
 
 use super::*;
+use steradian_math::spectra::photometry::photometric_from_y;
 use steradian_scene::{ColorSpace, SpectrumValue, Value};
 
 fn constant(v: f64) -> Value {
@@ -250,7 +251,7 @@ fn lights() {
         &[
             ("intensity", some(SpectrumValue::Blackbody(5000.0))),
             ("position", some([3.0, 2.0, 3.0])),
-            ("power", some(60.0)),
+            ("power", some(60.0 * photometric_from_y(1.0))),
             ("scale", some(2.0)),
         ],
     );
@@ -260,7 +261,11 @@ fn lights() {
     let l = one_light(
         "Rotate 90 1 0 0 LightSource \"distant\" \"rgb L\" [1 2 3] \"point from\" [0 0 2] \"point3 to\" [0 0 0] \"float illuminance\" 100",
     );
-    check(&l, "distant", &[("radiance", some(rgb(1.0, 2.0, 3.0))), ("illuminance", some(100.0))]);
+    check(
+        &l,
+        "distant",
+        &[("radiance", some(rgb(1.0, 2.0, 3.0))), ("illuminance", some(100.0 * photometric_from_y(1.0)))],
+    );
     assert_near(l.vec3("direction").unwrap(), [0.0, 1.0, 0.0]);
     assert_near(one_light("LightSource \"distant\"").vec3("direction").unwrap(), [0.0, 0.0, 1.0]);
 
@@ -300,7 +305,12 @@ fn lights_with_images() {
     check(
         light(&d),
         "environment",
-        &[("file", file.clone()), ("radiance", None), ("parametrization", some("auto")), ("illuminance", some(10.0))],
+        &[
+            ("file", file.clone()),
+            ("radiance", None),
+            ("parametrization", some("auto")),
+            ("illuminance", some(10.0 * photometric_from_y(1.0))),
+        ],
     );
     assert!(light(&d).transform("to_world").unwrap().swaps_handedness());
     let d = load("LightSource \"projection\" \"string filename\" \"i.exr\" \"float fov\" 30");
@@ -329,7 +339,7 @@ fn area_lights_are_shared_by_shapes() {
         &[
             ("radiance", some(rgb(1.0, 2.0, 3.0))),
             ("two_sided", some(true)),
-            ("power", some(9.0)),
+            ("power", some(9.0 * photometric_from_y(1.0))),
             ("normalize", some(true)),
         ],
     );

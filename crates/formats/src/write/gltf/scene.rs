@@ -214,8 +214,8 @@ impl Writer<'_> {
                 if cone > 90.0 {
                     self.x.approximated(node, "the cone of a spot ends at 90 degrees in glTF");
                 }
-                if node.string("falloff") == Some("linear") && start < cone {
-                    self.x.approximated(node, "the spot's edge falls off smoothly instead of linearly with the angle");
+                if node.string("falloff") != Some("quadratic") && start < cone {
+                    self.x.approximated(node, "the spot's edge falls off by the square of a line in the cosine");
                 }
                 self.x.without(node, &["texture"]);
                 let outer = cone.min(90.0).to_radians().min(PI / 2.0);

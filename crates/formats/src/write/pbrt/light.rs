@@ -23,8 +23,7 @@ impl Writer<'_> {
             }
             Source::Texture(_) => self.x.approximated(node, format!("the texture of the light's '{from}' is left out")),
         }
-        let power = node.float(target).filter(|p| *p > 0.0);
-        if let Some(power) = power {
+        if let Some(power) = self.x.luminous_target(node, from, target) {
             // A power counts instead of what the numbers come to, but is multiplied by the scale.
             out.float(target, power);
         }
@@ -54,7 +53,7 @@ impl Writer<'_> {
                 let start = node.float("falloff_start").unwrap_or(25.0).clamp(0.0, cone);
                 out.float("coneangle", cone);
                 out.float("conedeltaangle", cone - start);
-                if start < cone && node.string("falloff") == Some("linear") {
+                if start < cone && node.string("falloff").is_some_and(|f| f != "smoothstep") {
                     self.x.approximated(node, "the spot's edge falls off smoothly instead of linearly with the angle");
                 }
                 self.x.without(node, &["texture"]);
@@ -144,7 +143,7 @@ impl Writer<'_> {
             self.x.resampled_environment(node, file, true)?
         };
         out.string("filename", &name);
-        if let Some(target) = node.float("illuminance").filter(|v| *v > 0.0) {
+        if let Some(target) = self.x.luminous_target(node, "radiance", "illuminance") {
             out.float("illuminance", target);
         }
         out.float("scale", node.float("scale").unwrap_or(1.0) * k * self.x.gain);
@@ -175,7 +174,7 @@ impl Writer<'_> {
         out.float("fov", node.float("fov").unwrap_or(90.0));
         let unit = if self.x.desc.format == Format::Mitsuba { PI } else { 1.0 };
         out.float("scale", node.float("scale").unwrap_or(1.0) * unit * self.x.gain);
-        if let Some(power) = node.float("power").filter(|p| *p > 0.0) {
+        if let Some(power) = self.x.luminous_target(node, "", "power") {
             out.float("power", power);
         }
         Some(out)
@@ -207,7 +206,7 @@ impl Writer<'_> {
             Some(file) => {
                 out.string("filename", &file);
                 out.float("scale", node.float("scale").unwrap_or(1.0) * self.x.gain);
-                if let Some(power) = node.float("power").filter(|p| *p > 0.0) {
+                if let Some(power) = self.x.luminous_target(node, "", "power") {
                     out.float("power", power);
                 }
             }
