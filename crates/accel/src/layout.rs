@@ -2,6 +2,7 @@
 #![allow(unsafe_code)]
 
 use crate::simd::{LANES, Row};
+use crate::traverse::widened;
 use steradian_math::{Bounds3, Vec3};
 
 /// What a slot of a node refers to, in 32 bits: the kind above, an index below.
@@ -69,7 +70,7 @@ impl ChildRef {
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Node {
-    /// Minimum x, y, z, then maximum x, y, z. Empty slots have an empty box, which no ray enters.
+    /// Minimum x, y, z, then maximum x, y, z, of [`widened`] boxes. Empty slots have an empty box, which no ray enters.
     pub rows: [Row; 6],
     /// The children.
     pub children: [ChildRef; LANES],
@@ -91,6 +92,7 @@ impl Node {
 
     /// Fills a slot.
     pub fn set(&mut self, lane: usize, bounds: &Bounds3, child: ChildRef) {
+        let bounds = widened(bounds);
         for axis in 0..3 {
             self.rows[axis].0[lane] = bounds.min[axis];
             self.rows[axis + 3].0[lane] = bounds.max[axis];
@@ -98,9 +100,10 @@ impl Node {
         self.children[lane] = child;
     }
 
-    /// The box of a slot.
+    /// The box of a slot, widened, of finite size.
     pub fn child_bounds(&self, lane: usize) -> Bounds3 {
-        let corner = |row: usize| Vec3::from_array(std::array::from_fn(|axis| self.rows[row + axis].0[lane]));
+        let plane = |row: usize| self.rows[row].0[lane].clamp(-f32::MAX, f32::MAX);
+        let corner = |row: usize| Vec3::from_array(std::array::from_fn(|axis| plane(row + axis)));
         Bounds3 { min: corner(0), max: corner(3) }
     }
 }

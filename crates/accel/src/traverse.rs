@@ -97,10 +97,18 @@ pub(crate) struct Start<E> {
     pub best: Option<Nearest<E>>,
 }
 
-/// By how much reciprocals of directions are made smaller for near planes and greater for far ones. Rounding moves a
-/// distance by at most 3 units of 2^-24. Widening by more keeps every box that the exact ray touches (Ize, "Robust BVH
-/// Ray Traversal", JCGT 2(2), 2013).
+/// By how much of their coordinates planes are moved outwards, and distances for the origin. Rounding moves a distance
+/// by at most half of it. Widening by more keeps every box that the exact ray touches (Ize, "Robust BVH Ray Traversal",
+/// JCGT 2(2), 2013).
 pub(crate) const WIDEN: f32 = 4.0 * f32::EPSILON;
+
+/// A box as nodes hold it: its planes are moved outwards by the bound on what rounding does to the product of their
+/// coordinate and the reciprocal of a direction. The bound belongs to the plane, not to the ray, so that a primitive
+/// far away does not widen the boxes of others.
+pub(crate) fn widened(b: &Bounds3) -> Bounds3 {
+    let margin = |corner: Vec3| corner.abs() * WIDEN + f32::MIN_POSITIVE;
+    Bounds3 { min: b.min - margin(b.min), max: b.max + margin(b.max) }
+}
 
 /// What both tests need of a ray: numbers that take divisions to make.
 #[derive(Clone, Copy)]
@@ -108,7 +116,8 @@ pub(crate) struct RayConstants {
     /// Reciprocals of the direction, of limited size.
     pub inverse: Vec3,
     /// The distance of a plane is its coordinate times the reciprocal plus one of these: the first is less and the
-    /// second more than what is exact by a bound on all rounding.
+    /// second more than what is exact by a bound on the rounding that comes from the origin. For that which comes from
+    /// the plane see [`widened`].
     pub offset: [Vec3; 2],
     /// See [`crate::triangle::Shear`].
     pub axes: [usize; 3],
@@ -121,7 +130,7 @@ pub(crate) const GREATEST: f32 = 8e37;
 const AT_REST: f32 = 3e31;
 
 impl RayConstants {
-    /// For a valid ray in a tree with given bounds.
+    /// For a valid ray in a tree with given bounds, whose nodes hold [`widened`] boxes.
     #[inline(always)]
     pub fn new(ray: &Ray, bounds: &Bounds3) -> Self {
         let d = &ray.direction;
@@ -135,24 +144,27 @@ impl RayConstants {
     /// From what takes divisions.
     ///
     /// The distance of the plane at `p` is `p·i − o·i` with the reciprocal `i`. Rounding of `i`, of both products and
-    /// of the sum moves it by at most 4 units of 2^-24 of `(|p| + |o|)·|i|`, and `|p|` is at most that of the bounds.
-    /// The offsets allow for twice that.
+    /// of the sum moves it by at most 4 units of 2^-24 of `(|p| + |o|)·|i|`. Planes and offsets allow for twice that.
+    /// A product may be infinite: the plane is then farther away than any number.
     ///
-    /// Where the ray hardly moves along an axis, `i` is limited and with it `p·i − o·i`; what is allowed for is then
-    /// more than any distance at which there are hits, so that the ray is within a slab for ever or not at all.
+    /// Where the ray hardly moves along an axis, `i` is limited and with it `o·i`; what is allowed for is then more
+    /// than any distance at which there are hits, so that the ray is within a slab for ever or not at all.
     #[inline(always)]
     pub fn with(ray: &Ray, bounds: &Bounds3, reciprocal: Vec3, axes: [usize; 3], shear: [f32; 3]) -> Self {
-        let extent = bounds.min.abs().max(bounds.max.abs()) + ray.origin.abs();
+        let origin = ray.origin.abs();
         let mut inverse = reciprocal;
-        let mut error = extent * inverse.abs();
+        let mut error = origin * inverse.abs();
         let moves = error.cmple(Vec3::splat(GREATEST));
         if moves.all() {
             error = error * WIDEN + f32::MIN_POSITIVE;
         } else {
-            let limit = Vec3::splat(GREATEST) / extent.max(Vec3::ONE);
-            inverse = Vec3::select(moves, inverse, limit.copysign(ray.direction));
+            let extent = bounds.min.abs().max(bounds.max.abs()) + origin;
             // All hits are before the ray has left the bounds along the axis where it moves most.
-            let at_rest = if moves.test(axes[2]) { AT_REST.max(2.0 * error[axes[2]]) } else { f32::INFINITY };
+            let last = 2.0 * extent[axes[2]] * inverse[axes[2]].abs();
+            // Where nothing is known of distances, all products must be finite.
+            let (size, at_rest) = if last <= GREATEST { (origin, AT_REST.max(last)) } else { (extent, f32::INFINITY) };
+            let limit = Vec3::splat(GREATEST) / size.max(Vec3::ONE);
+            inverse = Vec3::select(moves, inverse, limit.copysign(ray.direction));
             error = Vec3::select(moves, error * WIDEN + f32::MIN_POSITIVE, Vec3::splat(at_rest));
         }
         let exact = -(ray.origin * inverse);

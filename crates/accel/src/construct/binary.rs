@@ -21,6 +21,8 @@ pub(super) const PARALLEL: usize = 1 << 12;
 const NODE_COST: f32 = 1.0;
 /// Time of the test of a block of triangles.
 const BLOCK_COST: f32 = 1.0;
+/// Parts of a tree that are smaller than this share of it have areas of their own scale.
+const LEAST_SIZE: f32 = 1.0 / (1 << 30) as f32;
 /// Several blocks instead of one must not cost more than this share of it.
 const WORTH: f32 = 0.97;
 
@@ -65,6 +67,18 @@ pub(super) fn scale(bounds: &Bounds3) -> f32 {
     if half > 0.0 { half.recip().min(f32::MAX) } else { 1.0 }
 }
 
+/// The factor for a part of a tree: that of the tree, unless areas would vanish with it.
+pub(super) fn fitted(scale: f32, bounds: &Bounds3) -> f32 {
+    let half = (bounds.max * 0.5 - bounds.min * 0.5).max_element();
+    if half * scale < LEAST_SIZE { self::scale(bounds) } else { scale }
+}
+
+/// The costs of a part with another factor as those of the tree.
+pub(super) fn rescaled<const WIDTH: usize>(costs: Costs<WIDTH>, from: f32, to: f32) -> Costs<WIDTH> {
+    let ratio = to / from;
+    costs.map(|cost| cost * ratio * ratio)
+}
+
 /// Whether so many references may be one leaf.
 pub(super) fn fits_leaf(count: usize, triangles: bool) -> bool {
     count == 1 || count <= LANES && triangles
@@ -80,6 +94,10 @@ pub(super) fn build_range<const WIDTH: usize>(
     scale: f32,
     depth: u32,
 ) -> Costs<WIDTH> {
+    let own_scale = fitted(scale, &extent.bounds);
+    if own_scale != scale {
+        return rescaled(build_range(refs, nodes, first, extent, own_scale, depth), own_scale, scale);
+    }
     let count = refs.len();
     let fits = fits_leaf(count, extent.triangles);
     let mut node = BinaryNode { bounds: extent.bounds, first, count: count as u32, second: 0, forest: [0; WIDTH] };

@@ -1,7 +1,7 @@
 //! A binary tree whose nodes may lie anywhere, for builders that do not go from the root down, and the way from it to
 //! the one that is made wide.
 
-use super::binary::{BinaryNode, Costs, SAH_DEPTH, build_range, fits_leaf, scale};
+use super::binary::{BinaryNode, Costs, SAH_DEPTH, build_range, fits_leaf, fitted, rescaled, scale};
 use super::nodes::{BinaryTree, Nodes};
 use super::primitives::PrimRef;
 use super::split::Extent;
@@ -109,8 +109,8 @@ impl Explicit {
         }
         let mut refs = self.refs.clone();
         let mut ranges = Nodes::new();
-        let layout = Layout { scale: scale(&self.nodes[self.root as usize].bounds), tree: &self, counts };
-        layout.place(self.root, &mut refs, &mut ranges, 0, 0);
+        let scale = scale(&self.nodes[self.root as usize].bounds);
+        Layout { tree: &self, counts }.place(self.root, &mut refs, &mut ranges, [0; 2], scale);
         (refs, ranges.finish())
     }
 }
@@ -120,25 +120,28 @@ struct Layout<'a> {
     tree: &'a Explicit,
     /// How many references are below each node.
     counts: Vec<u32>,
-    scale: f32,
 }
 
 impl Layout<'_> {
-    /// Lays out a subtree behind what has been laid out before. What is too deep is cut anew.
+    /// Lays out a subtree behind what has been laid out before, at a depth. What is too deep is cut anew.
     fn place<const WIDTH: usize>(
         &self,
         index: u32,
         refs: &mut [PrimRef],
         ranges: &mut Nodes<WIDTH>,
-        first: u32,
-        depth: u32,
+        [first, depth]: [u32; 2],
+        scale: f32,
     ) -> Costs<WIDTH> {
         let node = &self.tree.nodes[index as usize];
+        let own_scale = fitted(scale, &node.bounds);
+        if own_scale != scale {
+            return rescaled(self.place(index, refs, ranges, [first, depth], own_scale), own_scale, scale);
+        }
         let children = match node.below {
             NodeContent::Children(children) if depth < SAH_DEPTH && refs.len() > 2 => children,
             _ => {
                 self.gather(index, refs);
-                return build_range(refs, ranges, first, Extent::of(refs), self.scale, depth);
+                return build_range(refs, ranges, first, Extent::of(refs), scale, depth);
             }
         };
         let count = refs.len();
@@ -146,11 +149,11 @@ impl Layout<'_> {
         let (left, right) = refs.split_at_mut(middle);
         let second = first + middle as u32;
         let node = BinaryNode { bounds: node.bounds, first, count: count as u32, second: 0, forest: [0; WIDTH] };
-        let left = |ranges: &mut Nodes<WIDTH>| self.place(children[0], left, ranges, first, depth + 1);
-        let right = |ranges: &mut Nodes<WIDTH>| self.place(children[1], right, ranges, second, depth + 1);
+        let left = |ranges: &mut Nodes<WIDTH>| self.place(children[0], left, ranges, [first, depth + 1], scale);
+        let right = |ranges: &mut Nodes<WIDTH>| self.place(children[1], right, ranges, [second, depth + 1], scale);
         let (node, [left, right]) = ranges.join(node, count > PARALLEL, left, right);
         let fits = fits_leaf(count, refs.iter().take(LANES).all(|r| !r.is_user()));
-        node.choose_forests(&left, &right, fits, self.scale)
+        node.choose_forests(&left, &right, fits, scale)
     }
 
     /// The references below a node.

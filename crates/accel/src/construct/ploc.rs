@@ -16,16 +16,34 @@ const RADIUS: usize = 12;
 /// Clusters that a thread looks at in one go.
 const PIECE: usize = 1 << 10;
 
+/// With more references than these in a cell of the curve, they are sorted along a finer one.
+const CROWDED: usize = 1 << 5;
+/// Where primitives are smaller than this share of all, areas are computed in `f64`.
+const TINY: f32 = 1.0 / (1_u64 << 40) as f32;
+
 /// Builds the tree; there is a reference at least.
-pub(super) fn build(mut refs: Vec<PrimRef>) -> Explicit {
+pub(super) fn build(refs: Vec<PrimRef>) -> Explicit {
     let extent = Extent::of(&refs);
     let scale = scale(&extent.bounds);
-    sort_along_curve(&mut refs, &extent.centers);
+    let is_tiny = |r: &PrimRef| ((r.max() * 0.5 - r.min() * 0.5) * scale).max_element() < TINY;
+    let any_tiny = refs.par_iter().with_min_len(PIECE).any(is_tiny);
+    let refs = along_curve(&refs, &extent.centers);
+    if any_tiny { cluster(refs, wide_area) } else { cluster(refs, |b| half_area(b, scale).min(f32::MAX)) }
+}
+
+/// Half the area of a box, of any size.
+fn wide_area(b: &Bounds3) -> f64 {
+    let d = b.max.as_dvec3() - b.min.as_dvec3();
+    d.x * d.y + d.y * d.z + d.z * d.x
+}
+
+/// Merges clusters until there is one.
+fn cluster<A: PartialOrd + Copy>(refs: Vec<PrimRef>, area: impl Fn(&Bounds3) -> A + Sync) -> Explicit {
     let mut nodes = leaves(&refs);
     nodes.reserve(refs.len());
     let mut clusters: Vec<(Bounds3, u32)> = nodes.iter().zip(0..).map(|(node, i)| (node.bounds, i)).collect();
     while clusters.len() > 1 {
-        let nearest = nearest_neighbours(&clusters, scale);
+        let nearest = nearest_neighbours(&clusters, &area);
         let mut merged = Vec::with_capacity(clusters.len() / 2 + 1);
         for (i, &(bounds, node)) in clusters.iter().enumerate() {
             let other = nearest[i] as usize;
@@ -44,18 +62,20 @@ pub(super) fn build(mut refs: Vec<PrimRef>) -> Explicit {
 
 /// For each cluster the neighbour with which it has the smallest box; of several the first pair. A pair of least area
 /// chooses itself, so that there is always one to merge.
-fn nearest_neighbours(clusters: &[(Bounds3, u32)], scale: f32) -> Vec<u32> {
+fn nearest_neighbours<A: PartialOrd + Copy>(
+    clusters: &[(Bounds3, u32)],
+    area: &(impl Fn(&Bounds3) -> A + Sync),
+) -> Vec<u32> {
     let mut nearest = vec![0; clusters.len()];
     let look = |(piece, nearest): (usize, &mut [u32])| {
         for (i, nearest) in (piece * PIECE..).zip(nearest) {
             let neighbours = i.saturating_sub(RADIUS)..(i + RADIUS + 1).min(clusters.len());
-            let mut best = (f32::INFINITY, usize::MAX, usize::MAX);
+            let mut best: Option<(A, usize, usize)> = None;
             for j in neighbours.filter(|&j| j != i) {
-                let area = half_area(&clusters[i].0.union(clusters[j].0), scale);
                 // The order of pairs is the same from both sides, or none might choose each other.
-                let pair = (area.min(f32::MAX), i.min(j), i.max(j));
-                if pair < best {
-                    best = pair;
+                let pair = (area(&clusters[i].0.union(clusters[j].0)), i.min(j), i.max(j));
+                if best.is_none_or(|best| pair < best) {
+                    best = Some(pair);
                     *nearest = j as u32;
                 }
             }
@@ -65,9 +85,10 @@ fn nearest_neighbours(clusters: &[(Bounds3, u32)], scale: f32) -> Vec<u32> {
     nearest
 }
 
-/// Sorts references by the place of their centre along a Z-order curve of 2^10 cells in each direction, then by their
-/// index.
-fn sort_along_curve(refs: &mut Vec<PrimRef>, centers: &Bounds3) {
+/// References by the place of their centre along a Z-order curve of 2^10 cells in each direction, then by their index.
+/// Those of a crowded cell go along a curve through this cell: else one primitive far away would put all others into
+/// one cell. Cells become smaller by 2^10 each time, so that this ends.
+fn along_curve(refs: &[PrimRef], centers: &Bounds3) -> Vec<PrimRef> {
     let (origin, scale) = (Vec3A::from(centers.min), Vec3A::from(1024.0 / centers.diagonal()));
     let key = |(r, place): (&PrimRef, u32)| {
         let cell = ((r.center() - origin) * scale).to_array().map(|x| (x as u32).min(1023));
@@ -77,7 +98,19 @@ fn sort_along_curve(refs: &mut Vec<PrimRef>, centers: &Bounds3) {
     let places = 0..refs.len() as u32;
     let mut keys: Vec<u64> = refs.par_iter().zip(places).map(key).collect();
     keys.par_sort_unstable();
-    *refs = keys.into_par_iter().map(|key| refs[key as u32 as usize]).collect();
+    let mut sorted: Vec<PrimRef> = keys.par_iter().map(|&key| refs[key as u32 as usize]).collect();
+    let mut rest = &mut sorted[..];
+    for cell in keys.chunk_by(|a, b| a >> 32 == b >> 32) {
+        let (of_cell, others) = rest.split_at_mut(cell.len());
+        rest = others;
+        if cell.len() > CROWDED {
+            let centers = Extent::of(of_cell).centers;
+            if centers.min != centers.max {
+                of_cell.copy_from_slice(&along_curve(of_cell, &centers));
+            }
+        }
+    }
+    sorted
 }
 
 /// Ten bits with two zeros before each.

@@ -5,7 +5,7 @@
 //! References beyond one for each primitive come out of a budget, which is shared among subtrees in proportion to their
 //! size, so that it does not matter which thread builds what.
 
-use super::binary::{SAH_DEPTH, scale};
+use super::binary::{SAH_DEPTH, fitted, scale};
 use super::clip::{clip, intersection};
 use super::explicit::{Explicit, bounds_of};
 use super::primitives::{PrimRef, Primitives};
@@ -55,7 +55,8 @@ impl Builder<'_> {
             return Explicit::leaf(extent.bounds, refs);
         }
         let count = refs.len();
-        let cut = best_plane(&refs, &extent, self.scale);
+        // Where that is not the scale of all, boxes are too small for planes.
+        let cut = best_plane(&refs, &extent, fitted(self.scale, &extent.bounds));
         let cost = cut.as_ref().map_or(f32::INFINITY, |cut| cut.cost);
         let middle = cut
             .and_then(|cut| cut.apply(&mut refs, &extent))

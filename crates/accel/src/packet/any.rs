@@ -50,7 +50,7 @@ pub(super) fn any_beams<S: Simd, L: Lanes, U: UserLeaves>(
     (lanes, may_bundle): (u32, bool),
     users: &U,
 ) -> (u32, RemainingRays) {
-    let beam_constants = BeamConstants::new(l, packet, &tree.bounds);
+    let beam_constants = BeamConstants::new(l, packet);
     let single = beam_constants.single(l);
     let lanes = lanes & beam_constants.valid;
     let (mut rest, mut alone) = (lanes & beam_constants.moving, lanes & !beam_constants.moving);
@@ -96,7 +96,7 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Query<'_, S, L, U> {
     #[inline(always)]
     fn run(&self, group: u32) -> u32 {
         let (s, l, tree) = (self.s, self.l, self.tree);
-        let interval = Interval::new(s, l, &self.beam, group, &tree.bounds);
+        let interval = Interval::new(s, l, &self.beam, group);
         let t_max = l.read(&self.packet.t_max);
         let ends @ [_, farthest] = range(l, l.mask(group), t_max);
         let mut stack = PacketStack::new();

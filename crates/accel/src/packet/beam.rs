@@ -5,7 +5,7 @@ use crate::packet::Packet;
 use crate::simd::{Lanes, Wide};
 use crate::traverse::{GREATEST, RayConstants, WIDEN};
 use crate::triangle::{AXES, abs};
-use steradian_math::{Bounds3, Vec3};
+use steradian_math::Vec3;
 
 /// What the tests need of the rays of a packet.
 #[derive(Clone, Copy)]
@@ -55,13 +55,12 @@ pub(super) struct Beam<L: Lanes> {
 }
 
 impl<L: Lanes> BeamConstants<L> {
-    /// Looks at all rays of a packet in a tree with given bounds.
+    /// Looks at all rays of a packet.
     #[inline(always)]
-    pub fn new(l: L, packet: &Packet, bounds: &Bounds3) -> Self {
+    pub fn new(l: L, packet: &Packet) -> Self {
         let zero = l.splat(0.0);
         let origin = [l.read(&packet.origin[0]), l.read(&packet.origin[1]), l.read(&packet.origin[2])];
         let d = [l.read(&packet.direction[0]), l.read(&packet.direction[1]), l.read(&packet.direction[2])];
-        let reach = bounds.min.abs().max(bounds.max.abs());
         let (mut inverse, mut offset) = ([zero; 3], [[zero; 3]; 2]);
         let mut negative = [0; 3];
         let (mut valid, mut moving, mut moves) = (u32::MAX, u32::MAX, 0);
@@ -69,7 +68,7 @@ impl<L: Lanes> BeamConstants<L> {
         for axis in 0..3 {
             let (o, d) = (origin[axis], d[axis]);
             let reciprocal = l.div(l.splat(1.0), d);
-            let error = l.mul(l.add(l.splat(reach[axis]), abs(l, o)), abs(l, reciprocal));
+            let error = l.mul(abs(l, o), abs(l, reciprocal));
             moving &= l.bits(l.le(error, l.splat(GREATEST)));
             let error = l.add(l.mul(error, l.splat(WIDEN)), l.splat(f32::MIN_POSITIVE));
             let exact = l.sub(zero, l.mul(o, reciprocal));

@@ -4,7 +4,7 @@ use super::beam::Beam;
 use crate::layout::{Block, Node};
 use crate::simd::{Lanes, Simd};
 use crate::traverse::WIDEN;
-use steradian_math::Bounds3;
+use crate::triangle::abs;
 
 /// Bounds of the distances at which the rays of a beam meet planes. All directions have the same signs. Where the depth
 /// of a near plane is positive, the least distance is that of the ray that begins nearest to it and goes fastest; where
@@ -19,20 +19,19 @@ pub(super) struct Interval<S: Simd> {
 }
 
 impl<S: Simd> Interval<S> {
-    /// The bounds of some rays of a beam in a tree with given bounds.
+    /// The bounds of some rays of a beam.
     #[inline(always)]
-    pub fn new<L: Lanes>(s: S, l: L, beam: &Beam<L>, lanes: u32, bounds: &Bounds3) -> Self {
+    pub fn new<L: Lanes>(s: S, l: L, beam: &Beam<L>, lanes: u32) -> Self {
         let mask = l.mask(lanes);
         let zero = [[s.splat(0.0); 3]; 2];
         let mut interval = Self { inverse: zero, offset: zero, near: beam.near, far: beam.far };
-        let reach = bounds.min.abs().max(bounds.max.abs());
         for axis in 0..3 {
             let [first, last] = range(l, mask, beam.rows.origin[axis]);
             let [least, greatest] = range(l, mask, beam.rows.inverse[axis]);
             let negative = beam.near[axis] >= 3;
             let sides = if negative { [(first, greatest), (last, least)] } else { [(last, least), (first, greatest)] };
             for (side, (origin, inverse)) in sides.into_iter().enumerate() {
-                let error = (reach[axis] + origin.abs()) * inverse.abs() * WIDEN + f32::MIN_POSITIVE;
+                let error = origin.abs() * inverse.abs() * WIDEN + f32::MIN_POSITIVE;
                 let error = if side == 0 { -error } else { error };
                 interval.inverse[side][axis] = s.splat(inverse);
                 interval.offset[side][axis] = s.splat(error - origin * inverse);
@@ -60,9 +59,20 @@ impl<S: Simd> Interval<S> {
             let (least, greatest) = (s.min(s.min(a, b), c), s.max(s.max(a, b), c));
             (near[axis], far[axis]) = if self.near[axis] == axis { (least, greatest) } else { (greatest, least) };
         }
+        // As [`crate::traverse::widened`] does it.
+        let margin = |x| s.mul_add(abs(s, x), s.splat(WIDEN), s.splat(f32::MIN_POSITIVE));
+        let (mut first, mut last) = (near, far);
+        for axis in 0..3 {
+            let (a, b) = (margin(near[axis]), margin(far[axis]));
+            (first[axis], last[axis]) = if self.near[axis] == axis {
+                (s.sub(near[axis], a), s.add(far[axis], b))
+            } else {
+                (s.add(near[axis], a), s.sub(far[axis], b))
+            };
+        }
         // Lanes without a triangle are NaN.
         let row = s.load(&block.rows[0]);
-        (self.boxes(s, near, far, t_max).1 & s.bits(s.eq(row, row)), near)
+        (self.boxes(s, first, last, t_max).1 & s.bits(s.eq(row, row)), near)
     }
 
     /// The same for boxes whose planes are given.

@@ -49,7 +49,7 @@ pub(super) fn nearest_beams<S: Simd, L: Lanes, U: UserLeaves>(
     users: &U,
     found: &mut Found,
 ) -> RemainingRays {
-    let beam_constants = BeamConstants::new(l, packet, &tree.bounds);
+    let beam_constants = BeamConstants::new(l, packet);
     let single = beam_constants.single(l);
     let lanes = lanes & beam_constants.valid;
     let (mut rest, mut alone) = (lanes & beam_constants.moving, lanes & !beam_constants.moving);
@@ -92,7 +92,7 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Query<'_, S, L, U> {
     #[inline(always)]
     fn run(&self, group: u32, found: &mut Found) {
         let (s, l, tree) = (self.s, self.l, self.tree);
-        let interval = Interval::new(s, l, &self.beam, group, &tree.bounds);
+        let interval = Interval::new(s, l, &self.beam, group);
         let in_group = l.mask(group);
         let none = l.splat(f32::NEG_INFINITY);
         let mut stack = PacketStack::new();

@@ -8,8 +8,9 @@ use super::shear::Shear;
 use crate::arena::Arena;
 use crate::bvh::Tree;
 use crate::geometry::WORLD;
-use crate::layout::{Block, ChildRef};
+use crate::layout::{Block, ChildRef, Node};
 use crate::simd::LANES;
+use crate::traverse::RayConstants;
 use crate::{Hit, PrimId, TopLevel, UserHit, UserPrimitives};
 use steradian_math::{Ray, Vec3};
 
@@ -44,6 +45,18 @@ fn ask<U: UserPrimitives>(user: &U, query: Query, id: PrimId, ray: &Ray) -> Opti
     }
 }
 
+/// Where a ray enters the box of a slot before `t`, as [`crate::traverse::Slabs`] finds it.
+fn entered(constants: &RayConstants, node: &Node, lane: usize, t: f32) -> Option<f32> {
+    let (mut enter, mut leave) = (0.0_f32, t);
+    for axis in 0..3 {
+        let inverse = constants.inverse[axis];
+        let rows = if inverse.is_sign_negative() { [axis + 3, axis] } else { [axis, axis + 3] };
+        let [near, far] = rows.map(|row| node.rows[row].0[lane] * inverse);
+        (enter, leave) = (enter.max(near + constants.offset[0][axis]), leave.min(far + constants.offset[1][axis]));
+    }
+    (enter <= leave).then_some(enter)
+}
+
 /// Through one tree: the distance of the hit, and the cost.
 fn walk<U: UserPrimitives>(
     tree: &Tree,
@@ -53,7 +66,7 @@ fn walk<U: UserPrimitives>(
     instance: u32,
     below: impl Fn(u32, &Ray) -> (Option<f32>, Steps),
 ) -> (Option<f32>, Steps) {
-    let (shear, inverse) = (Shear::new(ray), ray.direction.recip());
+    let (shear, constants) = (Shear::new(ray), RayConstants::new(ray, &tree.bounds));
     let mut steps = Steps::default();
     let (mut t, mut found) = (ray.t_max, None);
     let mut stack = vec![(tree.root, 0.0)];
@@ -64,7 +77,7 @@ fn walk<U: UserPrimitives>(
         steps.step();
         if child.is_node() {
             let node = &tree.arena.nodes()[Arena::node_index(child)];
-            let entry = |lane: usize| node.child_bounds(lane).intersect(ray.origin, inverse, t).map(|s| s.0);
+            let entry = |lane: usize| entered(&constants, node, lane, t);
             let first = stack.len();
             stack.extend((0..LANES).filter_map(|lane| Some((node.children[lane], entry(lane)?))));
             match query {

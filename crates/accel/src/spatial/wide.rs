@@ -5,7 +5,7 @@
 use super::items::Items;
 use super::search::Visitor;
 use crate::construct::{self, Builder, Part};
-use crate::traverse::RayConstants;
+use crate::traverse::{RayConstants, widened};
 use crate::{Error, Geometry};
 use steradian_math::{Bounds3, Ray, Vec3};
 
@@ -121,7 +121,7 @@ impl<B: Boxes<WIDTH>, const WIDTH: usize> Tree<B, WIDTH> {
     fn build(items: &Items, geometries: &[Geometry]) -> Result<Self, Error> {
         let (nodes, indices) = construct::wide::<WIDTH>(geometries, Builder::Sah)?;
         let node = |parts: &[Option<(Bounds3, Part)>; WIDTH]| Node {
-            boxes: B::new(parts.map(|part| part.map_or(Bounds3::EMPTY, |(bounds, _)| bounds))),
+            boxes: B::new(parts.map(|part| part.map_or(Bounds3::EMPTY, |(bounds, _)| clamped(&widened(&bounds))))),
             children: parts.map(|part| part.map_or(Child::NONE, |(_, part)| Child::new(part))),
         };
         let slot = |index: &u32| items.list.partition_point(|item| item.index() < *index) as u32;
@@ -224,6 +224,11 @@ impl Wide {
             Trees::Quantised(tree) => tree.bytes(),
         }
     }
+}
+
+/// A box of finite size.
+fn clamped(b: &Bounds3) -> Bounds3 {
+    Bounds3 { min: b.min.max(Vec3::MIN), max: b.max.min(Vec3::MAX) }
 }
 
 /// Bounds that hold quantised boxes too, which are greater by at most a step in 255, and steps by at most two.

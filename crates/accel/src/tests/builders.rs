@@ -1,7 +1,7 @@
 //! What the ways to build differ in, and what they do not.
 
 use super::{Mesh, assorted_rays, in_cube, soup};
-use crate::{Accel, Builder, Bvh, Geometry, Hit, TopLevel};
+use crate::{Accel, Accelerator, Builder, Bvh, Geometry, Hit, TopLevel};
 use steradian_math::{Ray, Vec3, hash::HashRng};
 
 fn built(builder: Builder, mesh: &Mesh) -> Bvh {
@@ -57,6 +57,34 @@ fn what_takes_longer_to_build_saves_steps() {
     let [sah, reinsertion, spatial, ploc] = Builder::ALL.map(|builder| cost(builder, &mesh, &rays) as f64);
     let found = format!("{reinsertion}, {spatial} and {ploc} steps instead of {sah}");
     assert!(reinsertion < sah && spatial < sah && ploc < 1.3 * sah, "{found}");
+}
+
+#[test]
+fn a_triangle_far_away_costs_little() {
+    let mesh = soup(6000, 0.03, 55);
+    let rays = assorted_rays(Vec3::ZERO, 1.0, 1500, 5);
+    let steps = |accelerator: Accelerator, (positions, indices): &Mesh| {
+        let geometry = [Geometry::triangles(positions, indices)];
+        let accel = Accel::build(accelerator, &geometry, Vec::new(), &[]).expect("few primitives");
+        rays.iter().map(|ray| accel.intersect_cost(ray, &()).steps).sum::<u64>() as f64 / rays.len() as f64
+    };
+    // Quantised boxes have the steps of their parent's, and grids, octrees and trees of planes divide the extent of
+    // all: beside a primitive far away they are coarse by their nature (docs/benchmarks.md tells users).
+    for accelerator in &Accelerator::ALL[..7] {
+        let alone = steps(*accelerator, &mesh);
+        for size in [1e3, 1e6, 1e9, 1e15, 1e20, 1e30, 1e33] {
+            // Below all, and to one side of all.
+            for offset in [Vec3::ZERO, Vec3::new(3.0, 0.0, 2.0)] {
+                let (mut positions, mut indices) = mesh.clone();
+                let corners = [Vec3::new(-1.0, 0.0, -1.0), Vec3::new(1.0, 0.0, -1.0), Vec3::new(0.0, 0.0, 1.0)];
+                positions.extend(corners.map(|corner| (corner + offset) * size - Vec3::Y * 50.0));
+                indices.push([18_000, 18_001, 18_002]);
+                let found = steps(*accelerator, &(positions, indices));
+                let name = accelerator.about().0;
+                assert!(found < 1.5 * alone + 3.0, "{name}: {found} steps instead of {alone}, {size} {offset}");
+            }
+        }
+    }
 }
 
 #[test]
