@@ -102,7 +102,9 @@ impl IntegratorKind {
             Self::Passes(kind) => kind.cannot(scene),
             Self::Transient(i) => i.refuses(scene),
             Self::Whitted(_) | Self::Stokes(_) => for_paths_alone(scene).map(Into::into),
-            Self::Radiosity(_) if scene.has_schedules() => for_paths_alone(scene).map(Into::into),
+            Self::Radiosity(_) if scene.has_schedules() || scene.is_fluorescent() => {
+                for_paths_alone(scene).map(Into::into)
+            }
             _ => None,
         }
     }
@@ -114,10 +116,13 @@ impl IntegratorKind {
             Self::Transient(_) | Self::Whitted(_) | Self::Stokes(_) => self.refuses(scene),
             Self::Path(_) if scene.has_media() => Some("participating media".into()),
             Self::Radiosity(_) if scene.has_surface_detail() => Some("normal and bump maps".into()),
-            Self::Radiosity(_) => match radiosity::beyond_lambert(scene) {
-                Ok(names) if names.is_empty() => None,
-                Ok(names) => Some(format!("materials that are not Lambertian: '{}'", names.join("', '"))),
-                Err(refusal) => Some(refusal.to_string()),
+            Self::Radiosity(_) => match (radiosity::beyond_lambert(scene), radiosity::not_cut(scene)) {
+                (Ok(names), Ok(kinds)) if names.is_empty() && kinds.is_empty() => None,
+                (Ok(names), Ok(kinds)) if names.is_empty() => {
+                    Some(format!("{}: they have no patches", kinds.join(", ")))
+                }
+                (Ok(names), Ok(_)) => Some(format!("materials that are not Lambertian: '{}'", names.join("', '"))),
+                (Err(refusal), _) | (_, Err(refusal)) => Some(refusal.to_string()),
             },
             _ => None,
         }

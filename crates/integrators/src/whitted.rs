@@ -11,6 +11,7 @@ use steradian_core::{
 };
 use steradian_engine::PathContext;
 use steradian_math::{Frame, Ray, Spectrum, Vec2, hash::ONE_MINUS_EPSILON};
+use steradian_transport::power_heuristic;
 
 /// Rays branch in two at glass, so the depth is held to this, whatever the scene asks for.
 pub const DEEPEST: u32 = 16;
@@ -38,7 +39,8 @@ pub struct Whitted {
 }
 
 impl Whitted {
-    /// Light of the environments, which are found by scattering alone: one direction.
+    /// Light of the environments in one direction that is drawn by the surface, weighted against light samples of those
+    /// that have some, such as the sun of a sky.
     fn sky(
         i: &Interaction,
         frame: &Frame,
@@ -59,7 +61,14 @@ impl Whitted {
                 if scene.occluded(&ray) {
                     return Spectrum::ZERO;
                 }
-                s.weight * nee::background(scene, ray.origin, ray.direction, &None, lambda)
+                let ctx = LightContext { p: i.surface.p, n: nee::context(i, frame, &scattering.bsdf).n };
+                let lights = scene.lights();
+                lights.environments.iter().fold(Spectrum::ZERO, |sum, &light| {
+                    let radiance = nee::environment(scene, light, ray.origin, ray.direction, &None, lambda);
+                    let asked = lights.environment_pdf(light, &ctx, ray.direction);
+                    let asked = if asked > 0.0 { asked / lights.probability(&ctx, light) } else { 0.0 };
+                    sum + s.weight * radiance * power_heuristic(s.pdf, asked)
+                })
             }
             _ => Spectrum::ZERO,
         }
@@ -102,7 +111,7 @@ impl Whitted {
             let ctx = LightContext { p: i.surface.p, n: nee::context(&i, &frame, bsdf).n };
             for light in 0..scene.lights().lights.len() as u32 {
                 let environment = matches!(scene.lights().lights[light as usize], Light::Environment(_));
-                if bsdf.is_specular() || environment {
+                if bsdf.is_specular() {
                     continue;
                 }
                 let u = sampler.get_2d(dimension::at(events, dimension::LIGHT_POINT) ^ (light + 1) << 8);
@@ -116,7 +125,8 @@ impl Whitted {
                     return sum;
                 }
                 if !scene.occluded(&i.spawn_towards(s.wi, s.distance)) {
-                    sum += e.value * s.radiance / s.pdf;
+                    let weight = if environment { power_heuristic(s.pdf, e.pdf) } else { 1.0 };
+                    sum += e.value * s.radiance * (weight / s.pdf);
                 }
             }
             sum += Self::sky(&i, &frame, &scattering, events, context);

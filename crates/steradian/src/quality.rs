@@ -9,9 +9,10 @@ use steradian_core::{
     Scene,
     sampler::{SAMPLERS, Sampler, SamplerKind},
 };
-use steradian_integrators::{Depth, IntegratorKind, PathEffort, Plan, VarianceReduction};
 use steradian_integrators::{
+    Depth, IntegratorKind, PathEffort, Plan, VarianceReduction,
     ao::AmbientOcclusion,
+    passes::left_to_chance,
     radiosity::{Settings, View},
 };
 use steradian_scene::names::did_you_mean;
@@ -95,6 +96,9 @@ impl Quality {
             let settings = Settings { seed: self.seed.unwrap_or(scene.settings().seed), ..asked.view.settings };
             let view = View { settings, ..asked.view };
             radiosity::can_solve(scene, &view)?;
+            if let Some(what) = IntegratorKind::Radiosity(view).refuses(scene) {
+                return Err(Error::CannotRender { integrator: name.into(), what });
+            }
             // Without a final gather pixels have no noise but that of edges.
             let spp =
                 self.spp.unwrap_or(if view.gather > 0 { scene.settings().spp } else { scene.settings().spp.min(16) });
@@ -277,24 +281,42 @@ impl Quality {
         }
     }
 
-    /// What of the scene the integrator that is asked for does not see. (Of a file's own integrator compiling says it.)
+    /// What of the scene the integrator does not see. (That a file's own integrator sees no media is said by compiling.)
     pub fn leaves_out(&self, scene: &Scene) -> Option<LeftOut> {
-        self.integrator.as_ref()?;
         let name = self.integrator_name(scene);
-        let depth = Depth { max: 1, roulette_after: 1, hide_emitters: false };
-        if let Some(IntegratorKind::Passes(kind)) = IntegratorKind::named(name, depth, VarianceReduction::default()) {
-            return Some(LeftOut { what: kind.leaves_out(scene)?, instead: "bdpt" });
-        }
         let is_raster = name == RASTER.name;
+        let depth = Depth { max: 1, roulette_after: 1, hide_emitters: false };
+        let passes = match IntegratorKind::named(name, depth, VarianceReduction::default()) {
+            Some(IntegratorKind::Passes(kind)) => Some(kind),
+            _ => None,
+        };
         let is_blind = matches!(name, "path" | "direct" | "whitted") || name.starts_with("stokes") || is_raster;
-        let media = (scene.has_media() && is_blind).then_some("participating media");
+        let media = scene.has_media() && is_blind && self.integrator.is_some();
+        let media = media.then(|| "participating media".to_owned());
+        let chance = scene.emitters_left_to_chance();
+        let chance = (chance > 0 && (is_raster || name == "whitted")).then(|| left_to_chance(chance));
         let motion = ((scene.moves() || scene.has_schedules()) && is_raster)
-            .then_some("motion: it shows the moment at which the shutter opens");
+            .then(|| "motion: it shows the moment at which the shutter opens".to_owned());
         let below = ((scene.has_subsurface() || scene.is_fluorescent()) && is_raster)
-            .then_some("light that goes below surfaces or changes its wavelength: they are shown as diffuse");
-        let what: Vec<&str> = media.into_iter().chain(motion).chain(below).collect();
-        let instead = if scene.has_media() { "volpath" } else { "path" };
+            .then(|| "light that goes below surfaces or changes its wavelength: they are shown as diffuse".to_owned());
+        let of_passes = passes.as_ref().and_then(|kind| kind.leaves_out(scene));
+        let solved = (name == "radiosity").then(|| self.not_solved(scene)).flatten();
+        let what: Vec<String> = [media, motion, below, of_passes, chance, solved].into_iter().flatten().collect();
+        let instead = match passes {
+            _ if scene.has_media() => "volpath",
+            Some(_) => "bdpt",
+            None => "path",
+        };
         (!what.is_empty()).then(|| LeftOut { what: what.join(", "), instead })
+    }
+
+    /// What of the scene radiosity shows otherwise than it is.
+    fn not_solved(&self, scene: &Scene) -> Option<String> {
+        let media = scene.has_media().then(|| "participating media".to_owned());
+        let below =
+            scene.has_subsurface().then(|| "light that goes below surfaces: they are shown as diffuse".to_owned());
+        let detail = scene.has_surface_detail().then(|| "normal and bump maps between surfaces".to_owned());
+        media.into_iter().chain(below).chain(detail).reduce(|a, b| format!("{a}, {b}"))
     }
 
     /// The integrator's name in the plan, without options.

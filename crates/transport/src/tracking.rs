@@ -190,7 +190,7 @@ mod tests {
             sigma_a: Color::constant(1.0),
             sigma_s: Color::BLACK,
             scale: 1.0,
-            g: 0.0,
+            phase: steradian_core::medium::Phase::ISOTROPIC,
         };
         // Above the number that is not zero, within its cell of the bounds.
         let ray = Ray::new(Vec3::new(-1.0, 3.5 / 64.0, 0.5), Vec3::X);

@@ -17,8 +17,8 @@ pub use missed::missed_caustics;
 pub use mlt::Metropolis;
 pub use photon_map::PhotonMap;
 pub use radius::Radius;
-pub use registry::PassKind;
 pub(crate) use registry::for_paths_alone;
+pub use registry::{PassKind, left_to_chance};
 pub use sppm::Sppm;
 
 use crate::Depth;

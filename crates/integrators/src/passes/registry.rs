@@ -22,6 +22,12 @@ pub(crate) fn for_paths_alone(scene: &Scene) -> Option<&'static str> {
     scene.has_schedules().then_some("lights that go on and off (parameters 'on' and 'off')")
 }
 
+/// Names the light of so many shapes that methods that draw points of lights leave out.
+pub fn left_to_chance(shapes: usize) -> String {
+    let shapes = if shapes == 1 { "one shape".to_owned() } else { format!("{shapes} shapes") };
+    format!("the light of {shapes} of which no point can be drawn, such as an infinite plane")
+}
+
 /// A method that works by passes, ready to run.
 #[derive(Clone, Copy, Debug)]
 pub enum PassKind {
@@ -88,10 +94,18 @@ impl PassKind {
 
     /// What of a scene is missing in its picture; `None` where nothing is.
     pub fn leaves_out(&self, scene: &Scene) -> Option<String> {
-        match self {
+        let chance = scene.emitters_left_to_chance();
+        let draws_lights = match self {
+            Self::Bidirectional(m) => m.strategy == Strategy::Light,
+            Self::Sppm(_) | Self::PhotonMap(_) => true,
+            Self::Metropolis(_) => false,
+        };
+        let chance = (chance > 0 && draws_lights).then(|| left_to_chance(chance));
+        let own = match self {
             Self::Bidirectional(m) => m.leaves_out(scene),
             _ => None,
-        }
+        };
+        own.into_iter().chain(chance).reduce(|a, b| format!("{a}, {b}"))
     }
 
     /// What of a scene it cannot do and refuses; `None` where there is a picture.

@@ -178,6 +178,14 @@ pub fn check(scene: &Scene, settings: &Settings) -> Result<(), Refusal> {
     }
 }
 
+/// Kinds of shapes of the scene that cannot be cut into patches: they neither send nor receive light.
+///
+/// # Errors
+/// [`Refusal`] for scenes that cannot be cut into patches at all.
+pub fn not_cut(scene: &Scene) -> Result<Vec<&'static str>, Refusal> {
+    Ok(Surfaces::new(scene)?.left_out)
+}
+
 /// Names of the materials that scatter otherwise than Lambert: of these only the Lambertian part exchanges light.
 ///
 /// # Errors
