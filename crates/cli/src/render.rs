@@ -88,7 +88,7 @@ pub fn run_after(args: &RenderArgs, terminal: Terminal, before: &mut Before) -> 
     let (width, height) = (scene.film().crop.width(), scene.film().crop.height());
     terminal.say(&format!("rendering {} with {integrator}, {width} x {height}", job.name));
     let solution = job.solution.as_deref().zip(lit);
-    let mut session = solving::session(scene, &render, solution, &signals, terminal)?;
+    let (mut session, effort) = solving::session(scene, &render, solution, &signals, terminal)?;
     before.history.iter().for_each(|history| session.follow(history));
     let keeper = args.resume.as_deref().zip(fingerprint).map(|(path, fingerprint)| {
         let options = open::compile_options(&args.scene_options, job.quality.spp);
@@ -153,6 +153,8 @@ pub fn run_after(args: &RenderArgs, terminal: Terminal, before: &mut Before) -> 
     let times = [ready.load, ready.build, saving.elapsed()];
     let mut report = making.report(&*session, &made, times, stop);
     (report.missing_light, report.outputs, report.diagnostics) = (missing_light, &written, ready.counts);
+    report.render_seconds += effort.wall.as_secs_f64();
+    report.rays += effort.rays;
     session.notes().iter().for_each(|note| terminal.say(note));
     tell(&report, stop, terminal);
     kept.map_err(Failure::failed)?;

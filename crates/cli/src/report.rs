@@ -49,13 +49,13 @@ pub struct Report<'a> {
     pub threads: usize,
     /// Camera samples taken.
     pub samples: u64,
-    /// Rays traced, shadow rays among them.
+    /// Rays traced, shadow rays and those of radiosity's solution among them.
     pub rays: u64,
     /// Reading the scene with its meshes and images, and preparing them.
     pub load_seconds: f64,
     /// Building the hierarchy.
     pub build_seconds: f64,
-    /// Wall time of rendering.
+    /// Wall time of rendering, with that of radiosity's solution.
     pub render_seconds: f64,
     /// Time of all processors, rendering alone.
     pub cpu_seconds: f64,

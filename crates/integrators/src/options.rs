@@ -95,7 +95,7 @@ pub const INTEGRATORS: &[IntegratorInfo] = &[
             ),
             option("factors", "analytic, montecarlo, hemicube", "analytic", "how form factors are computed"),
             option("resolution", "2 to 4096", "1000 or 64", "rays of a patch, or pixels of an edge of the hemicube"),
-            option("patches", "1 to 2000000", "2000", "patches of the scene"),
+            option("patches", "1 to 2000000", "2000", "patches of the scene; finer meshes share their light"),
             option("adaptive", "0 to 8", "1", "how often patches are split that differ most from their neighbours"),
             option(
                 "tolerance",

@@ -54,6 +54,8 @@ const FIRST_PAIRS: usize = 4;
 pub const PAIRS: usize = 16;
 /// Rays through pixels of a half cube that are traced together, about.
 const RAYS_AT_ONCE: u32 = 1 << 14;
+/// Pairs of patches after which it is asked whether to go on: a few thousand rays.
+const PAIRS_AT_ONCE: usize = 256;
 /// Interfaces that a ray passes at most.
 const PASSES: u32 = 16;
 
@@ -61,10 +63,9 @@ impl Exchange<'_> {
     /// The row of a patch.
     pub fn row(&self, i: usize) -> Row {
         match self.method {
-            FormFactors::Analytic => (0..self.patches.len())
-                .filter_map(|j| self.pair(i, j).map(|a| (j as u32, a)))
-                .map(|(j, a)| (j, a / self.patches.list[i].area))
-                .collect(),
+            FormFactors::Analytic => {
+                self.pairs(i, 0..self.patches.len()).map(|(j, a)| (j, a / self.patches.list[i].area)).collect()
+            }
             FormFactors::MonteCarlo(rays) => self.row_by_rays(i, rays),
             FormFactors::Hemicube(edge) => self.row_by_hemicube(i, edge),
         }
@@ -73,41 +74,38 @@ impl Exchange<'_> {
     /// All rows. `A_i F_ij = A_j F_ji` holds exactly for the closed form.
     pub fn rows(&self) -> Option<Vec<Row>> {
         let n = self.patches.len();
-        let cancelled = std::sync::atomic::AtomicBool::new(false);
-        let parallel = |make: &(dyn Fn(usize) -> Row + Sync)| -> Vec<Row> {
-            (0..n)
-                .into_par_iter()
-                .map(|i| {
-                    if cancelled.load(Ordering::Relaxed) {
-                        return Row::new();
-                    }
-                    let row = make(i);
-                    if !(self.tell)(1) {
-                        cancelled.store(true, Ordering::Relaxed);
-                    }
-                    row
-                })
-                .collect()
-        };
-        let rows = if self.method == FormFactors::Analytic {
-            let upper = parallel(&|i| (i + 1..n).filter_map(|j| self.pair(i, j).map(|a| (j as u32, a))).collect());
-            let area = |i: usize| self.patches.list[i].area;
-            let mut rows: Vec<Row> = vec![Row::new(); n];
-            for (i, row) in upper.iter().enumerate() {
-                for &(j, a) in row {
-                    rows[i].push((j, a / area(i)));
-                    rows[j as usize].push((i as u32, a / area(j as usize)));
-                }
+        if self.method != FormFactors::Analytic {
+            return self.rows_by(n, &|i| self.row(i));
+        }
+        let upper = self.rows_by(n, &|i| self.pairs(i, i + 1..n).collect())?;
+        let area = |i: usize| self.patches.list[i].area;
+        let mut rows: Vec<Row> = vec![Row::new(); n];
+        for (i, row) in upper.iter().enumerate() {
+            for &(j, a) in row {
+                rows[i].push((j, a / area(i)));
+                rows[j as usize].push((i as u32, a / area(j as usize)));
             }
-            rows.par_iter_mut().for_each(|row| {
-                row.sort_unstable_by_key(|e| e.0);
-                hold_to_one(row);
-            });
-            rows
-        } else {
-            parallel(&|i| self.row(i))
+        }
+        rows.par_iter_mut().for_each(|row| {
+            row.sort_unstable_by_key(|e| e.0);
+            hold_to_one(row);
+        });
+        Some(rows)
+    }
+
+    /// So many rows, each told of when it is made; `None` where told to stop.
+    pub fn rows_by(&self, count: usize, make: &(dyn Fn(usize) -> Row + Sync)) -> Option<Vec<Row>> {
+        let made = |i: usize| {
+            let row = (self.tell)(0).then(|| make(i))?;
+            (self.tell)(1).then_some(row)
         };
-        (!cancelled.into_inner()).then_some(rows)
+        (0..count).into_par_iter().map(made).collect()
+    }
+
+    /// What a patch exchanges with some others, by the closed form. Ends early where told to stop.
+    fn pairs(&self, i: usize, others: std::ops::Range<usize>) -> impl Iterator<Item = (u32, f64)> {
+        let goes_on = |j: &usize| !j.is_multiple_of(PAIRS_AT_ONCE) || (self.tell)(0);
+        others.take_while(goes_on).filter_map(move |j| self.pair(i, j).map(|a| (j as u32, a)))
     }
 
     /// `A_i F_ij` by the closed form, with visibility; `None` where nothing is exchanged.
@@ -206,7 +204,11 @@ impl Exchange<'_> {
     /// A ray from a patch, of a sequence of points and directions.
     pub fn ray_from(&self, patch: &Patch, k: u32, seed: u32) -> Ray {
         let seed = steradian_math::hash::combine32(seed, patch.cell * 2 + u32::from(patch.front));
-        let [a, b, c, d] = steradian_math::sobol::shuffled_scrambled_sobol_4d(k, seed);
+        self.ray_at(patch, steradian_math::sobol::shuffled_scrambled_sobol_4d(k, seed))
+    }
+
+    /// The ray from a patch whose point and direction belong to uniform random numbers.
+    pub fn ray_at(&self, patch: &Patch, [a, b, c, d]: [f32; 4]) -> Ray {
         let cell = &self.cells.cells[patch.cell as usize];
         let piece = &self.surfaces.pieces[cell.piece as usize];
         let seen = piece.seen(self.scene, cell.at(Vec2::new(a, b)), patch.front);
@@ -261,7 +263,7 @@ fn hold_to_one(row: &mut Row) {
 }
 
 /// A row from single contributions.
-fn collected(shares: impl Iterator<Item = (u32, f64)>) -> Row {
+pub(super) fn collected(shares: impl Iterator<Item = (u32, f64)>) -> Row {
     let mut all: Row = shares.filter(|s| s.0 != NONE).collect();
     all.sort_by_key(|s| s.0);
     all.dedup_by(|from, into| {

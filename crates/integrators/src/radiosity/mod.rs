@@ -3,11 +3,13 @@
 //! Surfaces are cut into patches that are taken to be evenly bright (`surfaces`, `cells`, `patches`). Which part of the
 //! light of one arrives at another is a form factor (`form_factor`, `factors`); the equation between them is solved by
 //! iteration (`system`), elimination (`elimination`), shooting (`shooting`), over a hierarchy of patches (`hierarchy`)
-//! or by rays without a matrix (`stochastic`). What is kept is the irradiance (`solution`), so that textures stay
+//! or by rays without a matrix (`stochastic`). Where a scene has more pieces than patches are asked for, it is solved for
+//! clusters of patches (`clusters`). What is kept is the irradiance (`solution`), so that textures stay
 //! sharp; pictures are made of it by `view`.
 
 mod bands;
 mod cells;
+mod clusters;
 mod direct;
 mod elimination;
 mod factors;
@@ -36,6 +38,7 @@ pub use view::View;
 use crate::Stop;
 use bands::Bands;
 use cells::Cells;
+use clusters::Unknowns;
 use factors::Exchange;
 use patches::Patches;
 use shooting::Shooting;
@@ -79,7 +82,8 @@ pub struct Settings {
     pub method: Method,
     /// Form factors; for the methods that have a matrix or rows of it.
     pub factors: FormFactors,
-    /// Number of patches aimed at; there are at least as many as pieces of surface.
+    /// Number of patches. Where there are more pieces of surface, those that are near each other and face the same way
+    /// share one irradiance for each side, so that the equation has so many unknowns.
     pub patches: usize,
     /// How many times the patches that differ most from their neighbours are split after a solution; the first has a
     /// quarter of the patches then.
@@ -124,6 +128,8 @@ const MOST_STEPS: usize = 10_000;
 const MOST_PRODUCTS: usize = 2_000_000_000;
 /// Most patches of the methods that keep a matrix: of 16 bytes for each pair that exchanges light, up to 2 GiB.
 const MATRIX_LIMIT: usize = 12_000;
+/// Most pieces of surface of the methods that have form factors: each side takes a kilobyte.
+const PIECES_LIMIT: usize = 500_000;
 /// Most patches of shooting, which makes a row of form factors for each shot.
 const SHOOTING_LIMIT: usize = 100_000;
 
@@ -159,8 +165,6 @@ impl Watcher for Stop {
 /// [`Refusal`]: why it cannot.
 pub fn check(scene: &Scene, settings: &Settings) -> Result<(), Refusal> {
     let surfaces = Surfaces::new(scene)?;
-    // A leaf has two sides.
-    let count = surfaces.pieces.len().max(settings.patches);
     let method = match settings.method {
         Method::Direct => Some("direct"),
         Method::Shooting => Some("shooting"),
@@ -169,8 +173,12 @@ pub fn check(scene: &Scene, settings: &Settings) -> Result<(), Refusal> {
     if let (Some(method), Some(limit)) = (method, settings.bounces) {
         return Err(Refusal::Bounces { method, limit });
     }
+    let (pieces, count) = (surfaces.pieces.len(), settings.patches);
+    if settings.method != Method::Stochastic {
+        within("a matrix of form factors", pieces, PIECES_LIMIT)?;
+    }
     match settings.method {
-        Method::Hierarchical => within("hierarchical", surfaces.pieces.len(), hierarchy::LIMIT),
+        Method::Hierarchical => within("hierarchical", pieces, hierarchy::LIMIT),
         Method::Shooting => within("shooting", count, SHOOTING_LIMIT),
         Method::Direct => within("direct", count, elimination::LIMIT),
         Method::Jacobi | Method::GaussSeidel => within("a matrix of form factors", count, MATRIX_LIMIT),
@@ -213,11 +221,14 @@ pub fn solve(scene: &Scene, settings: &Settings, watcher: &dyn Watcher) -> Resul
     let bands = Bands::new(scene.mode(), settings.bands);
     let tell = |parts: usize| watcher.advances(parts as u64);
     let mut cells = Cells::new(&surfaces);
-    let is_adaptive = settings.adaptive > 0 && settings.method != Method::Hierarchical;
+    let is_crowded = surfaces.pieces.len() > settings.patches;
+    let is_adaptive = settings.adaptive > 0 && settings.method != Method::Hierarchical && !is_crowded;
     // Of the hierarchy's leaves some are made beforehand, for light that does not come over links.
     {
         let is_even = settings.method != Method::Hierarchical && !is_adaptive;
         let count = if is_even { settings.patches } else { settings.patches / 4 };
+        // Large pieces beside many small ones are split too: clusters have members of all sizes.
+        let count = if is_crowded && is_even { surfaces.pieces.len() + count } else { count };
         cells.split_to(&surfaces, count, surfaces.middle(scene), &tell);
     }
     let passes = if is_adaptive { settings.adaptive } else { 0 };
@@ -265,21 +276,24 @@ fn solve_cells(
             (refined.cells, patches, exchanged, report)
         }
         Method::Stochastic => {
-            let system = system(&patches);
-            let count = u64::from(settings.rays) * patches.len() as u64;
+            let Some(unknowns) = Unknowns::new(&exchange, settings.patches) else { return Ok(None) };
+            let system = System::of(&patches);
+            let count = u64::from(settings.rays) * unknowns.len() as u64;
             let shots = stochastic::Shots { rays: count.div_ceil(4), bounces: settings.bounces };
             watcher.begins("rays", 0);
             let Some(solved) = stochastic::solve(&system, &exchange, shots, 4) else {
                 return Ok(None);
             };
-            let report = Report { steps: solved.steps, ..Report::default() };
-            (cells.clone(), patches, solved.irradiance, report)
+            let report = Report { steps: solved.steps, clusters: unknowns.clusters(), ..Report::default() };
+            let exchanged = unknowns.evened(solved.irradiance);
+            (cells.clone(), patches, exchanged, report)
         }
         Method::Shooting => {
-            let system = system(&patches);
+            let Some(unknowns) = Unknowns::new(&exchange, settings.patches) else { return Ok(None) };
+            let system = unknowns.system();
             let mut shooting = Shooting::new(&system);
             watcher.begins("shots", 0);
-            while shooting.shots < MOST_STEPS.max(100 * patches.len()) {
+            while shooting.shots < MOST_STEPS.max(100 * system.len()) {
                 // The sum over all patches is not for every shot.
                 if shooting.shots.is_multiple_of(16) && shooting.left(&system) <= settings.tolerance {
                     break;
@@ -287,22 +301,25 @@ fn solve_cells(
                 if !tell(1) {
                     return Ok(None);
                 }
-                shooting.shoot(&system, |i| exchange.row(i));
+                shooting.shoot(&system, |i| unknowns.row(i));
             }
             let solved = shooting.solved(&system, settings.ambient);
-            let report = Report { steps: solved.steps, residual: solved.residual, ..Report::default() };
-            (cells.clone(), patches, solved.irradiance, report)
+            let Solved { steps, residual, irradiance } = solved;
+            let report = Report { steps, residual, clusters: unknowns.clusters(), ..Report::default() };
+            let exchanged = unknowns.by_patch(irradiance);
+            (cells.clone(), patches, exchanged, report)
         }
         Method::Jacobi | Method::GaussSeidel | Method::Direct => {
-            watcher.begins("form factors", patches.len() as u64);
-            let Some(rows) = exchange.rows() else { return Ok(None) };
-            let system = System { rows, ..system(&patches) };
+            let Some(unknowns) = Unknowns::new(&exchange, settings.patches) else { return Ok(None) };
+            watcher.begins("form factors", unknowns.len() as u64);
+            let Some(rows) = unknowns.rows() else { return Ok(None) };
+            let system = System { rows, ..unknowns.system() };
             let entries = system.rows.iter().map(Vec::len).sum::<usize>() * system.bands;
             let most = (MOST_PRODUCTS / entries.max(1)).clamp(100, MOST_STEPS);
             let solved = match settings.method {
                 Method::Jacobi | Method::GaussSeidel if settings.bounces.is_some() => {
                     let most = settings.bounces.map_or(most, |bounces| most.min(bounces as usize));
-                    Some(system.jacobi_from(patches.emission.clone(), settings.tolerance, most, &tell))
+                    Some(system.jacobi_from(unknowns.emission(), settings.tolerance, most, &tell))
                 }
                 Method::Jacobi => Some(system.jacobi(settings.tolerance, most, &tell)),
                 Method::Direct => system.direct(&tell),
@@ -311,7 +328,9 @@ fn solve_cells(
             // Iterations that were told to stop have come nowhere.
             let Some(Solved { irradiance, steps, residual, .. }) = solved else { return Ok(None) };
             let factors = system.rows.iter().map(Vec::len).sum();
-            (cells.clone(), patches, irradiance, Report { steps, residual, factors, ..Report::default() })
+            let report = Report { steps, residual, factors, clusters: unknowns.clusters(), ..Report::default() };
+            let exchanged = unknowns.by_patch(irradiance);
+            (cells.clone(), patches, exchanged, report)
         }
     };
     report.patches = patches.len();
@@ -320,17 +339,4 @@ fn solve_cells(
     report.left_out = surfaces.left_out.iter().map(|s| (*s).into()).collect();
     let light = Light::new(&patches, &exchanged);
     Ok(Solution::new(scene, surfaces.clone(), cells, bands.clone(), light, report, &tell))
-}
-
-/// The equation without form factors.
-fn system(patches: &Patches) -> System {
-    System {
-        rows: Vec::new(),
-        reflectance: patches.reflectance.clone(),
-        transmittance: patches.transmittance.clone(),
-        sources: patches.sources(),
-        twins: patches.list.iter().map(|p| p.twin).collect(),
-        areas: patches.list.iter().map(|p| p.area).collect(),
-        bands: patches.bands,
-    }
 }

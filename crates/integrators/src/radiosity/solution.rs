@@ -55,6 +55,9 @@ pub struct Solution {
 pub struct Report {
     /// Number of patches.
     pub patches: usize,
+    /// Number of clusters of patches that share their irradiance, where there are more pieces of surface than patches
+    /// were asked for.
+    pub clusters: Option<usize>,
     /// Iterations, shots, rounds or runs.
     pub steps: usize,
     /// The last relative change, or the share of light that was not shot.

@@ -6,7 +6,10 @@
 //! et al. 1984). Rows of `F` add up to one at most, so that the spectral radius is at most the largest albedo `ρ + τ`,
 //! and iteration loses at least that factor of the error each time.
 
-use super::{factors::Row, patches::NONE};
+use super::{
+    factors::Row,
+    patches::{NONE, Patches},
+};
 use glam::DVec4;
 use rayon::prelude::*;
 
@@ -66,6 +69,19 @@ pub struct Solved {
 }
 
 impl System {
+    /// The equation of patches without form factors.
+    pub fn of(patches: &Patches) -> Self {
+        Self {
+            rows: Vec::new(),
+            reflectance: patches.reflectance.clone(),
+            transmittance: patches.transmittance.clone(),
+            sources: patches.sources(),
+            twins: patches.list.iter().map(|p| p.twin).collect(),
+            areas: patches.list.iter().map(|p| p.area).collect(),
+            bands: patches.bands,
+        }
+    }
+
     /// Number of patches.
     pub fn len(&self) -> usize {
         self.twins.len()

@@ -17,6 +17,7 @@ use steradian_integrators::{
     radiosity::{FormFactors, METHODS, Method, Refusal, Settings, Solution, View, Watcher, solve},
 };
 use steradian_math::{Ray, Vec2};
+use steradian_scene::Mesh;
 
 /// Everything by a fixed number of patches.
 fn settings(method: Method, patches: usize) -> Settings {
@@ -283,6 +284,61 @@ fn limits_are_named() {
     let refused = solve(&scene, &settings(Method::Direct, 1 << 20), &()).expect_err("too many");
     assert!(matches!(refused, Refusal::TooManyPatches { .. }));
     assert!(refused.to_string().contains("stochastic"), "{refused}");
+}
+
+/// A rectangle of `n`² rectangles.
+fn tessellated(corner: [f64; 3], ex: [f64; 3], ey: [f64; 3], n: u32) -> Mesh {
+    let point = |k: u32| {
+        let (s, t) = (f64::from(k % (n + 1)) / f64::from(n), f64::from(k / (n + 1)) / f64::from(n));
+        std::array::from_fn(|i| (corner[i] + ex[i] * s + ey[i] * t) as f32)
+    };
+    let first = (0..n * n).map(|k| k / n * (n + 1) + k % n);
+    let triangles: Vec<[u32; 3]> = first.flat_map(|a| [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]).collect();
+    Mesh { positions: (0..(n + 1) * (n + 1)).map(point).collect(), triangles: triangles.into(), ..Mesh::default() }
+}
+
+/// A closed box of walls of `n`² rectangles each under a lamp, with a pane that transmits light.
+fn fine_box(n: u32) -> Scene {
+    let mut stage = Stage::new();
+    let (x, y, z) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+    let walls = [
+        ([0.0; 3], z, x, 0.7),
+        (y, x, z, 0.5),
+        ([0.0; 3], y, z, 0.3),
+        (x, z, y, 0.6),
+        ([0.0; 3], x, y, 0.8),
+        (z, y, x, 0.4),
+    ];
+    for (corner, ex, ey, grey) in walls {
+        let made_of = stage.add(diffuse(grey));
+        stage.place_mesh(tessellated(corner, ex, ey, n)).material = Some(made_of);
+    }
+    let pane =
+        stage.add(material("diffuse_transmission").with("reflectance", white(0.3)).with("transmittance", white(0.4)));
+    stage.place_mesh(tessellated([0.2, 0.5, 0.2], [0.6, 0.0, 0.0], [0.0, 0.0, 0.6], n)).material = Some(pane);
+    stage.mesh_lamp(rectangle([0.3, 0.99, 0.3], [0.4, 0.0, 0.0], [0.0, 0.0, 0.4]), 1.0);
+    stage.film(8, 8).look([0.5, 0.6, 0.02], [0.5, 0.4, 1.0], 80.0);
+    stage.scene()
+}
+
+/// Where there are more triangles than patches asked for, patches share the light of so many clusters: the work does
+/// not grow with the triangles, and the picture is that of few triangles.
+#[test]
+fn patches_bound_the_work_on_fine_meshes() {
+    let (coarse, fine) = (fine_box(1), fine_box(12));
+    let expected = picture(&coarse, solved(&coarse, &settings(Method::GaussSeidel, 600)), 0, 16);
+    let methods = [Method::GaussSeidel, Method::Jacobi, Method::Direct, Method::Shooting, Method::Stochastic];
+    for method in methods {
+        let tolerance = if method == Method::Shooting { 0.01 } else { 1e-4 };
+        let solution = solved(&fine, &Settings { rays: 2000, tolerance, ..settings(method, 200) });
+        let report = &solution.report;
+        assert!(report.patches > 2000 && report.clusters.is_some_and(|c| c <= 200), "{method:?}: {report:?}");
+        if method != Method::Shooting {
+            assert!(report.rays < 1_500_000, "{method:?}: {report:?}");
+        }
+        let seen = picture(&fine, solution, 0, 16);
+        assert!(relative(seen, expected) < 0.04, "{method:?}: {seen:?} {expected:?}");
+    }
 }
 
 /// Counts how often it is asked whether to go on, and says no from one of these times on.
