@@ -27,6 +27,7 @@ mod params;
 mod patterns;
 mod pbr;
 mod polygon;
+mod precision;
 mod principled;
 mod ranges;
 mod realistic;
@@ -282,7 +283,7 @@ impl Compiler<'_> {
             let (count, motion) = (group.len() as u32, i.motion.clone());
             Placement { world_from_group: i.world_from_object, motion, base: *base, count, first_light }
         };
-        let placements = instances.iter().zip(first_lights).map(placement).collect();
+        let placements: Vec<Placement> = instances.iter().zip(first_lights).map(placement).collect();
         let textures = std::mem::take(&mut self.textures);
         let mut lights = Lights::new(std::mem::take(&mut self.lights), std::mem::take(&mut self.emitters), self.mode);
         lights.timetable = self.timetable(&lights);
@@ -293,6 +294,7 @@ impl Compiler<'_> {
             self.diagnostics.warn(&self.desc.sources, None, "the scene has no lights: the picture will be black");
         }
         let spp = self.options.spp.unwrap_or(settings.spp);
+        self.tell_coarse(world.len(), &placements);
         let mut parts = Parts {
             mode: self.mode,
             texture_pages: self.assets.pages.clone(),

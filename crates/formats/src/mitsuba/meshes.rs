@@ -100,7 +100,7 @@ fn load(key: &MeshKey, limits: &Limits) -> Result<(Mesh, Option<String>), String
             read.mesh
         }
         MeshFormat::Obj => {
-            let options = mesh::obj::ObjOptions { merge: true, flip_v: key.flip_uvs };
+            let options = mesh::obj::ObjOptions { merge: true, flip_v: key.flip_uvs, ..Default::default() };
             let read = mesh::obj::read(&mesh::text::to_utf8(std::mem::take(&mut bytes)), &options).map_err(fault)?;
             warning = read.skipped.warning();
             read.meshes.into_iter().next().unwrap_or_default().mesh

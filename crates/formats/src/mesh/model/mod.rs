@@ -182,13 +182,22 @@ impl Opener<'_> {
     }
 
     fn obj(&mut self, bytes: Vec<u8>) {
-        let mut file = match obj::read(&bytes, &obj::ObjOptions::default()) {
+        let mut file = match obj::read(&bytes, &obj::ObjOptions { recentre: true, ..obj::ObjOptions::default() }) {
             Ok(file) => file,
             Err(e) => return self.fault(&e, &bytes),
         };
         // The text is kept for excerpts.
         let source = self.import.desc.sources.add(self.path, bytes);
         self.report_skipped(&file.skipped, source);
+        if file.origin != [0.0; 3] {
+            let [x, y, z] = file.origin;
+            let message = format!(
+                "the model is moved by ({}, {}, {}) to the origin, since single precision has no room for its coordinates",
+                -x, -y, -z
+            );
+            let Import { desc, diagnostics, .. } = &mut self.import;
+            diagnostics.note(&desc.sources, None, message);
+        }
         for library in &file.libraries {
             let end = library.offset + "mtllib ".len() + library.name.len();
             self.library(&library.name, Span::new(source, library.offset, end));

@@ -33,7 +33,7 @@ pub(super) fn build(bytes: &[u8], mut parsed: Parsed) -> Result<ObjFile, MeshErr
         let (object, group) = (std::mem::take(&mut part.object), std::mem::take(&mut part.group));
         meshes.push(ObjMesh { object, group, material: part.material, material_offset: part.material_offset, mesh });
     }
-    Ok(ObjFile { meshes, libraries: parsed.libraries, skipped: parsed.skipped })
+    Ok(ObjFile { meshes, libraries: parsed.libraries, skipped: parsed.skipped, origin: parsed.origin })
 }
 
 /// Holds the indices against what the whole file has. Texture coordinates and normals that are not there are left out.

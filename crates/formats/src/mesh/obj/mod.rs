@@ -16,6 +16,8 @@ pub struct ObjOptions {
     pub merge: bool,
     /// Texture coordinates are turned over: `v` becomes `1 − v`.
     pub flip_v: bool,
+    /// Positions of georeferenced files are read in double precision and moved near the origin ([`ObjFile::origin`]).
+    pub recentre: bool,
 }
 
 /// The faces of one object, group and material.
@@ -101,7 +103,12 @@ pub struct ObjFile {
     pub libraries: Vec<Library>,
     /// What was passed over.
     pub skipped: Skipped,
+    /// What was taken from all positions; zero but for files whose first vertex is farther than [`FAR`] from the origin.
+    pub origin: [f64; 3],
 }
+
+/// Coordinates from here on have steps of 1/128 and more in single precision.
+pub const FAR: f64 = 65_536.0;
 
 /// Reads an OBJ file.
 ///

@@ -1,9 +1,9 @@
 //! The statements of an OBJ file.
 
-use super::{Library, ObjOptions, Skipped, lines::Lines};
+use super::{FAR, Library, ObjOptions, Skipped, lines::Lines};
 use crate::mesh::{
     MeshError, MeshErrorKind as Kind,
-    text::{float, is_blank, shown, words},
+    text::{double, float, is_blank, shown, words},
 };
 use std::collections::{HashMap, HashSet};
 
@@ -37,6 +37,7 @@ pub(super) struct Parsed {
     pub(super) parts: Vec<Part>,
     pub(super) libraries: Vec<Library>,
     pub(super) skipped: Skipped,
+    pub(super) origin: [f64; 3],
 }
 
 /// What later faces belong to.
@@ -185,7 +186,21 @@ impl Parser<'_> {
             self.out.colors.resize(self.out.positions.len(), [1.0; 3]);
             self.out.colors.push(if is_sound { [r, g, b] } else { [1.0; 3] });
         }
-        self.out.positions.push([x, y, z]);
+        let mut p = [x, y, z];
+        if self.options.recentre {
+            if self.out.positions.is_empty() {
+                // Whole numbers, so that what was taken away can be added again without an error.
+                let far = |v: f32| if f64::from(v).abs() >= FAR && v.is_finite() { f64::from(v).round() } else { 0.0 };
+                self.out.origin = p.map(far);
+            }
+            if self.out.origin != [0.0; 3] {
+                let words = rest.split(|b| is_blank(*b)).filter(|word| !word.is_empty());
+                for ((p, origin), word) in p.iter_mut().zip(self.out.origin).zip(words) {
+                    *p = double(word).map_or(*p, |v| (v - origin) as f32);
+                }
+            }
+        }
+        self.out.positions.push(p);
         Ok(())
     }
 

@@ -48,7 +48,7 @@ fn real_files_have_the_known_faces() {
         file.meshes.iter().for_each(|m| m.mesh.validate().unwrap());
         let count: usize = file.meshes.iter().map(|m| m.mesh.triangles.len()).sum();
         assert_eq!((file.meshes.len(), count), (meshes, triangles), "{name}");
-        let merged = read(&bytes, &ObjOptions { merge: true, flip_v: false }).unwrap();
+        let merged = read(&bytes, &ObjOptions { merge: true, ..ObjOptions::default() }).unwrap();
         assert_eq!(
             merged.meshes.iter().map(|m| m.mesh.triangles.len()).collect::<Vec<_>>(),
             Some(triangles).into_iter().filter(|&n| n > 0).collect::<Vec<_>>()
@@ -165,7 +165,7 @@ fn absent_normals_become_those_of_the_face() {
 #[test]
 fn colors_and_flipped_coordinates() {
     let text = "v 0 0 0 1 0.5 0\nv 1 0 0\nv 0 1 0 0 0 1\nvt 0.25 0.25\nf 1/1 2/1 3/1";
-    let file = read(text.as_bytes(), &ObjOptions { flip_v: true, merge: true }).unwrap();
+    let file = read(text.as_bytes(), &ObjOptions { flip_v: true, merge: true, ..ObjOptions::default() }).unwrap();
     let mesh = &file.meshes[0].mesh;
     assert_eq!(mesh.uvs[0], [0.25, 0.75]);
     assert_eq!(mesh.attributes[0].data, [1., 0.5, 0., 1., 1., 1., 0., 0., 1.]);
@@ -260,4 +260,21 @@ fn what_faces_lack_is_left_out() {
     assert!(said.contains("4 texture coordinates and normals") && said.contains("2 colours"), "{said}");
     let sound = open(&format!("{vertices}f 1/1/1 2/1/1 3/1/1\n").replace("nan", "1").replace("inf", "1"));
     assert_eq!(sound.skipped.warning(), None);
+}
+
+/// Files in coordinates of a country keep their centimetres when they are moved to the origin, and nothing moves
+/// otherwise.
+#[test]
+fn georeferenced_files_are_moved_to_the_origin() {
+    let text = "v 448262.25 5411932.75 35.5\nv 448262.26 5411932.75 35.5\nv 448262.25 5411932.77 35.5\nf 1 2 3\n";
+    let moved = read(text.as_bytes(), &ObjOptions { recentre: true, ..ObjOptions::default() }).unwrap();
+    assert_eq!(moved.origin[2], 0.0);
+    let p = &moved.meshes[0].mesh.positions;
+    for (k, wanted) in [[448_262.25, 5_411_932.75, 35.5], [448_262.26, 5_411_932.75, 35.5]].iter().enumerate() {
+        let found: [f64; 3] = std::array::from_fn(|c| f64::from(p[k][c]) + moved.origin[c]);
+        assert!(found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-6), "{found:?}");
+    }
+    assert_eq!(open(text).origin, [0.0; 3]);
+    let near = read(b"v 1 2 3\nv 4 5 6\nv 7 8 10\nf 1 2 3\n", &ObjOptions { recentre: true, ..ObjOptions::default() });
+    assert_eq!(near.unwrap().origin, [0.0; 3]);
 }
