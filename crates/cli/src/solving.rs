@@ -67,6 +67,11 @@ fn tell(report: &Report, seconds: f64, terminal: Terminal) {
     let patches = report.patches;
     let rays = report.rays as f64 * 1e-6;
     terminal.say(&format!("radiosity: {patches} patches, {} steps, {rays:.2} Mray, {seconds:.2} s", report.steps));
+    if let Some(clusters) = report.clusters {
+        terminal.say(&format!(
+            "radiosity: more pieces of surface than 'patches': they share the light of {clusters} clusters"
+        ));
+    }
     if !report.impure.is_empty() {
         let names = report.impure.join("', '");
         terminal.warn(&format!("of materials '{names}' only the Lambertian part exchanges light"));
