@@ -69,7 +69,7 @@ impl Guided {
         let (normal_layer, normal) = first([guides[1], GUIDES[1], OIDN_GUIDES[1]], ["X", "Y", "Z"]);
         let depth = image.channel(Layer::Depth.prefix()).and_then(|z| Values::new(size[0], size[1], z.to_vec()).ok());
         let pixels = || Ok::<_, Error>(image.to_rgb()?.into_iter().map(Vec3::from_array).collect());
-        Ok(Self {
+        let guided = Self {
             radiance: match rgb(RAW[0]) {
                 Some(raw) => raw,
                 None => Values::new(size[0], size[1], pixels()?)?,
@@ -83,7 +83,24 @@ impl Guided {
             albedo,
             normal,
             depth,
-        })
+        };
+        guided.check()?;
+        Ok(guided)
+    }
+
+    /// That there is a pixel to fill others from.
+    fn check(&self) -> Result<(), Error> {
+        let pixels = self.radiance.values();
+        if pixels.is_empty() || pixels.iter().any(|pixel| pixel.is_finite()) {
+            return Ok(());
+        }
+        let is_unknown = |c: &usize| pixels.iter().all(|pixel| !pixel[*c].is_finite());
+        let unknown: Vec<String> = (0..3).filter(is_unknown).map(|c| format!("'{}'", RGB[c])).collect();
+        Err(Error::NothingFinite(match unknown.as_slice() {
+            [] => "no pixel has finite values of 'R', 'G' and 'B' at once".into(),
+            [one] => format!("no value of the channel {one} is finite"),
+            more => format!("no value of the channels {} is finite", more.join(", ")),
+        }))
     }
 
     fn picture(&self) -> Picture<'_> {
@@ -105,6 +122,13 @@ fn values(image: &Image, name: &str, axes: [&str; 3]) -> Option<Values<Vec3>> {
     Values::new(image.width() as u32, image.height() as u32, pixels).ok()
 }
 
+/// A half of a picture, unknown where the picture is.
+fn known(mut half: Values<Vec3>, picture: &Values<Vec3>) -> Values<Vec3> {
+    let pixels = half.values_mut().iter_mut().zip(picture.values());
+    pixels.filter(|(_, whole)| !whole.is_finite()).for_each(|(value, _)| *value = Vec3::NAN);
+    half
+}
+
 /// A picture by each half of its samples.
 struct Halves {
     radiance: [Values<Vec3>; 2],
@@ -115,7 +139,7 @@ struct Halves {
 impl Halves {
     /// Those of a picture that has [`Layer::Halves`].
     fn of(image: &Image, guided: &Guided) -> Option<Self> {
-        let [a, b] = HALVES.map(|name| values(image, name, RGB));
+        let [a, b] = HALVES.map(|name| values(image, name, RGB).map(|half| known(half, &guided.radiance)));
         let mut variance = guided.variance.clone();
         variance.iter_mut().flat_map(Values::values_mut).for_each(|v| *v *= 2.0);
         Some(Self { radiance: [a?, b?], variance })

@@ -36,6 +36,9 @@ pub enum Error {
         /// What was asked for.
         asked: usize,
     },
+    /// A picture to denoise has no pixel that is finite, from which others are filled.
+    #[error("{0}: a denoiser fills pixels from finite ones around them")]
+    NothingFinite(String),
     /// An integrator cannot do what is in the scene.
     #[error("integrator '{integrator}' cannot do {what}")]
     CannotRender {

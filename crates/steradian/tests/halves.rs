@@ -158,3 +158,33 @@ fn halves_guide_each_other() {
     let quick = denoise::quick(&one.picture).unwrap();
     assert!(quick.error.is_none() && quick.picture.metadata.get("steradian:denoised_relative_error").is_none());
 }
+
+/// Pixels of which the picture is not known are not known of its halves either, and are told; a picture without a
+/// single known pixel is refused by all filters, with the channels that are known nowhere.
+#[test]
+fn halves_do_not_hide_what_is_unknown() {
+    let scene = cornell_box();
+    let layers = [&GUIDES[..], &[Layer::Halves]].concat();
+    let whole = render(&scene, &Quality { layers, independent: true, ..halved("path", 8) }).unwrap();
+    let without = |is_unknown: &dyn Fn(usize, &str) -> bool| {
+        let mut picture = Image::new(whole.width(), whole.height());
+        for channel in whole.channels() {
+            let value = |(k, v): (usize, &f32)| if is_unknown(k, &channel.name) { f32::NAN } else { *v };
+            picture.push(channel.name.clone(), channel.data.iter().enumerate().map(value).collect::<Vec<_>>()).unwrap();
+        }
+        picture
+    };
+    let some = denoise::picture(&without(&|k, name| name == "B" && k % 7 == 0), None, 1.0).unwrap();
+    assert_eq!(some.not_finite, (SIZE * SIZE).div_ceil(7) as usize);
+    assert!(["R", "G", "B"].iter().all(|c| some.picture.channel(c).unwrap().iter().all(|v| v.is_finite())));
+    let refused = |picture: &Image| {
+        let by_nlm = denoise::picture(picture, None, 1.0).unwrap_err().to_string();
+        assert_eq!(by_nlm, denoise::quick(picture).unwrap_err().to_string());
+        assert_eq!(by_nlm, denoise::Sequence::default().picture(picture).unwrap_err().to_string());
+        by_nlm
+    };
+    assert!(refused(&without(&|_, name| name == "B")).starts_with("no value of the channel 'B' is finite"));
+    assert!(refused(&without(&|_, name| "RG".contains(name))).contains("channels 'R', 'G'"));
+    let none = refused(&without(&|k, name| if k % 2 == 0 { name == "R" } else { name == "G" }));
+    assert!(none.contains("'R', 'G' and 'B' at once"), "{none}");
+}
