@@ -6,12 +6,14 @@
 //! meanwhile.
 //!
 //! Departures: there is no number of the object, so depth, normal and luminance alone tell surfaces apart; pixels whose
-//! samples all found the same light, such as those of lamps, keep their bits, as pixels without a surface do.
+//! samples all found the same light, such as those of lamps, keep their bits, as pixels without a surface do; the light
+//! that the weights lost is given back.
 
 use steradian_accel::Lanes;
 use steradian_math::{Vec2, Vec3, color::space::REC709};
 
 use crate::{
+    balance::give_back,
     error::Result,
     image::Image,
     nlm::{Denoised, Picture, calm_variance},
@@ -72,14 +74,18 @@ pub fn denoise(picture: &Picture<'_>, settings: &Settings) -> Result<Denoised> {
         }
     };
     let filtered = filter_spatially(&surfaces, &colors, &variance, (Lanes::best(), settings));
-    let radiance = Image::by_rows(width, height, |x, y| {
-        let radiance = picture.radiance.at(x, y);
-        let is_sure = picture.variance.is_some_and(|variance| is_sure(radiance, variance.at(x, y)));
-        match radiance.is_finite() && (is_sure || !picture.has_surface(place(x, y))) {
-            true => radiance,
-            false => filtered.at(x, y) * factors.at(x, y),
-        }
+    let is_kept = |place: usize| {
+        let radiance = picture.radiance.values()[place];
+        let is_sure = picture.variance.is_some_and(|variance| is_sure(radiance, variance.values()[place]));
+        radiance.is_finite() && (is_sure || !picture.has_surface(place))
+    };
+    let mut radiance = Image::by_rows(width, height, |x, y| match is_kept(place(x, y)) {
+        true => picture.radiance.at(x, y),
+        false => filtered.at(x, y) * factors.at(x, y),
     });
+    let counts = |place: usize| picture.radiance.values()[place].is_finite() && !is_kept(place);
+    let held = picture.radiance_held();
+    give_back(&mut radiance, &held, picture.variance, counts);
     let not_finite = picture.radiance.values().iter().filter(|radiance| !radiance.is_finite()).count();
     Ok(Denoised { radiance, not_finite })
 }

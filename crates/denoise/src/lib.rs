@@ -37,6 +37,7 @@
 //! ```
 
 pub mod atrous;
+mod balance;
 mod error;
 mod falloff;
 mod gbuffer;

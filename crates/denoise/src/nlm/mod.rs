@@ -8,7 +8,7 @@
 //! Departures from both: the variance of a pixel that tells others what it may be is held to four times theirs, since a
 //! rare bright path would else be alike to all; pairs of pixels of a patch count as much as their surfaces are alike,
 //! so that patches across an edge are compared on their own side of it; colours are divided by the albedo meanwhile; a
-//! second pass takes its weights from the outcome of the first; one filter is used instead of a choice among several.
+//! second pass takes its weights from the outcome of the first; the light that the weights lost is given back; one filter is used instead of a choice among several.
 //! Frames of an animation are filtered with what those before saw by [`Sequence`].
 
 mod features;
@@ -56,7 +56,7 @@ pub fn denoise(picture: &Picture<'_>, settings: &Settings) -> Result<Denoised> {
     let features = Features::new(picture, settings);
     let noisy = picture.noisy(&features, settings);
     let radiance = filter_by(&[&noisy, &noisy], &features, settings);
-    Ok(picture.finish(&radiance))
+    Ok(picture.finish(&radiance, &noisy, settings.keeps_mean))
 }
 
 /// Filters two pictures of one view with independent noise, such as two renders with different seeds: each with weights
@@ -78,7 +78,7 @@ pub fn denoise_halves(halves: [&Picture<'_>; 2], settings: &Settings) -> Result<
     let noisy = [0, 1].map(|i| halves[i].noisy(&features[i], settings));
     let [a, b] = [0, 1].map(|i| {
         let radiance = filter_by(&[&noisy[1 - i], &noisy[i]], &features[i], settings);
-        halves[i].finish(&radiance)
+        halves[i].finish(&radiance, &noisy[i], settings.keeps_mean)
     });
     let (mut error, mut mean) = (0.0, a.radiance.clone());
     for (place, other) in mean.values_mut().iter_mut().zip(b.radiance.values()) {

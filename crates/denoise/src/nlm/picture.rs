@@ -11,6 +11,7 @@ use super::{
     settings::Settings,
 };
 use crate::{
+    balance::give_back,
     error::{Error, Result},
     gbuffer::check_size,
     image::Image,
@@ -95,11 +96,22 @@ impl Picture<'_> {
         Estimate::new(size, settings, channels, map(size, |x, y| f32::from(counts(place(x, y)))))
     }
 
-    /// Radiance again, of pixels with a surface.
-    pub(super) fn finish(&self, filtered: &Estimate) -> Denoised {
+    /// Radiance that is calculated with: held to the largest numbers, 0 where it is not finite.
+    pub(crate) fn radiance_held(&self) -> Image<Vec3> {
+        let [width, height] = self.radiance.size();
+        Image::by_rows(width, height, |x, y| {
+            let radiance = self.radiance.at(x, y);
+            let held = radiance.clamp(Vec3::splat(-MOST), Vec3::splat(MOST));
+            if radiance.is_finite() { held } else { Vec3::ZERO }
+        })
+    }
+
+    /// Radiance again, of pixels with a surface, as much as there is in `noisy`, which was filtered, where the
+    /// mean is kept.
+    pub(super) fn finish(&self, filtered: &Estimate, noisy: &Estimate, keeps_mean: bool) -> Denoised {
         let [width, height] = self.radiance.size();
         let is_bad = |place: usize| !self.radiance.values()[place].is_finite();
-        let radiance = Image::by_rows(width, height, |x, y| {
+        let mut radiance = Image::by_rows(width, height, |x, y| {
             let place = y as usize * width as usize + x as usize;
             if self.has_surface(place) || is_bad(place) {
                 filtered.at(place) * self.factor(place)
@@ -107,6 +119,14 @@ impl Picture<'_> {
                 self.radiance.values()[place]
             }
         });
+        let before = Image::by_rows(width, height, |x, y| {
+            let place = y as usize * width as usize + x as usize;
+            noisy.at(place) * self.factor(place)
+        });
+        if keeps_mean {
+            let counts = |place: usize| self.has_surface(place) && !is_bad(place);
+            give_back(&mut radiance, &before, self.variance, counts);
+        }
         Denoised { radiance, not_finite: (0..width as usize * height as usize).filter(|p| is_bad(*p)).count() }
     }
 }

@@ -105,7 +105,7 @@ impl Sequence {
             }
         };
         let filtered = filter_by(&[&noisy, &noisy], &features, settings);
-        let denoised = picture.finish(&filtered);
+        let denoised = picture.finish(&filtered, &noisy, settings.keeps_mean);
         let filtered = filtered.with_noise_of(&noisy, settings.pilot);
         self.before = Some(Memory { noisy, filtered, offsets, guides });
         Ok(denoised)

@@ -21,6 +21,8 @@ pub struct Settings {
     pub sigma_normal: f32,
     /// By which part of itself depth may differ beyond what its slope explains, above 0. 0.01.
     pub sigma_depth: f32,
+    /// Give back the light that the weights lost, so that the mean of the picture stays. true.
+    pub keeps_mean: bool,
 }
 
 impl Default for Settings {
@@ -33,6 +35,7 @@ impl Default for Settings {
             sigma_albedo: 0.05,
             sigma_normal: 0.15,
             sigma_depth: 0.01,
+            keeps_mean: true,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod halves;
 mod hostile;
+mod means;
 mod noise;
 mod scene;
 mod sequence;

@@ -26,7 +26,7 @@ fn without_a_guide_it_is_the_mean_of_the_window() {
     let truth = Image::filled(60, 60, Vec3::ONE);
     let radiance = noisy(&truth, 0.2, 1);
     let variance = Image::filled(60, 60, Vec3::splat(0.04));
-    let settings = Settings { radius: 5, damping: 1e4, ..Settings::default() };
+    let settings = Settings { radius: 5, damping: 1e4, keeps_mean: false, ..Settings::default() };
     let found = denoise(&bare(&radiance, &variance), &settings).unwrap().radiance;
     let mean = |x: u32, y: u32| {
         let all = (y - 5..=y + 5).flat_map(|y| (x - 5..=x + 5).map(move |x| (x, y)));

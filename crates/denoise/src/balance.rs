@@ -1,0 +1,274 @@
+//! The light that a filter lost, given back: the mean of a filtered picture is that of the noisy one.
+//!
+//! Weights that follow from colours are biased. Bright pixels are unlike all others: those around do not count them,
+//! and they count those around. So the mean falls, the more the longer the tail of the noise. What a channel of a pixel
+//! lost, r = noisy − filtered, is given back in three parts.
+//!
+//! 1. Where r is far beyond the noise of the pixel, or of those around that lost as much, and far beyond what is left,
+//!    detail was lost, such as a lamp that covers a part of the pixel: it gets r back ([`NOISES`], [`NOISES_AROUND`],
+//!    [`FACTORS`]). A single bright path does not pass, since its pixel's standard deviation is as large as its
+//!    radiance. The same holds of r where all within reach may take too little beside it ([`CAPACITIES`]).
+//! 2. The rest goes to the pixels around, in proportion to what they may take, w = min(filtered, σ), σ being the
+//!    standard deviation that the variance of their neighbourhood tells: calm surfaces keep their light. With nodes
+//!    every [`SPACING`] pixels, bilinear weights P of nodes for pixels, and a tent K over nodes,
+//!
+//!    ```text
+//!    R = Pᵀ r    W = K Pᵀ w    g = K (R / W)    balanced = filtered + w · P g
+//!    ```
+//!
+//!    The sum is that of the noisy picture for any K that is symmetric. The gain g is smooth, so neither noise nor
+//!    detail comes back; it is bounded, so that a path brighter than all around does not shine into what is dark.
+//! 3. What the bound left stays with the pixels that lost most, as far as they lost more than a level.
+
+use rayon::prelude::*;
+use steradian_math::Vec3;
+
+use crate::image::Image;
+
+/// Pixels from node to node.
+const SPACING: usize = 8;
+/// How far the tent reaches, in nodes: with 4, the gain is noisier and the error larger by a few per cent.
+const REACH: usize = 20;
+/// From how many of its standard deviations on a loss begins to be detail, and from how many on it is so wholly. Of
+/// one bright sample among n it is 1, of k about √k.
+const NOISES: [f64; 2] = [1.5, 2.5];
+/// Likewise of those of the 3×3 pixels around that lost as much, together: a lamp is in several of them.
+const NOISES_AROUND: [f64; 2] = [2.0, 3.0];
+/// How many times what is left a loss must be for that, likewise.
+const FACTORS: [f64; 2] = [1.0, 3.0];
+/// Which part of all that those within reach may take a pixel may lose to them: beyond, it keeps its loss as well.
+const CAPACITIES: [f64; 2] = [0.02, 0.05];
+/// Which part of what it may take a pixel is given at most.
+const MOST_GAIN: f64 = 0.3;
+/// Keeps quotients finite.
+const TINY: f64 = 1e-30;
+/// Which part of all losses is that of rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Gives back what pixels that `counts` tells of, by their places, have lost. `noisy` is finite there. Without a variance, they may take as much as they have, and no loss is known
+/// to be detail. The result does not depend on the number of threads.
+pub(crate) fn give_back(
+    filtered: &mut Image<Vec3>,
+    noisy: &Image<Vec3>,
+    variance: Option<&Image<Vec3>>,
+    counts: impl Fn(usize) -> bool + Sync,
+) {
+    let nodes = Nodes::over(filtered.size());
+    let before = &*filtered;
+    let of_channel = |c: usize| {
+        let at = |image: &Image<Vec3>, place: usize| f64::from(image.values()[place][c]);
+        let known = |place: usize| variance.map(|v| at(v, place)).filter(|v| v.is_finite() && *v >= 0.0);
+        let pixel = |place: usize| {
+            let left = at(before, place);
+            if counts(place) { Pixel::new(at(noisy, place), left, known(place)) } else { Pixel::default() }
+        };
+        let pixels: Vec<Pixel> = (0..before.values().len()).into_par_iter().map(pixel).collect();
+        nodes.gains(&with_detail(&pixels, before.size()))
+    };
+    let gains: Vec<Vec<f64>> = (0..3usize).into_par_iter().map(of_channel).collect();
+    filtered.values_mut().par_iter_mut().enumerate().for_each(|(place, value)| {
+        let more = [0, 1, 2].map(|c| gains[c][place] as f32);
+        *value = (*value + Vec3::from_array(more)).clamp(Vec3::splat(f32::MIN), Vec3::splat(f32::MAX));
+    });
+}
+
+/// What a channel of a pixel has lost, and may take.
+#[derive(Clone, Copy, Debug, Default)]
+struct Pixel {
+    /// What it gets back itself.
+    detail: f64,
+    /// What else it has lost.
+    lost: f64,
+    /// The most that it may take.
+    most: f64,
+    variance: Option<f64>,
+}
+
+impl Pixel {
+    fn new(noisy: f64, filtered: f64, variance: Option<f64>) -> Self {
+        Self { detail: 0.0, lost: noisy - filtered, most: filtered.max(0.0), variance }
+    }
+}
+
+/// A smooth step, from 0 to 1.
+fn part(value: f64, [from, to]: [f64; 2]) -> f64 {
+    let t = ((value - from) / (to - from)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// Pixels with what of their loss is detail.
+fn with_detail(pixels: &[Pixel], size: [u32; 2]) -> Vec<Pixel> {
+    let [width, height] = size.map(|n| n as usize);
+    let noises = |lost: f64, variance: f64| lost / variance.sqrt().max(TINY);
+    let found = |place: usize| {
+        let pixel = pixels[place];
+        let (Some(variance), true) = (pixel.variance, pixel.lost > FACTORS[0] * pixel.most) else { return pixel };
+        let ([x, y], mut lost, mut of_all) = ([place % width, place / width], 0.0, 0.0);
+        for row in y.saturating_sub(1)..(y + 2).min(height) {
+            let near = &pixels[row * width + x.saturating_sub(1)..row * width + (x + 2).min(width)];
+            for near in near.iter().filter(|near| near.lost > FACTORS[0] * near.most) {
+                lost += near.lost;
+                of_all += near.variance.unwrap_or(0.0);
+            }
+        }
+        let alone = part(noises(pixel.lost, variance), NOISES);
+        let together = part(noises(lost, of_all), NOISES_AROUND);
+        let detail = pixel.lost * alone.max(together) * part(pixel.lost / pixel.most.max(TINY), FACTORS);
+        Pixel { detail, lost: pixel.lost - detail, ..pixel }
+    };
+    (0..pixels.len()).into_par_iter().map(found).collect()
+}
+
+/// A coarse grid over a picture.
+struct Nodes {
+    /// Columns and rows of nodes.
+    count: [usize; 2],
+    /// For each column, and each row, of pixels the node before it, and how much the one after that weighs: P.
+    along: [Vec<(usize, f64)>; 2],
+}
+
+impl Nodes {
+    fn over(size: [u32; 2]) -> Self {
+        let place = |at: u32| {
+            let at = (f64::from(at) + 0.5) / SPACING as f64;
+            (at as usize, at.fract())
+        };
+        Self {
+            count: size.map(|n| (n as usize).div_ceil(SPACING) + 1),
+            along: size.map(|n| (0..n).map(place).collect()),
+        }
+    }
+
+    /// Sums of values of pixels at nodes: Pᵀ.
+    fn collect(&self, of: impl Fn(usize) -> f64 + Sync) -> Vec<f64> {
+        let [columns, rows] = &self.along;
+        let (width, across) = (columns.len(), self.count[0]);
+        let along_row = |y: usize| {
+            let mut sums = vec![0.0; across];
+            for (x, (node, after)) in columns.iter().enumerate() {
+                let value = of(y * width + x);
+                sums[*node] += (1.0 - after) * value;
+                sums[node + 1] += after * value;
+            }
+            sums
+        };
+        let of_rows: Vec<Vec<f64>> = (0..rows.len()).into_par_iter().map(along_row).collect();
+        let mut all = vec![0.0; across * self.count[1]];
+        for ((node, after), sums) in rows.iter().zip(of_rows) {
+            for (x, sum) in sums.into_iter().enumerate() {
+                all[node * across + x] += (1.0 - after) * sum;
+                all[(node + 1) * across + x] += after * sum;
+            }
+        }
+        all
+    }
+
+    /// A number for each pixel from the value of nodes there, P, and the pixel's place.
+    fn at_pixels(&self, nodes: &[f64], of: impl Fn(f64, usize) -> f64 + Sync) -> Vec<f64> {
+        let [columns, rows] = &self.along;
+        let (width, across) = (columns.len(), self.count[0]);
+        let mut values = vec![0.0; width * rows.len()];
+        values.par_chunks_mut(width.max(1)).zip(rows).enumerate().for_each(|(y, (values, (node, below)))| {
+            let between = |x: usize| {
+                let node = node * across + x;
+                (1.0 - below) * nodes[node] + below * nodes[node + across]
+            };
+            let line: Vec<f64> = (0..across).map(between).collect();
+            for (x, (value, (node, after))) in values.iter_mut().zip(columns).enumerate() {
+                *value = of((1.0 - after) * line[*node] + after * line[node + 1], y * width + x);
+            }
+        });
+        values
+    }
+
+    /// The tent over nodes, K: along rows, then along columns.
+    fn spread(&self, nodes: &[f64]) -> Vec<f64> {
+        let along = |from: &[f64], length: usize, stride: usize| -> Vec<f64> {
+            let tent = |node: usize| {
+                let at = node / stride % length;
+                let first = node - at * stride;
+                let reached = at.saturating_sub(REACH - 1)..(at + REACH).min(length);
+                reached.map(|other| (REACH - at.abs_diff(other)) as f64 * from[first + other * stride]).sum()
+            };
+            (0..from.len()).map(tent).collect()
+        };
+        let [columns, rows] = self.count;
+        along(&along(nodes, columns, 1), rows, columns)
+    }
+
+    /// What pixels may take: no more than they have, and than the standard deviation that the mean of the variances
+    /// around tells, where one is known.
+    fn shares(&self, pixels: &[Pixel]) -> Vec<f64> {
+        let sums = self.collect(|place| pixels[place].variance.unwrap_or(0.0));
+        let counts = self.collect(|place| f64::from(u8::from(pixels[place].variance.is_some())));
+        let mean = |(sum, count): (&f64, f64)| if count > 0.0 { sum / count } else { f64::MAX };
+        let means: Vec<f64> = sums.iter().zip(counts).map(mean).collect();
+        self.at_pixels(&means, |variance, place| pixels[place].most.min(variance.sqrt()))
+    }
+
+    /// Pixels of which what is too bright for those around is kept as well.
+    fn too_bright(&self, pixels: &[Pixel], capacity: &[f64]) -> Vec<Pixel> {
+        let peak = (REACH * REACH) as f64;
+        let parts = self
+            .at_pixels(capacity, |capacity, place| part(pixels[place].lost * peak / capacity.max(TINY), CAPACITIES));
+        let kept = |(pixel, part): (&Pixel, f64)| {
+            let more = pixel.lost.max(0.0) * part;
+            Pixel { detail: pixel.detail + more, lost: pixel.lost - more, ..*pixel }
+        };
+        pixels.iter().zip(parts).map(kept).collect()
+    }
+
+    /// What each pixel of a channel is given.
+    fn gains(&self, pixels: &[Pixel]) -> Vec<f64> {
+        let shares = self.shares(pixels);
+        let capacity = self.spread(&self.collect(|place| shares[place]));
+        let pixels = &self.too_bright(pixels, &capacity);
+        let lost = self.collect(|place| pixels[place].lost).into_iter();
+        let quotient = |(lost, shares): (f64, f64)| if shares > 0.0 { lost / shares } else { 0.0 };
+        let mut nodes = self.spread(&lost.zip(capacity).map(quotient).collect::<Vec<_>>());
+        nodes.iter_mut().for_each(|gain| *gain = gain.clamp(-MOST_GAIN, MOST_GAIN));
+        let mut gains = self.at_pixels(&nodes, |gain, place| shares[place] * gain);
+        let left: f64 = pixels.iter().zip(&gains).map(|(pixel, gain)| pixel.lost - gain).sum();
+        let all: f64 = pixels.iter().map(|pixel| pixel.lost.abs()).sum();
+        // Where more was given than lost, the pixels that won most pay.
+        let sign = if left < 0.0 { -1.0 } else { 1.0 };
+        let losses: Vec<f64> = pixels.par_iter().map(|pixel| sign * pixel.lost).collect();
+        let level = if left.abs() > ROUNDING * all { level(&losses, left.abs()) } else { f64::INFINITY };
+        for ((gain, pixel), loss) in gains.iter_mut().zip(pixels).zip(losses) {
+            *gain += pixel.detail + sign * (loss - level).max(0.0);
+        }
+        gains
+    }
+}
+
+/// The level above which numbers have a sum; 0 where all that are positive have less.
+fn level(values: &[f64], sum: f64) -> f64 {
+    let mut sorted: Vec<f64> = values.iter().copied().filter(|value| *value > 0.0).collect();
+    sorted.par_sort_unstable_by(|a, b| b.total_cmp(a));
+    let (mut total, mut count) = (0.0, 0.0);
+    for (k, value) in sorted.iter().enumerate() {
+        (total, count) = (total + value, count + 1.0);
+        let next = sorted.get(k + 1).copied().unwrap_or(0.0);
+        if total - count * next >= sum {
+            return ((total - sum) / count).max(0.0);
+        }
+    }
+    0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_level_leaves_the_sum() {
+        let values = [3.0, -4.0, 1.0, 8.0, 2.0, 0.0];
+        for sum in [0.0, 1.0, 5.0, 7.5, 13.9] {
+            let level = level(&values, sum);
+            let above: f64 = values.iter().map(|value| (value - level).max(0.0)).sum();
+            assert!((above - sum).abs() < 1e-12, "{above} for {sum}");
+        }
+        assert_eq!(level(&values, 20.0), 0.0);
+        assert_eq!(level(&[], 1.0), 0.0);
+    }
+}
