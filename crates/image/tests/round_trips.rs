@@ -141,6 +141,19 @@ fn colours_of_other_primaries_become_rec709() {
     assert!(back.metadata.notes[0].contains("span no gamut"), "{:?}", back.metadata.notes);
 }
 
+/// PNG keeps numbers as texts; those that EXR has as numbers are numbers again.
+#[test]
+fn numbers_come_back_from_texts() {
+    let mut image = picture(2, 2);
+    image.metadata.set_text("whiteLuminance", "72983.26");
+    image.metadata.set_text("software", "7");
+    let png = again(FileKind::Png, &image, &WriteOptions::default());
+    let back = again(FileKind::Exr, &png, &WriteOptions::default());
+    assert_eq!(back.metadata.get("whiteLuminance"), Some(&Value::Float(72_983.26)));
+    image.metadata.set_text("whiteLuminance", "bright");
+    assert!(encode(FileKind::Exr, &image, &WriteOptions::default()).is_err());
+}
+
 #[test]
 fn pfm_keeps_every_bit() {
     for (width, height) in [(1, 1), (5, 3)] {

@@ -160,7 +160,13 @@ fn utf8(s: &str) -> Text {
 
 /// Metadata become attributes; those that EXR itself defines by this name go to their own place.
 fn set_attribute(to: &mut LayerAttributes, name: &str, value: &Value) -> Result<()> {
-    match (name, value) {
+    // Formats that keep texts alone, such as PNG, have numbers as texts.
+    let number = match value {
+        Value::Text(s) if standard_names::ALL.contains(&name.as_bytes()) => s.trim().parse().ok().map(Value::Float),
+        _ => None,
+    };
+    let is_text = ["owner", "comments", "capDate", "software", "wrapmodes", "view", "envmap"].contains(&name);
+    match (name, number.as_ref().filter(|_| !is_text).unwrap_or(value)) {
         ("owner", Value::Text(s)) => to.owner = Some(utf8(s)),
         ("comments", Value::Text(s)) => to.comments = Some(utf8(s)),
         ("capDate", Value::Text(s)) => to.capture_date = Some(utf8(s)),
