@@ -248,6 +248,7 @@ impl Compiler<'_> {
             max_depth: u32::MAX,
             rr_depth: 2,
             hide_emitters: false,
+            hidden_emitters_block: false,
             options: Vec::new(),
             spp: 16,
             sampler: SamplerKind::default(),

@@ -29,7 +29,7 @@ impl Integrator for Raycast {
                 return nee::background(scene, ray.origin, ray.direction, &None, lambda);
             };
             let i = scene.interaction_of_light(&ray, &hit);
-            let passes_straight = self.hide_emitters && scene.geometries()[i.geometry as usize].emitter.is_some();
+            let passes_straight = self.hide_emitters && scene.is_passed_when_hidden(i.geometry);
             match scene.scattering_along(&i, differential.as_ref(), 0.5, lambda) {
                 Some((s, frame)) if !passes_straight => {
                     let albedo = s.bsdf.albedo_estimate(frame.to_local(i.wo));

@@ -47,7 +47,7 @@ impl Depth {
     /// lights are hidden from the camera, as in Mitsuba 3.9.
     #[inline]
     pub fn hides(&self, scene: &Scene, geometry: u32, events: u32) -> bool {
-        self.hide_emitters && events == 0 && scene.geometries()[geometry as usize].emitter.is_some()
+        self.hide_emitters && events == 0 && scene.is_passed_when_hidden(geometry)
     }
 }
 

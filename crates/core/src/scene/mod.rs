@@ -406,6 +406,12 @@ impl Scene {
         self.parts.geometries.iter().filter(|g| g.emitter.is_some() && g.lights.is_empty()).count()
     }
 
+    /// Whether camera rays pass a geometry where lights are hidden from the camera: whether it emits.
+    #[inline]
+    pub fn is_passed_when_hidden(&self, geometry: u32) -> bool {
+        self.parts.geometries[geometry as usize].emitter.is_some() && !self.parts.settings.hidden_emitters_block
+    }
+
     /// Whether normal or bump maps change the shading of any material.
     pub fn has_surface_detail(&self) -> bool {
         let bends = |d: &SurfaceDetail| d.normal_map.is_some() || d.bump.is_some();

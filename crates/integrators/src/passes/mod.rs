@@ -43,7 +43,7 @@ fn light_reaches_all(scene: &Scene) -> Option<String> {
 /// it, it sees nothing that emits, and sees past all that does.
 fn is_hidden_from_camera(scene: &Scene, depth: &Depth, i: &Interaction, (to_camera, distance): (Vec3, f32)) -> bool {
     let ray = i.spawn_towards(to_camera, distance);
-    match depth.hide_emitters {
+    match depth.hide_emitters && !scene.settings().hidden_emitters_block {
         true => depth.hides(scene, i.geometry, 0) || scene.occluded_past_emitters(&ray),
         false => scene.occluded(&ray),
     }

@@ -210,8 +210,7 @@ impl Subpath {
             let sums = self.sums_at(distance, cos);
             met(self, &i, distance, sums);
             let choice = if scene.has_mixtures() { numbers.one(self.at(dimension::MIXTURE)) } else { 0.5 };
-            let passes_straight =
-                self.passes_emitters && self.events == 0 && scene.geometries()[i.geometry as usize].emitter.is_some();
+            let passes_straight = self.passes_emitters && self.events == 0 && scene.is_passed_when_hidden(i.geometry);
             let surface = if passes_straight { None } else { scene.scattering(&i, choice, &mut self.lambda) };
             if let Some(side) = surface {
                 let carried = (self.beta, self.lambda);

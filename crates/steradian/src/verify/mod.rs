@@ -14,7 +14,7 @@
 //!   radius and with all of it; what they differ from the reference by is little more than what they changed by when
 //!   the radius was halved, in that direction.
 //!
-//! What the camera sees of lights is left out: all show it alike, and the noise of its edges would hide the rest.
+//! What the camera sees of lights is left out, black: all show it alike, and the noise of its edges would hide the rest.
 
 mod judge;
 mod picture;
@@ -123,6 +123,11 @@ pub fn verify(
     verify_by(take, scene, quality, named, control, told)
 }
 
+/// Lights that the camera meets are black.
+fn hide_lights(settings: &mut steradian_core::scene::Settings) {
+    (settings.hide_emitters, settings.hidden_emitters_block) = (true, true);
+}
+
 /// [`verify`], with what renders.
 fn verify_by(
     take: Taker<'_>,
@@ -132,8 +137,8 @@ fn verify_by(
     control: &Control,
     mut told: impl FnMut(&str),
 ) -> Result<Report, Error> {
-    if !scene.settings().hide_emitters {
-        Arc::make_mut(scene).change(|parts| parts.settings.hide_emitters = true);
+    if !(scene.settings().hide_emitters && scene.settings().hidden_emitters_block) {
+        Arc::make_mut(scene).change(|parts| hide_lights(&mut parts.settings));
     }
     let scene = &*scene;
     let seed = quality.seed.unwrap_or(scene.settings().seed);

@@ -68,7 +68,7 @@ fn verdict(method: &str, fault: Fault<'_>) -> Verdict {
 
 /// A picture of another scene.
 fn of_room(room: Room) -> impl Fn(&Arc<Scene>, Render, &Control, &mut Picture) {
-    let scene = Arc::new(room.scene().changed(|parts| parts.settings.hide_emitters = true));
+    let scene = Arc::new(room.scene().changed(|parts| hide_lights(&mut parts.settings)));
     move |_, render, control, picture| picture.add(&scene, render, control)
 }
 
