@@ -12,7 +12,7 @@ use steradian_server::{Options, SettingsChange, View};
 use tungstenite::{Message, WebSocket, client::IntoClientRequest};
 
 /// How long anything may take before a test fails, on machines that are busy, too.
-const PATIENCE: Duration = Duration::from_secs(600);
+const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A view, and what it logged.
 pub struct Server {
