@@ -38,13 +38,19 @@ impl Recursive {
         if !is_hidden {
             sum += path_state.beta * nee::emission(scene, &i, &path_state.origin, lambda);
         }
-        // The path is long enough, unless the surface lets it through.
+        // The path is long enough, unless the surface lets it through; camera rays pass hidden lights.
+        let passes_straight = self.0.hides(scene, i.geometry, events);
         let is_last = events >= self.0.max.min(DEEPEST);
-        if is_last && !scene.is_see_through() {
+        if is_last && !scene.is_see_through() && !passes_straight {
             return sum;
         }
-        let choice = sampler.get_1d_lazily(path_state.dimension(dimension::MIXTURE), scene.has_mixtures());
-        match scene.scattering_along(&i, path_state.differential.as_ref(), choice, lambda) {
+        let surface = if passes_straight {
+            None
+        } else {
+            let choice = sampler.get_1d_lazily(path_state.dimension(dimension::MIXTURE), scene.has_mixtures());
+            scene.scattering_along(&i, path_state.differential.as_ref(), choice, lambda)
+        };
+        match surface {
             Some(_) if is_last => sum,
             Some((scattering, frame)) => {
                 let vertex = Vertex::Surface { i, scattering, frame, medium: None };
