@@ -81,7 +81,7 @@ impl Compiler<'_> {
                     Some(Value::Floats(values)) => Table::new(values),
                     _ => None,
                 };
-                if table.is_none() && node.get("values").is_some() {
+                if table.is_none() {
                     let what = "a tabulated phase function needs two or more 'values', none negative and not all zero";
                     self.error(node.span, what);
                 }

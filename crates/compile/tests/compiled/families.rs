@@ -46,6 +46,7 @@ fn needs(family: Family, kind: &str, files: &Path) -> Vec<(&'static str, Value)>
         (Family::Texture, "ramp") => vec![("colors", vec![0.0; 6].into())],
         (Family::Texture, "curve") => vec![("values", vec![0.0, 1.0].into())],
         (Family::Texture, "mesh_attribute") => vec![("name", "color".into())],
+        (Family::Phase, "tabulated") => vec![("values", vec![1.0, 2.0].into())],
         (Family::Medium, "uniformgrid") => vec![("density", vec![1.0].into())],
         // Without either, a size that is none leaves the medium out without a word.
         (Family::Medium, "rgbgrid") => vec![("sigma_a", vec![1.0; 3].into()), ("sigma_s", vec![1.0; 3].into())],
@@ -118,6 +119,11 @@ fn messages(family: Family, model: &Model, files: &Path, set: Option<(&Parameter
     let mut node = Node::new(family, model.kind, None);
     for (name, value) in needs(family, model.kind, files) {
         node.set(name, value, None);
+    }
+    if (family, model.kind) == (Family::Phase, "blend") {
+        for name in ["first", "second"] {
+            node.set(name, d.add(Node::new(family, "isotropic", None)), None);
+        }
     }
     if let Some((p, value)) = set {
         for (name, value) in company(family, model.kind, p, files) {
