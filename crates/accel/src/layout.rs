@@ -2,7 +2,7 @@
 #![allow(unsafe_code)]
 
 use crate::simd::{LANES, Row};
-use crate::traverse::widened;
+use crate::widened::widened;
 use steradian_math::{Bounds3, Vec3};
 
 /// What a slot of a node refers to, in 32 bits: the kind above, an index below.

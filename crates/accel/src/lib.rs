@@ -49,6 +49,7 @@ mod tests;
 mod top_level;
 mod traverse;
 mod triangle;
+mod widened;
 
 pub use bvh::Bvh;
 pub use construct::Builder;

@@ -6,6 +6,7 @@ use crate::layout::{ChildRef, Node};
 use crate::packet::{Found, Packet};
 use crate::simd::Simd;
 use crate::triangle::axes;
+use crate::widened::WIDEN;
 use crate::{Hit, UserHit};
 use steradian_math::{Bounds3, Ray, Vec3};
 
@@ -97,19 +98,6 @@ pub(crate) struct Start<E> {
     pub best: Option<Nearest<E>>,
 }
 
-/// By how much of their coordinates planes are moved outwards, and distances for the origin. Rounding moves a distance
-/// by at most half of it. Widening by more keeps every box that the exact ray touches (Ize, "Robust BVH Ray Traversal",
-/// JCGT 2(2), 2013).
-pub(crate) const WIDEN: f32 = 4.0 * f32::EPSILON;
-
-/// A box as nodes hold it: its planes are moved outwards by the bound on what rounding does to the product of their
-/// coordinate and the reciprocal of a direction. The bound belongs to the plane, not to the ray, so that a primitive
-/// far away does not widen the boxes of others.
-pub(crate) fn widened(b: &Bounds3) -> Bounds3 {
-    let margin = |corner: Vec3| corner.abs() * WIDEN + f32::MIN_POSITIVE;
-    Bounds3 { min: b.min - margin(b.min), max: b.max + margin(b.max) }
-}
-
 /// What both tests need of a ray: numbers that take divisions to make.
 #[derive(Clone, Copy)]
 pub(crate) struct RayConstants {
@@ -117,7 +105,7 @@ pub(crate) struct RayConstants {
     pub inverse: Vec3,
     /// The distance of a plane is its coordinate times the reciprocal plus one of these: the first is less and the
     /// second more than what is exact by a bound on the rounding that comes from the origin. For that which comes from
-    /// the plane see [`widened`].
+    /// the plane see [`crate::widened`].
     pub offset: [Vec3; 2],
     /// See [`crate::triangle::Shear`].
     pub axes: [usize; 3],
@@ -130,7 +118,7 @@ pub(crate) const GREATEST: f32 = 8e37;
 const AT_REST: f32 = 3e31;
 
 impl RayConstants {
-    /// For a valid ray in a tree with given bounds, whose nodes hold [`widened`] boxes.
+    /// For a valid ray in a tree with given bounds, whose nodes hold [widened](crate::widened) boxes.
     #[inline(always)]
     pub fn new(ray: &Ray, bounds: &Bounds3) -> Self {
         let d = &ray.direction;

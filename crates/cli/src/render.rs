@@ -145,16 +145,13 @@ pub fn run_after(args: &RenderArgs, terminal: Terminal, before: &mut Before) -> 
             }
             failure
         })?;
-    if let Some(cut) = output::clamped(&written, &made.picture, &write_options) {
-        terminal.warn(&cut);
-    }
+    output::clamped(&written, &made.picture, &write_options).iter().for_each(|cut| terminal.warn(cut));
     before.history = session.take_history();
     let missing_light = steradian::missing_light(&render, scene, &session.film());
     let times = [ready.load, ready.build, saving.elapsed()];
     let mut report = making.report(&*session, &made, times, stop);
     (report.missing_light, report.outputs, report.diagnostics) = (missing_light, &written, ready.counts);
-    report.render_seconds += effort.wall.as_secs_f64();
-    report.rays += effort.rays;
+    effort.add_to(&mut report.render_seconds, &mut report.rays);
     session.notes().iter().for_each(|note| terminal.say(note));
     tell(&report, stop, terminal);
     kept.map_err(Failure::failed)?;

@@ -24,6 +24,14 @@ pub struct Effort {
     pub rays: u64,
 }
 
+impl Effort {
+    /// Counts it with the seconds and rays of rendering.
+    pub fn add_to(&self, seconds: &mut f64, rays: &mut u64) {
+        *seconds += self.wall.as_secs_f64();
+        *rays += self.rays;
+    }
+}
+
 /// A render with an empty film, of which all is known that it has to know beforehand, and what that took.
 ///
 /// # Errors

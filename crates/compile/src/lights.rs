@@ -96,9 +96,9 @@ impl Compiler<'_> {
         place
     }
 
-    /// What the flux or illuminance `name` of a light, in lm or lx, comes to in units of the scene's radiance, over that
-    /// of one unit of its spectrum, of a luminance. With `normalize` it is that of a white light, as in pbrt: a colour
-    /// then takes its part away.
+    /// What the flux or illuminance `name` of a light, in lm or lx, comes to in units of the scene's radiance, over
+    /// that of one unit of its spectrum, of a luminance. With `normalize` it is that of a white light, as in pbrt: a
+    /// colour then takes its part away.
     pub(super) fn luminous_target(&mut self, node: &Node, name: &str, luminance: f32) -> Option<f32> {
         let units = f64::from(self.if_positive(node, name)?) / self.unit_luminance();
         let of = if self.bool(node, "normalize", false) { 1.0 } else { f64::from(luminance) };

@@ -45,8 +45,9 @@ const TINY: f64 = 1e-30;
 /// Which part of all losses is that of rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Gives back what pixels that `counts` tells of, by their places, have lost. `noisy` is finite there. Without a variance, they may take as much as they have, and no loss is known
-/// to be detail. The result does not depend on the number of threads.
+/// Gives back what pixels that `counts` tells of, by their places, have lost. `noisy` is finite there. Without a
+/// variance, they may take as much as they have, and no loss is known to be detail. The result does not depend on the
+/// number of threads.
 pub(crate) fn give_back(
     filtered: &mut Image<Vec3>,
     noisy: &Image<Vec3>,

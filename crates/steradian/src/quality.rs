@@ -281,7 +281,8 @@ impl Quality {
         }
     }
 
-    /// What of the scene the integrator does not see. (That a file's own integrator sees no media is said by compiling.)
+    /// What of the scene the integrator does not see. (That a file's own integrator sees no media is said by
+    /// compiling.)
     pub fn leaves_out(&self, scene: &Scene) -> Option<LeftOut> {
         let name = self.integrator_name(scene);
         let is_raster = name == RASTER.name;

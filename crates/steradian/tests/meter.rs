@@ -59,7 +59,8 @@ fn a_disc_gives_its_closed_forms() {
 /// A scene in Steradian's own language, with a black material `k`.
 fn own(what: &str) -> Scene {
     let text = format!(
-        "steradian: 1\ncamera: {{camera: perspective}}\nmaterials: {{k: {{material: diffuse, reflectance: 0}}}}\n{what}\n"
+        "steradian: 1\ncamera: {{camera: perspective}}\nmaterials: {{k: {{material: diffuse, reflectance: \
+          0}}}}\n{what}\n"
     );
     let loaded = load::load_bytes("l.steradian", text.into_bytes(), Some("steradian"), &Options::default());
     assert!(!loaded.diagnostics.has_errors(), "{:?}", loaded.diagnostics);
@@ -165,7 +166,8 @@ fn narrow_spectra_keep_their_power() {
         ("548.9:0, 549:1, 551:1, 551.1:0", 2.1),
     ] {
         let sun = format!(
-            "<emitter type='directional'><vector name='direction' x='0' y='0' z='-1'/><spectrum name='irradiance' value='{curve}'/></emitter>"
+            "<emitter type='directional'><vector name='direction' x='0' y='0' z='-1'/><spectrum name='irradiance' \
+              value='{curve}'/></emitter>"
         );
         let found = meter::read(&scene(&sun, ColorMode::Spectral), &UP, &SETTINGS).radiant.expect("W");
         assert!((found.value / watts - 1.0).abs() < 0.03, "{curve}: {found:?}, not {watts}");
@@ -329,8 +331,8 @@ fn read_text(name: &str, text: &str, receiver: Receiver) -> f64 {
     meter::read(&scene, &receiver, &SETTINGS).luminous.value
 }
 
-/// Flux and illuminance of our language are lm and lx, of coloured light too; what pbrt calls so is of spectra of Y = 1;
-/// numbers of glTF files are candela and lux, and pictures say which luminance a value of one has.
+/// Flux and illuminance of our language are lm and lx, of coloured light too; what pbrt calls so is of spectra of Y =
+/// 1; numbers of glTF files are candela and lux, and pictures say which luminance a value of one has.
 #[test]
 fn luminous_units_are_those_of_the_si() {
     let native = |light: &str| {

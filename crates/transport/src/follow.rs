@@ -16,7 +16,7 @@ use steradian_core::{
     material::Scattering,
     scene::{Hit, Interaction},
 };
-use steradian_engine::{PathContext, dimension};
+use steradian_engine::{Counters, PathContext, dimension};
 use steradian_math::{Frame, Spectrum};
 
 /// What a ray leads to. In place, since nothing is allocated per sample.
@@ -115,11 +115,8 @@ pub fn meet<'s, const MEDIA: bool>(
             sink.add(light);
         }
         if depth.hides(scene, i.geometry, path_state.events) {
-            if !go_straight::<MEDIA>(path_state, &i, sink, scene) {
-                return;
-            }
-            counters.rays += 1;
-            hit = scene.intersect(&path_state.ray);
+            let Some(next) = go_straight::<MEDIA>(path_state, &i, sink, (scene, counters)) else { return };
+            hit = next;
             continue;
         }
         let is_last = path_state.events >= depth.max;
@@ -146,25 +143,25 @@ pub fn meet<'s, const MEDIA: bool>(
         }
         let i = *i;
         *arrival = Arrival::End;
-        if !go_straight::<MEDIA>(path_state, &i, sink, scene) {
-            return;
-        }
-        counters.rays += 1;
-        hit = scene.intersect(&path_state.ray);
+        let Some(next) = go_straight::<MEDIA>(path_state, &i, sink, (scene, counters)) else { return };
+        hit = next;
     }
 }
 
-/// Leaves a surface straight on the other side; whether the path has passed few enough to go on.
+/// Leaves a surface straight on the other side, and finds what is hit next; `None` where the path has passed too many.
 #[inline]
 fn go_straight<const MEDIA: bool>(
     path_state: &mut PathState,
     i: &Interaction,
     sink: &mut impl Sink,
-    scene: &Scene,
-) -> bool {
+    (scene, counters): (&Scene, &mut Counters),
+) -> Option<Option<Hit>> {
     sink.tell(Step::Passed);
     path_state.pass::<MEDIA>(scene, i);
-    path_state.passes <= MAX_PASSES
+    (path_state.passes <= MAX_PASSES).then(|| {
+        counters.rays += 1;
+        scene.intersect(&path_state.ray)
+    })
 }
 
 /// Adds the light of the environments that a path met to `sink`.

@@ -7,8 +7,8 @@ use steradian_engine::dimension;
 /// Roulette is played below this throughput only: stopping paths that carry much costs more in variance than it saves.
 const ROULETTE_BELOW: f32 = 1.0 / 3.0;
 
-/// After this many events roulette is played whatever the throughput and [`Depth::roulette_after`], with the survival at
-/// most the second number: between surfaces that absorb nothing, and in dense media, paths would never end.
+/// After this many events roulette is played whatever the throughput and [`Depth::roulette_after`], with the survival
+/// at most the second number: between surfaces that absorb nothing, and in dense media, paths would never end.
 pub const LONG_PATH: (u32, f32) = (1000, 0.99);
 
 /// Russian roulette after `events` scattering events: what a path that carries `live`, in the eyes of roulette

@@ -3,8 +3,9 @@
 use crate::layout::Node;
 use crate::packet::Packet;
 use crate::simd::{Lanes, Wide};
-use crate::traverse::{GREATEST, RayConstants, WIDEN};
+use crate::traverse::{GREATEST, RayConstants};
 use crate::triangle::{AXES, abs};
+use crate::widened::WIDEN;
 use steradian_math::Vec3;
 
 /// What the tests need of the rays of a packet.

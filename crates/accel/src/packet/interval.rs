@@ -3,8 +3,8 @@
 use super::beam::Beam;
 use crate::layout::{Block, Node};
 use crate::simd::{Lanes, Simd};
-use crate::traverse::WIDEN;
 use crate::triangle::abs;
+use crate::widened::WIDEN;
 
 /// Bounds of the distances at which the rays of a beam meet planes. All directions have the same signs. Where the depth
 /// of a near plane is positive, the least distance is that of the ray that begins nearest to it and goes fastest; where
@@ -59,7 +59,7 @@ impl<S: Simd> Interval<S> {
             let (least, greatest) = (s.min(s.min(a, b), c), s.max(s.max(a, b), c));
             (near[axis], far[axis]) = if self.near[axis] == axis { (least, greatest) } else { (greatest, least) };
         }
-        // As [`crate::traverse::widened`] does it.
+        // As [`crate::widened::widened`] does it.
         let margin = |x| s.mul_add(abs(s, x), s.splat(WIDEN), s.splat(f32::MIN_POSITIVE));
         let (mut first, mut last) = (near, far);
         for axis in 0..3 {

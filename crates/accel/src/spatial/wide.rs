@@ -5,7 +5,8 @@
 use super::items::Items;
 use super::search::Visitor;
 use crate::construct::{self, Builder, Part};
-use crate::traverse::{RayConstants, widened};
+use crate::traverse::RayConstants;
+use crate::widened::widened;
 use crate::{Error, Geometry};
 use steradian_math::{Bounds3, Ray, Vec3};
 

@@ -209,8 +209,8 @@ mod tests {
         ]
     }
 
-    /// χ² over 40 × 8 cells of cosine and azimuth, against the value at 16 midpoints of each; and each sample comes with
-    /// the density that is its value.
+    /// χ² over 40 × 8 cells of cosine and azimuth, against the value at 16 midpoints of each; and each sample comes
+    /// with the density that is its value.
     #[test]
     fn samples_follow_the_phase_functions() {
         const CELLS: [usize; 2] = [40, 8];

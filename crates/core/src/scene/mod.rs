@@ -400,8 +400,8 @@ impl Scene {
         })
     }
 
-    /// How many shapes emit light although no point of them can be drawn as a light, such as infinite planes: only paths
-    /// that meet them by chance find their light.
+    /// How many shapes emit light although no point of them can be drawn as a light, such as infinite planes: only
+    /// paths that meet them by chance find their light.
     pub fn emitters_left_to_chance(&self) -> usize {
         self.parts.geometries.iter().filter(|g| g.emitter.is_some() && g.lights.is_empty()).count()
     }

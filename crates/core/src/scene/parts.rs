@@ -95,8 +95,8 @@ pub struct Settings {
     pub rr_depth: u32,
     /// Whether lights are invisible to the camera.
     pub hide_emitters: bool,
-    /// Whether hidden lights block camera rays all the same, as black surfaces. Methods are compared so: what is behind a
-    /// lamp close to a ceiling differs by the radius of photons, which tells nothing.
+    /// Whether hidden lights block camera rays all the same, as black surfaces. Methods are compared so: what is
+    /// behind a lamp close to a ceiling differs by the radius of photons, which tells nothing.
     pub hidden_emitters_block: bool,
     /// Options of that integrator that are its own, as `NAME:key=value` has them.
     pub options: Vec<(String, String)>,

@@ -8,8 +8,9 @@
 //! Departures from both: the variance of a pixel that tells others what it may be is held to four times theirs, since a
 //! rare bright path would else be alike to all; pairs of pixels of a patch count as much as their surfaces are alike,
 //! so that patches across an edge are compared on their own side of it; colours are divided by the albedo meanwhile; a
-//! second pass takes its weights from the outcome of the first; the light that the weights lost is given back; one filter is used instead of a choice among several.
-//! Frames of an animation are filtered with what those before saw by [`Sequence`].
+//! second pass takes its weights from the outcome of the first; the light that the weights lost is given back; one
+//! filter is used instead of a choice among several. Frames of an animation are filtered with what those before saw by
+//! [`Sequence`].
 
 mod features;
 mod filter;

@@ -99,7 +99,8 @@ fn assert_kept(name: &str, before: &Image<Vec3>, after: &Image<Vec3>) {
 }
 
 /// By each filter, with variance and without, as halves, and in sequence: within 1 %. The relative error
-/// falls all the same, and is less than three times that of what lost light. Beside lamps alone noise is so low that it grows.
+/// falls all the same, and is less than three times that of what lost light. Beside lamps alone noise is so low that
+/// it grows.
 #[test]
 fn the_mean_of_a_picture_stays() {
     let settings = Settings::default();

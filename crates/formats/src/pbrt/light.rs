@@ -80,8 +80,8 @@ fn scale(b: &mut Build) {
     b.set("normalize", true);
 }
 
-/// A photometric quantity to reach; not positive means none. pbrt's unit is that of a spectrum whose CIE Y is 1, which is
-/// 72 983 lm or lx.
+/// A photometric quantity to reach; not positive means none. pbrt's unit is that of a spectrum whose CIE Y is 1, which
+/// is 72 983 lm or lx.
 fn target(b: &mut Build, name: &'static str) {
     b.float(name, name, None);
     match b.node.float(name) {

@@ -3,9 +3,9 @@
 //! Surfaces are cut into patches that are taken to be evenly bright (`surfaces`, `cells`, `patches`). Which part of the
 //! light of one arrives at another is a form factor (`form_factor`, `factors`); the equation between them is solved by
 //! iteration (`system`), elimination (`elimination`), shooting (`shooting`), over a hierarchy of patches (`hierarchy`)
-//! or by rays without a matrix (`stochastic`). Where a scene has more pieces than patches are asked for, it is solved for
-//! clusters of patches (`clusters`). What is kept is the irradiance (`solution`), so that textures stay
-//! sharp; pictures are made of it by `view`.
+//! or by rays without a matrix (`stochastic`). Where a scene has more pieces than patches are asked for, it is solved
+//! for clusters of patches (`clusters`). What is kept is the irradiance (`solution`), so that textures stay sharp;
+//! pictures are made of it by `view`.
 
 mod bands;
 mod cells;

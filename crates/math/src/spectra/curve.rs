@@ -99,8 +99,9 @@ impl Curve {
         }
     }
 
-    /// The mean over the wavelengths from `low` to `high` nm: exact, piece by piece between the samples. Parts beyond the
-    /// first and last sample count as zero. A single sample has no width: its value is the mean of what contains it.
+    /// The mean over the wavelengths from `low` to `high` nm: exact, piece by piece between the samples. Parts beyond
+    /// the first and last sample count as zero. A single sample has no width: its value is the mean of what contains
+    /// it.
     pub fn mean(&self, low: f32, high: f32) -> f32 {
         if let ([at], [value]) = (&*self.lambda, &*self.value) {
             return if (low..high).contains(at) { *value } else { 0.0 };
@@ -159,7 +160,8 @@ impl Dense {
         Self { values }
     }
 
-    /// Tabulates the means of a function `mean(from, to)` over the visible part of the nanometre around each wavelength.
+    /// Tabulates the means of a function `mean(from, to)` over the visible part of the nanometre around each
+    /// wavelength.
     pub fn of_means(mean: impl Fn(f32, f32) -> f32) -> Self {
         Self::new(|l| {
             let [low, high] = interval(l);

@@ -38,8 +38,8 @@ fn width(bin: usize) -> f32 {
 }
 
 impl Reradiation {
-    /// Of a function of the whole wavelengths, in nm, that light leaves with and that it comes with, in 1/nm: means over
-    /// the nanometres around them.
+    /// Of a function of the whole wavelengths, in nm, that light leaves with and that it comes with, in 1/nm: means
+    /// over the nanometres around them.
     pub fn new(matrix: impl Fn(f32, f32) -> f32) -> Self {
         let mut sums = Vec::with_capacity(BINS * BINS);
         for out in 0..BINS {

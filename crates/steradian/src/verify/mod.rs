@@ -14,7 +14,8 @@
 //!   radius and with all of it; what they differ from the reference by is little more than what they changed by when
 //!   the radius was halved, in that direction.
 //!
-//! What the camera sees of lights is left out, black: all show it alike, and the noise of its edges would hide the rest.
+//! What the camera sees of lights is left out, black: all show it alike, and the noise of its edges would hide the
+//! rest.
 
 mod judge;
 mod picture;

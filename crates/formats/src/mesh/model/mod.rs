@@ -192,7 +192,8 @@ impl Opener<'_> {
         if file.origin != [0.0; 3] {
             let [x, y, z] = file.origin;
             let message = format!(
-                "the model is moved by ({}, {}, {}) to the origin, since single precision has no room for its coordinates",
+                "the model is moved by ({}, {}, {}) to the origin, since single precision has no room for its \
+                  coordinates",
                 -x, -y, -z
             );
             let Import { desc, diagnostics, .. } = &mut self.import;

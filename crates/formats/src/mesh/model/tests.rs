@@ -120,7 +120,12 @@ fn malformed_models_are_errors_with_a_place() {
     for (name, bytes, expected) in [
         ("a.obj", &b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"[..], "a.obj:4:1\n  |\n4 | f 1 2 9\n  | ^^^^^^^"),
         ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 1\nproperty flat x\nend_header\n", "a.ply:4:1"),
-        ("a.ply", b"ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n\0\0\x80\x7f\0\0\0\0\0\0\0\0", "1 vertices are not finite"),
+        (
+            "a.ply",
+            b"ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty float x\nproperty float \
+          y\nproperty float z\nend_header\n\0\0\x80\x7f\0\0\0\0\0\0\0\0",
+            "1 vertices are not finite",
+        ),
         ("a.obj", b"", "has no faces"),
         ("a.obj", b"v 1 2 3\np 1\n", "has no faces"),
         ("a.ply", b"ply", "this is not a PLY file"),
@@ -217,9 +222,12 @@ fn vertex_and_face_colors_are_shown() {
 fn pictures_of_ply_files_are_shown() {
     let ply = |vertex: &str, uvs: &str, face: &str, wedge: &str| {
         format!(
-            "ply\nformat ascii 1.0\ncomment TextureFile n o.png\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
-             property uchar diffuse_red\nproperty uchar diffuse_green\nproperty uchar diffuse_blue\n{vertex}element face 1\n\
-             property list uchar int vertex_indices\n{face}end_header\n0 0 0 9 9 9 {uvs}\n1 0 0 9 9 9 {uvs}\n0 1 0 9 9 9 {uvs}\n3 0 1 2 {wedge}\n"
+            "ply\nformat ascii 1.0\ncomment TextureFile n o.png\nelement vertex 3\nproperty float x\nproperty float \
+              y\nproperty float z\n\
+             property uchar diffuse_red\nproperty uchar diffuse_green\nproperty uchar diffuse_blue\n{vertex}element \
+               face 1\n\
+             property list uchar int vertex_indices\n{face}end_header\n0 0 0 9 9 9 {uvs}\n1 0 0 9 9 9 {uvs}\n0 1 0 \
+               9 9 9 {uvs}\n3 0 1 2 {wedge}\n"
         )
     };
     let by_vertex = ply("property float texture_u\nproperty float texture_v\n", "0.5 0.5", "", "");

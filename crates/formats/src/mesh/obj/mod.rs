@@ -103,7 +103,8 @@ pub struct ObjFile {
     pub libraries: Vec<Library>,
     /// What was passed over.
     pub skipped: Skipped,
-    /// What was taken from all positions; zero but for files whose first vertex is farther than [`FAR`] from the origin.
+    /// What was taken from all positions; zero but for files whose first vertex is farther than [`FAR`] from the
+    /// origin.
     pub origin: [f64; 3],
 }
 

@@ -274,10 +274,13 @@ fn vertices_that_are_not_finite_lose_their_faces() {
 /// Texture coordinates at corners split the vertices where they differ, with all that these have.
 #[test]
 fn texture_coordinates_of_corners_split_vertices() {
-    let header = "format ascii 1.0\ncomment TextureFile a picture.png\nelement vertex 4\nproperty float x\nproperty float y\n\
-        property float z\nproperty uchar diffuse_red\nproperty uchar diffuse_green\nproperty uchar diffuse_blue\nelement face 2\n\
+    let header = "format ascii 1.0\ncomment TextureFile a picture.png\nelement vertex 4\nproperty float x\nproperty \
+      float y\n\
+        property float z\nproperty uchar diffuse_red\nproperty uchar diffuse_green\nproperty uchar \
+          diffuse_blue\nelement face 2\n\
         property list uchar int vertex_indices\nproperty list uchar float texcoord";
-    let data = b"0 0 0 255 0 0 1 0 0 0 255 0 1 1 0 0 0 255 0 1 0 255 255 255\n3 0 1 2 6 0 0 1 0 1 1\n3 0 2 3 6 .5 .5 1 1 nan 1";
+    let data = b"0 0 0 255 0 0 1 0 0 0 255 0 1 1 0 0 0 255 0 1 0 255 255 255\n3 0 1 2 6 0 0 1 0 1 1\n3 0 2 3 6 .5 \
+      .5 1 1 nan 1";
     let options = PlyOptions { corner_uvs: true, ..PlyOptions::default() };
     let read = read(&file(header, data), &options).unwrap();
     let mesh = read.mesh;

@@ -453,8 +453,10 @@ fn bands_and_far_planes_are_told() {
     let sensor = |inside: &str| read(&format!("<sensor type=\"perspective\">{inside}</sensor>"));
     let said = |import: &Import| import.diagnostics.iter().map(|d| format!("{d}\n")).collect::<String>();
     let bands = sensor(
-        "<film type=\"specfilm\"><spectrum name=\"band1\" value=\"500:1, 600:1\"/><spectrum name=\"near\" type=\"regular\">
-         <float name=\"wavelength_min\" value=\"600\"/><float name=\"wavelength_max\" value=\"700\"/><string name=\"values\" value=\"1, 1\"/></spectrum><rfilter type=\"box\"/></film>",
+        "<film type=\"specfilm\"><spectrum name=\"band1\" value=\"500:1, 600:1\"/><spectrum name=\"near\" \
+          type=\"regular\">
+         <float name=\"wavelength_min\" value=\"600\"/><float name=\"wavelength_max\" value=\"700\"/><string \
+           name=\"values\" value=\"1, 1\"/></spectrum><rfilter type=\"box\"/></film>",
     );
     assert!(said(&bands).contains("bands 'band1', 'near'") && bands.diagnostics.is_lossy(), "{}", said(&bands));
     let far = sensor("<float name=\"far_clip\" value=\"7\"/>");
