@@ -300,7 +300,8 @@ pub struct MaterialArgs {
     /// Samples per pixel of the picture; 1k is 1000
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = values::spp, allow_hyphen_values = true)]
     pub spp: u32,
-    /// Print reflected and transmitted albedo by angle of incidence
+    /// Print reflected and transmitted albedo by angle of incidence; of a fibre what a white furnace shows of it, by
+    /// the angle of the view from the plane across it
     #[arg(long)]
     pub albedo: bool,
     /// Print gloss units at 20°, 60° and 85° (ISO 2813)

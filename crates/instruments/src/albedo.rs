@@ -1,15 +1,15 @@
 //! The integrating sphere: which part of the light from a direction is reflected and transmitted.
 
-use crate::{Specimen, direction};
+use crate::{Specimen, furnace::Furnace};
 use rayon::prelude::*;
 use serde::Serialize;
-use steradian_bsdf::TransportMode;
-use steradian_math::{Spectrum, Vec2, sobol::shuffled_scrambled_sobol_4d};
+use steradian_math::Spectrum;
 
-/// Directional–hemispherical reflectance and transmittance.
+/// Directional–hemispherical reflectance and transmittance. Of a fibre hemispherical–directional ones, in the mean over
+/// its width: the parts of even light before it and behind it that a viewer sees.
 #[derive(Clone, Debug, Serialize)]
 pub struct Albedo {
-    /// Angle of the light from the normal, degrees.
+    /// Angle of the light from the normal, degrees; of a fibre that of the viewer from the plane across it.
     pub theta: f64,
     /// Part of the power that is reflected, lane by lane.
     pub reflectance: Vec<f32>,
@@ -19,9 +19,10 @@ pub struct Albedo {
     pub error: f32,
 }
 
-/// Measures at an angle (degrees; beyond 90 from below) in the plane of the tangent, from so many samples.
+/// Measures at an angle (degrees; beyond 90 from below) in the plane of the tangent, or along a fibre, from so many
+/// samples.
 pub fn albedo(specimen: &Specimen<'_>, theta: f64, samples: u32) -> Albedo {
-    let wo = direction(theta, 0.0);
+    let furnace = Furnace::new(specimen);
     let chunk = 4096;
     // Summed in order of chunks: the same number on any number of threads.
     let parts: Vec<[[f64; 4]; 3]> = (0..samples.div_ceil(chunk))
@@ -29,9 +30,7 @@ pub fn albedo(specimen: &Specimen<'_>, theta: f64, samples: u32) -> Albedo {
         .map(|c| {
             let mut sums = [[0.0; 4]; 3];
             for i in c * chunk..((c + 1) * chunk).min(samples) {
-                let [choice, u, x, y] = shuffled_scrambled_sobol_4d(i, 7);
-                let drawn = specimen.sample(wo, choice, u, Vec2::new(x, y), TransportMode::Importance);
-                let Some(s) = drawn else { continue };
+                let Some(s) = furnace.sample(theta, i, 7) else { continue };
                 for (lane, w) in s.weight.to_array().into_iter().map(f64::from).enumerate() {
                     sums[usize::from(s.lobe.is_transmission())][lane] += w;
                     sums[2][lane] += w * w;

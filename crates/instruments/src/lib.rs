@@ -12,6 +12,7 @@ mod chi_square;
 pub mod estimate;
 pub mod experiment;
 pub mod fit;
+mod furnace;
 pub mod geometry;
 pub mod gloss;
 pub mod goniometer;

@@ -39,6 +39,22 @@ impl<'a> Specimen<'a> {
         Self { uv, ..self }
     }
 
+    /// At another second texture coordinate.
+    #[must_use]
+    pub(crate) fn across(self, v: f32) -> Self {
+        self.at(Vec2::new(self.uv.x, v))
+    }
+
+    /// The materials of the scene.
+    pub(crate) fn materials(&self) -> &'a [material::Material] {
+        self.scene.materials()
+    }
+
+    /// The index of its own.
+    pub(crate) fn material(&self) -> u32 {
+        self.material
+    }
+
     /// At other wavelengths, nm, for scenes in spectral mode.
     #[must_use]
     pub fn with_wavelengths(self, lambda: [f32; 4]) -> Self {

@@ -1,13 +1,13 @@
 //! A material at a glance: its lobes, what it reflects and transmits of white light, whether it makes light.
 
 use crate::{
-    Specimen, TransportMode,
+    Specimen,
     albedo::{Albedo, albedo},
-    direction,
+    furnace::Furnace,
 };
 use serde::Serialize;
 use steradian_bsdf::Lobe;
-use steradian_math::{Spectrum, Vec2, sobol::shuffled_scrambled_sobol_4d};
+use steradian_math::Spectrum;
 
 /// Angles from the normal at which white light is told, degrees.
 pub const ANGLES: [f64; 3] = [0.0, 45.0, 80.0];
@@ -81,12 +81,10 @@ fn value(lanes: &[f32]) -> Spectrum {
 }
 
 fn lobes(specimen: &Specimen<'_>) -> Vec<Met> {
-    let mut met: Vec<Met> = Vec::new();
+    let (mut met, furnace): (Vec<Met>, _) = (Vec::new(), Furnace::new(specimen));
     for theta in ANGLES {
-        let wo = direction(theta, 0.0);
         for i in 0..DRAWS {
-            let [choice, u, x, y] = shuffled_scrambled_sobol_4d(i, 5);
-            let Some(s) = specimen.sample(wo, choice, u, Vec2::new(x, y), TransportMode::Importance) else { continue };
+            let Some(s) = furnace.sample(theta, i, 5) else { continue };
             let power = f64::from(specimen.luminance(s.weight));
             if power <= 0.0 {
                 continue;

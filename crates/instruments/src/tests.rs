@@ -84,6 +84,33 @@ fn albedos_are_those_of_closed_forms() {
     }
 }
 
+/// A white fibre neither gains nor loses light of the white furnace, however steeply it is seen; and a coloured one is
+/// the same whether its surface is really round.
+#[test]
+fn fibres_are_told_of_as_the_furnace_shows_them() {
+    let told = |is_round: bool, sigma_a: f64, theta: f64| {
+        let hair = material("hair").with("round", is_round).with("sigma_a", sigma_a);
+        let s = scene(None, hair);
+        let a = albedo(&Specimen::new(&s, 1), theta, 1 << 14);
+        [a.reflectance[0], a.transmittance[0]]
+    };
+    for theta in [0.0, 45.0, 80.0, 89.0, 105.0] {
+        let [white, brown] = [0.0, 0.5].map(|sigma_a| [false, true].map(|is_round| told(is_round, sigma_a, theta)));
+        for [r, t] in white {
+            assert!((r + t - 1.0).abs() < 1e-3 && r > 0.05 && t > 0.05, "{theta}: {r} {t}");
+        }
+        let [strip, tube] = brown;
+        for k in 0..2 {
+            assert!((strip[k] - tube[k]).abs() < 5e-3, "{theta}: {strip:?} {tube:?}");
+        }
+        assert!(strip[0] + strip[1] < 0.95, "{theta}: {strip:?}");
+    }
+    let s = scene(None, material("hair").with("sigma_a", 0.0));
+    let laws = laws::laws(&Specimen::new(&s, 1), 1 << 14);
+    assert!(laws.laws.iter().filter(|law| law.law.starts_with("energy")).all(|law| law.holds), "{laws}");
+    assert!(summary::summary(&Specimen::new(&s, 1), 1 << 12).conserves_energy);
+}
+
 /// M112: the lobe of a metal is highest near the mirror direction, and a mirror's arrow points along it.
 #[test]
 fn lobes_point_along_the_mirror_direction() {

@@ -97,6 +97,36 @@ fn geometry_is_a_material() {
     place.refuse(2, &["material", "diffuse", "--microsurface", "0.2", "--gloss"], &["cannot be used with"]);
 }
 
+/// What is told of a fibre's albedo is what a picture of it in even light shows, in the mean over its width.
+#[test]
+fn fibres_have_the_albedo_that_a_furnace_shows() {
+    let place = Place::new();
+    let line = ["material", "hair", "-p", "eumelanin=0.3", "--albedo", "--samples", "65536", "--json"];
+    let json = place.succeed(&line).json();
+    // A strip that faces the viewer, and goes beyond the view along the fibre alone.
+    for (row, angle) in [(0, 0.0), (4, 60.0), (7, 85.0)] {
+        let scene = format!(
+            r#"LookAt 0 0 50  0 0 0  0 1 0  Camera "orthographic" "float screenwindow" [-1 1 -1 1]
+            Film "rgb" "integer xresolution" 16 "integer yresolution" 16  PixelFilter "box"
+            Integrator "path" "integer maxdepth" 3  WorldBegin  LightSource "infinite" "rgb L" [1 1 1]
+            Material "hair" "float eumelanin" 0.3  Rotate {angle} 0 1 0
+            Shape "trianglemesh" "point3 P" [-99 -1 0 99 -1 0 99 1 0 -99 1 0] "integer indices" [0 1 2 0 2 3]
+              "point2 uv" [0 0 1 0 1 1 0 1]"#
+        );
+        place.file("furnace.pbrt", &scene);
+        place.succeed(&["render", "furnace.pbrt", "-q", "--spp", "256", "--color", "rgb", "-o", "furnace.exr"]);
+        let picture = place.picture("furnace.exr");
+        for (k, name) in ["R", "G", "B"].into_iter().enumerate() {
+            let values = picture.channel(name).unwrap();
+            let shown = values.iter().map(|v| f64::from(*v)).sum::<f64>() / values.len() as f64;
+            let part = |of: &str| json["albedo"][row][of][k].as_f64().unwrap();
+            let told = part("reflectance") + part("transmittance");
+            assert_eq!(json["albedo"][row]["theta"].as_f64(), Some(angle));
+            assert!((told / shown - 1.0).abs() < 0.01, "{angle}° {name}: {told} told, {shown} shown");
+        }
+    }
+}
+
 /// Without a reading asked for, parameters and a summary are told; laws with p-values, of a scene's material too; of
 /// fits the best is named.
 #[test]
