@@ -111,6 +111,8 @@ impl Lobe {
     pub const SPECULAR: Self = Self(16);
     /// Light goes below the surface, to leave it elsewhere; the direction says nothing.
     pub const SUBSURFACE: Self = Self(32);
+    /// The direction is not the model's own: it was mirrored to the right side of a surface with bumps.
+    pub const FOLDED: Self = Self(64);
 
     /// Both sets together.
     pub const fn with(self, other: Self) -> Self {

@@ -72,7 +72,12 @@ impl Compiler<'_> {
     /// What changes the shading normal of a material. pbrt's displacement is a bump map, and does not count beside a
     /// normal map.
     fn surface_detail(&mut self, node: &Node) -> Option<SurfaceDetail> {
-        let facings = [("bent", Facing::Bent), ("turned", Facing::Turned), ("as_it_is", Facing::AsItIs)];
+        let facings = [
+            ("bent", Facing::Bent),
+            ("leaking", Facing::Leaking),
+            ("turned", Facing::Turned),
+            ("as_it_is", Facing::AsItIs),
+        ];
         let mut detail = SurfaceDetail {
             facing: self.choice(node, "detail_facing", Facing::Bent, &facings),
             shadows: self.bool(node, "detail_shadowing", false),

@@ -657,10 +657,11 @@ pub static DETAIL: Group = Group {
         map("displacement", "none", "the same, as pbrt names it").unit("scene units"),
         word(
             "detail_facing",
-            "bent, turned, as_it_is",
-            "bent; turned in Mitsuba scenes",
+            "bent, leaking, turned, as_it_is",
+            "bent; leaking in pbrt scenes, turned in Mitsuba scenes",
             "what is done with normals turned away from the viewer: bent until the mirror direction leaves the \
-             surface, or mirrored about its normal",
+             surface, or mirrored about its normal; of glass and other materials that transmit, bent mirrors them, \
+             too, and folds what goes to the wrong side back; with leaking it goes there",
         ),
         flag(
             "detail_shadowing",

@@ -120,7 +120,7 @@ impl PathState {
                 let profile = Profile::new(table, below.sigma_t, below.albedo, lanes(scene, context.lambda));
                 self.probe(&object, &profile, i, frame, context)?
             }
-            None => self.walk(&object, &below, (substance.g, &substance.within), i, frame, context)?,
+            None => self.walk(&object, &below, (substance.g, &substance.within), i, context)?,
         };
         // Where it leaves other numbers are drawn than on the way there.
         self.events += 1;
@@ -212,15 +212,17 @@ impl PathState {
         below: &Below<'_>,
         (g, boundary): (f32, &Emergence),
         entered: &Interaction,
-        frame: &Frame,
         context: &mut PathContext<'_, '_>,
     ) -> Option<ExitPoint> {
         let mut numbers = self.numbers(context);
         let outside = warp::cosine_hemisphere(context.sampler.get_2d(dimension::at(self.events, dimension::DIRECTION)));
-        let direction = frame.to_world(boundary.refracted(outside)?);
+        // Bumps turn what the surface mirrors: light goes below, as it comes back, through the surface as it is.
+        let [n, ns] = [entered.surface.n, entered.surface.ns].map(|n| if n.dot(entered.wo) < 0.0 { -n } else { n });
+        let mut direction = Frame::from_z(ns).to_world(boundary.refracted(outside)?);
         self.beta *= boundary.passed(outside.z);
-        if direction.dot(frame.z) >= 0.0 {
-            return None;
+        let above = direction.dot(n);
+        if above >= 0.0 {
+            direction -= n * (2.0 * above);
         }
         let lanes = lanes(object.scene, context.lambda);
         let mut way = Way::new(below, lanes, &mut numbers);

@@ -4,7 +4,7 @@
 // Comparisons are negated on purpose: NaN takes the way of the exception.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::{normal_code::NormalCode, normal_filter::FilteredNormals};
+use super::{Fold, Ground, normal_code::NormalCode, normal_filter::FilteredNormals};
 use std::sync::Arc;
 use steradian_math::{Frame, Vec2, Vec3};
 use steradian_texture::{FloatTexture, TextureContext, TextureId, Textures};
@@ -28,9 +28,14 @@ pub struct NormalMap {
 /// What is done with a shading normal that detail has turned away from the viewer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Facing {
-    /// It is bent so far that the mirror direction leaves the surface.
+    /// Of opaque materials it is bent so far that the mirror direction leaves the surface. Of those that transmit it is
+    /// mirrored about the geometric normal, and what they send to the wrong side is folded back ([`Fold`]): bent
+    /// normals would make total reflection grazing, again and again, and hold light in a body for ever.
     #[default]
     Bent,
+    /// Of opaque materials as [`Facing::Bent`]; of those that transmit it stays, and what they send to the wrong side
+    /// goes there, as with pbrt.
+    Leaking,
     /// It is mirrored about the normal without detail, and what arrives from below the surface does not count (Mitsuba
     /// 3; Schüßler et al., "Microfacet-based normal mapping for robust Monte Carlo path tracing", 2017).
     Turned,
@@ -86,38 +91,60 @@ impl SurfaceDetail {
         self.facing != Facing::AsItIs && (self.normal_map.is_some() || self.bump.is_some())
     }
 
-    /// The shading normal with the detail, unit length. It is held where the mirror direction of `wo` leaves the
-    /// surface.
-    pub fn shading_normal(&self, textures: &Textures, at: &TextureContext, base: &Base, wo: Vec3) -> Vec3 {
+    /// The shading normal with the detail, unit length, for a viewer in `wo`; `transmits` is whether the material lets
+    /// light through.
+    pub fn shading_normal(
+        &self,
+        textures: &Textures,
+        at: &TextureContext,
+        base: &Base,
+        wo: Vec3,
+        transmits: bool,
+    ) -> Vec3 {
         if self.normal_map.is_none() && self.bump.is_none() {
             return base.ns;
         }
         let mut ns = base.ns;
         if let Some(map) = &self.normal_map {
-            ns = map.normal(textures, at, base, self.facing == Facing::Bent);
+            ns = map.normal(textures, at, base, self.bends());
         }
         if let Some(height) = &self.bump {
-            ns = bumped(height, textures, at, &Base { ns, ..*base }, self.facing != Facing::Bent);
+            ns = bumped(height, textures, at, &Base { ns, ..*base }, !self.bends());
         }
-        let cos = base.ns.dot(wo);
+        let mirrored = |n: Vec3| if n.dot(wo) * ns.dot(wo) <= 0.0 { n * (2.0 * n.dot(ns)) - ns } else { ns };
         match self.facing {
-            Facing::Bent => {
-                let side = if cos < 0.0 { -1.0 } else { 1.0 };
+            Facing::Bent if transmits => mirrored(base.n),
+            Facing::Leaking if transmits => ns,
+            Facing::Bent | Facing::Leaking => {
+                let side = if base.ns.dot(wo) < 0.0 { -1.0 } else { 1.0 };
                 bend(ns * side, base.n * side, wo) * side
             }
-            Facing::Turned if cos * ns.dot(wo) <= 0.0 => base.ns * (2.0 * base.ns.dot(ns)) - ns,
-            Facing::Turned | Facing::AsItIs => ns,
+            Facing::Turned => mirrored(base.ns),
+            Facing::AsItIs => ns,
         }
     }
 
-    /// What the surface without detail hides, in the shading frame with it.
-    pub fn cover(&self, base: &Base, frame: &Frame, flipped: bool) -> Option<Cover> {
-        if self.facing == Facing::Bent || (self.normal_map.is_none() && self.bump.is_none()) {
+    /// Whether normals turned away from the viewer are bent, as a rule.
+    fn bends(&self) -> bool {
+        matches!(self.facing, Facing::Bent | Facing::Leaking)
+    }
+
+    /// What the surface without detail does to light, in the shading frame with it; `transmits` is whether the
+    /// material lets light through.
+    pub fn ground(&self, base: &Base, frame: &Frame, flipped: bool, transmits: bool) -> Option<Ground> {
+        if self.normal_map.is_none() && self.bump.is_none() {
             return None;
         }
-        let up = frame.to_local(if flipped { -base.ns } else { base.ns });
-        let roughness2 = if self.shadows { (0.125 * tan2(up.z)).min(1.0) } else { 0.0 };
-        Some(Cover { up, roughness2 })
+        let up = |n: Vec3| frame.to_local(if flipped { -n } else { n });
+        match self.facing {
+            Facing::Leaking => None,
+            Facing::Bent => transmits.then(|| Ground::Folds(Fold { n: up(base.n) })),
+            Facing::Turned | Facing::AsItIs => {
+                let up = up(base.ns);
+                let roughness2 = if self.shadows { (0.125 * tan2(up.z)).min(1.0) } else { 0.0 };
+                Some(Ground::Covers(Cover { up, roughness2 }))
+            }
+        }
     }
 }
 
@@ -282,7 +309,7 @@ mod tests {
             let mut d = || Vec3::new(rng.next_f32() - 0.5, rng.next_f32() - 0.5, rng.next_f32() - 0.5).normalize();
             let (n, dpdu) = (d(), d());
             let base = Base { n, ns: n, dpdu, dpdv: n.cross(dpdu), tangent: None };
-            assert!((detail.shading_normal(&textures, &at(Vec2::ZERO), &base, n) - n).length() < 1e-6);
+            assert!((detail.shading_normal(&textures, &at(Vec2::ZERO), &base, n, false) - n).length() < 1e-6);
         }
     }
 
@@ -296,7 +323,7 @@ mod tests {
             let detail = SurfaceDetail { rotation, ..SurfaceDetail::default() };
             let at = at(Vec2::ZERO);
             let grazing = Vec3::new(1.0, 0.0, 1e-3).normalize();
-            assert_eq!(detail.shading_normal(&textures, &at, base, grazing), base.ns);
+            assert_eq!(detail.shading_normal(&textures, &at, base, grazing, false), base.ns);
             detail.tangent(&textures, &at, base)
         };
         let near = |a: Vec3, b: Vec3| assert!((a - b).length() < 1e-6, "{a} {b}");
@@ -317,7 +344,7 @@ mod tests {
             if let Some(map) = &mut detail.normal_map {
                 map.mirrors = mirrors;
             }
-            detail.shading_normal(&textures, &at(Vec2::ZERO), base, Vec3::Z)
+            detail.shading_normal(&textures, &at(Vec2::ZERO), base, Vec3::Z, false)
         };
         assert!((seen(tilted, &FLAT, true) - tilted).length() < 1e-6);
         // u along +y: red tilts to +y, green to −x.
@@ -333,7 +360,7 @@ mod tests {
         if let Some(map) = &mut detail.normal_map {
             map.code = NormalCode::Xy;
         }
-        assert!((detail.shading_normal(&textures, &at(Vec2::ZERO), &FLAT, Vec3::Z) - tilted).length() < 1e-6);
+        assert!((detail.shading_normal(&textures, &at(Vec2::ZERO), &FLAT, Vec3::Z, false) - tilted).length() < 1e-6);
     }
 
     fn height(pattern: Pattern, mapping: Mapping, gain: f32) -> (Textures, SurfaceDetail) {
@@ -355,14 +382,14 @@ mod tests {
             let h = 1e-2;
             let slope = |e: Vec3| (f(p + e * h) - f(p - e * h)) / (2.0 * h);
             let expected = Vec3::new(-slope(Vec3::X), -slope(Vec3::Y), 1.0).normalize();
-            let n = detail.shading_normal(&textures, &c, &FLAT, Vec3::Z);
+            let n = detail.shading_normal(&textures, &c, &FLAT, Vec3::Z, false);
             assert!((n - expected).length() < 2e-3, "{n} {expected}");
             // The parametrisation does not matter.
             let skewed = Base { dpdu: Vec3::new(2.0, 1.0, 0.0), dpdv: Vec3::new(-0.5, 3.0, 0.0), ..FLAT };
-            let other = detail.shading_normal(&textures, &c, &skewed, Vec3::Z);
+            let other = detail.shading_normal(&textures, &c, &skewed, Vec3::Z, false);
             assert!((other - expected).length() < 4e-3, "{other} {expected}");
             let none = Base { dpdu: Vec3::ZERO, dpdv: Vec3::ZERO, ..FLAT };
-            assert!((detail.shading_normal(&textures, &c, &none, Vec3::Z) - expected).length() < 2e-3);
+            assert!((detail.shading_normal(&textures, &c, &none, Vec3::Z, false) - expected).length() < 2e-3);
         }
     }
 
@@ -370,11 +397,14 @@ mod tests {
     fn ramps_tilt_and_footprints_average() {
         let ramp = Mapping { projector: Projector::Uv, ..Mapping::default() };
         let (textures, detail) = height(Pattern::Coordinate(false), ramp, 0.75);
-        let n = detail.shading_normal(&textures, &at(Vec2::new(0.3, 0.3)), &FLAT, Vec3::Z);
+        let n = detail.shading_normal(&textures, &at(Vec2::new(0.3, 0.3)), &FLAT, Vec3::Z, false);
         assert!((n - Vec3::new(-0.6, 0.0, 0.8)).length() < 1e-3);
         let footprint = Footprint { duvdx: Vec2::new(0.5, 0.0), duvdy: Vec2::new(0.0, 0.5), ..Footprint::default() };
         let wide = TextureContext { footprint, ..at(Vec2::new(0.3, 0.3)) };
-        assert!((detail.shading_normal(&textures, &wide, &FLAT, Vec3::Z) - Vec3::new(-0.6, 0.0, 0.8)).length() < 1e-6);
+        assert!(
+            (detail.shading_normal(&textures, &wide, &FLAT, Vec3::Z, false) - Vec3::new(-0.6, 0.0, 0.8)).length()
+                < 1e-6
+        );
     }
 
     /// Mitsuba 3's rules: a normal turned away is mirrored about the one without detail; light above one surface and
@@ -385,7 +415,11 @@ mod tests {
         let (textures, mut detail) = map(Vec3::new(tilt.sin(), 0.0, tilt.cos()));
         detail.facing = Facing::Turned;
         detail.shadows = true;
-        let normal = |wo: Vec3| detail.shading_normal(&textures, &at(Vec2::ZERO), &FLAT, wo);
+        let cover = |detail: &SurfaceDetail, frame: &Frame, flipped| match detail.ground(&FLAT, frame, flipped, true) {
+            Some(Ground::Covers(cover)) => cover,
+            other => panic!("{other:?}"),
+        };
+        let normal = |wo: Vec3| detail.shading_normal(&textures, &at(Vec2::ZERO), &FLAT, wo, false);
         let expected = Vec3::new(tilt.sin(), 0.0, tilt.cos());
         assert!((normal(Vec3::Z) - expected).length() < 1e-6);
         let from = |degrees: f32| Vec3::new(degrees.to_radians().sin(), 0.0, degrees.to_radians().cos());
@@ -397,7 +431,7 @@ mod tests {
         for flipped in [false, true] {
             let side = if flipped { -1.0 } else { 1.0 };
             let frame = Frame::from_z(expected * side);
-            let cover = detail.cover(&FLAT, &frame, flipped).unwrap();
+            let cover = cover(&detail, &frame, flipped);
             let passes = |degrees: f32| cover.passes(frame.to_local(from(degrees) * side));
             let share = |theta: f32| {
                 2.0 / (1.0 + (1.0 + (0.125 * tilt.tan().powi(2)).min(1.0) * theta.to_radians().tan().powi(2)).sqrt())
@@ -411,12 +445,12 @@ mod tests {
         }
         detail.shadows = false;
         let frame = Frame::from_z(expected);
-        assert_eq!(detail.cover(&FLAT, &frame, false).unwrap().passes(frame.to_local(from(80.0))), Some(1.0));
+        assert_eq!(cover(&detail, &frame, false).passes(frame.to_local(from(80.0))), Some(1.0));
         detail.facing = Facing::AsItIs;
-        let seen = detail.shading_normal(&textures, &at(Vec2::ZERO), &FLAT, from(-60.0));
+        let seen = detail.shading_normal(&textures, &at(Vec2::ZERO), &FLAT, from(-60.0), false);
         assert!((seen - expected).length() < 1e-6);
         detail.facing = Facing::Bent;
-        assert!(detail.cover(&FLAT, &frame, false).is_none());
+        assert!(detail.ground(&FLAT, &frame, false, false).is_none());
     }
 
     /// Mitsuba takes the derivative of the height at the point, whatever the footprint covers.
@@ -427,7 +461,7 @@ mod tests {
             height(Pattern::Fbm(steradian_texture::noise::Fractal::new(1, 0.5)), projector, 0.2);
         let footprint = Footprint { duvdx: Vec2::new(0.5, 0.0), duvdy: Vec2::new(0.0, 0.5), ..Footprint::default() };
         let (narrow, wide) = (at(Vec2::new(0.3, 0.3)), TextureContext { footprint, ..at(Vec2::new(0.3, 0.3)) });
-        let normal = |d: &SurfaceDetail, at: &TextureContext| d.shading_normal(&textures, at, &FLAT, Vec3::Z);
+        let normal = |d: &SurfaceDetail, at: &TextureContext| d.shading_normal(&textures, at, &FLAT, Vec3::Z, false);
         assert!((normal(&detail, &narrow) - normal(&detail, &wide)).length() > 1e-2);
         let exact = normal(&detail, &narrow);
         detail.facing = Facing::Turned;
@@ -466,14 +500,14 @@ mod tests {
     #[test]
     fn nothing_gives_nan() {
         let (textures, detail) = map(Vec3::ZERO);
-        assert_eq!(detail.shading_normal(&textures, &at(Vec2::ZERO), &FLAT, Vec3::Z), Vec3::Z);
+        assert_eq!(detail.shading_normal(&textures, &at(Vec2::ZERO), &FLAT, Vec3::Z, false), Vec3::Z);
         let (textures, detail) = height(Pattern::Coordinate(true), Mapping::default(), f32::MAX);
         for base in [
             FLAT,
             Base { dpdu: Vec3::splat(1e30), dpdv: Vec3::Y, ..FLAT },
             Base { dpdu: Vec3::X, dpdv: Vec3::X, ..FLAT },
         ] {
-            let n = detail.shading_normal(&textures, &at(Vec2::splat(1e20)), &base, Vec3::new(0.0, 0.6, 0.8));
+            let n = detail.shading_normal(&textures, &at(Vec2::splat(1e20)), &base, Vec3::new(0.0, 0.6, 0.8), false);
             assert!(n.is_finite() && (n.length() - 1.0).abs() < 1e-4, "{n}");
         }
     }

@@ -16,12 +16,14 @@ pub use pbr::{PbrMaterial, Stretch};
 pub use principled::PrincipledMaterial;
 pub use subsurface::{Below, Content, SubsurfaceBase, SubsurfaceMaterial, SubsurfaceMedium, SubsurfaceMethod};
 pub mod detail;
+mod fold;
 pub mod normal_code;
 pub mod normal_filter;
 mod parametric;
 
 pub use detail::{Cover, Facing, NormalMap, SurfaceDetail};
 pub use facets::{FacetReflectance, Facets, Film, Metal};
+pub use fold::Fold;
 pub use normal_filter::{FilteredNormals, NormalFilter};
 pub use parametric::Parametric;
 use std::sync::Arc;
@@ -216,6 +218,15 @@ pub struct Material {
     pub detail: Option<SurfaceDetail>,
 }
 
+/// The surface below bump and normal maps.
+#[derive(Clone, Copy, Debug)]
+pub enum Ground {
+    /// It hides and shades directions.
+    Covers(Cover),
+    /// Directions on its wrong side are folded back.
+    Folds(Fold),
+}
+
 /// A material that scatters, chosen for the side and point that were hit.
 #[derive(Clone, Copy, Debug)]
 pub struct Scattering<'a> {
@@ -225,8 +236,8 @@ pub struct Scattering<'a> {
     pub flipped: bool,
     /// What changes the shading normal.
     pub detail: Option<&'a SurfaceDetail>,
-    /// What the surface without its detail hides and shades.
-    pub cover: Option<Cover>,
+    /// What the surface without its detail does to light.
+    pub ground: Option<Ground>,
     /// For how long matter holds back the light that it scatters, in the mean, s.
     pub lifetime: f32,
     /// The medium that light goes into which enters.
@@ -239,38 +250,51 @@ impl<'a> Scattering<'a> {
         bsdf: Bsdf::Diffuse(Diffuse { reflectance: Spectrum::ZERO }),
         flipped: false,
         detail: None,
-        cover: None,
+        ground: None,
         lifetime: 0.0,
         below: None,
     };
 
     /// A value on a surface as it is.
     pub fn plain(bsdf: Bsdf<'a>) -> Self {
-        Self { bsdf, flipped: false, detail: None, cover: None, lifetime: 0.0, below: None }
+        Self { bsdf, flipped: false, detail: None, ground: None, lifetime: 0.0, below: None }
     }
 
-    /// [`Bsdf::eval`], under the surface's cover.
+    /// [`Bsdf::eval`] on its ground, for a viewer in `wo`.
     #[inline]
     pub fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
-        match &self.cover {
+        match &self.ground {
             None => self.bsdf.eval(wo, wi, mode),
-            Some(cover) => match cover.passes(wi) {
+            Some(Ground::Covers(cover)) => match cover.passes(wi) {
                 Some(share) => {
                     let e = self.bsdf.eval(wo, wi, mode);
                     BsdfEval { value: e.value * share, ..e }
                 }
                 None => BsdfEval::ZERO,
             },
+            Some(Ground::Folds(fold)) => fold.eval(&self.bsdf, wo, wi, mode),
         }
     }
 
-    /// [`Bsdf::sample`], under the surface's cover.
+    /// The density of [`Scattering::sample`].
+    #[inline]
+    pub fn pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> f32 {
+        match &self.ground {
+            Some(Ground::Folds(fold)) => fold.pdf(&self.bsdf, wo, wi, mode),
+            _ => self.bsdf.pdf(wo, wi, mode),
+        }
+    }
+
+    /// [`Bsdf::sample`] on its ground.
     #[inline]
     pub fn sample(&self, wo: Vec3, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
         // Nothing is between the model and who asks for the sample: it is large, and not copied on the way.
-        let Some(cover) = &self.cover else { return self.bsdf.sample(wo, u, u2, mode) };
+        let Some(ground) = &self.ground else { return self.bsdf.sample(wo, u, u2, mode) };
         let drawn = self.bsdf.sample(wo, u, u2, mode)?;
-        Some(BsdfSample { weight: drawn.weight * cover.passes(drawn.wi)?, ..drawn })
+        Some(match ground {
+            Ground::Covers(cover) => BsdfSample { weight: drawn.weight * cover.passes(drawn.wi)?, ..drawn },
+            Ground::Folds(fold) => fold.drawn(&self.bsdf, wo, drawn, mode),
+        })
     }
 }
 

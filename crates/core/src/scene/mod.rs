@@ -749,18 +749,20 @@ impl Scene {
             choice,
             lambda,
         )?;
+        // Curves face each ray: they have no side.
+        let transmits = s.bsdf.has_transmission() && !geometry.shape.faces_rays();
         let mut base = None;
         let (ns, tangent) = match s.detail {
             None => (i.surface.ns, i.surface.dpdu),
             Some(detail) => {
                 let base = base.insert(self.base(i));
-                let ns = detail.shading_normal(&self.parts.textures, at, base, i.wo);
+                let ns = detail.shading_normal(&self.parts.textures, at, base, i.wo, transmits);
                 (ns, detail.tangent(&self.parts.textures, at, base))
             }
         };
         let z = if s.flipped { -ns } else { ns };
         let frame = if geometry.needs.tangent { Frame::from_zx(z, tangent) } else { Frame::from_z(z) };
-        s.cover = s.detail.zip(base).and_then(|(detail, base)| detail.cover(&base, &frame, s.flipped));
+        s.ground = s.detail.zip(base).and_then(|(detail, base)| detail.ground(&base, &frame, s.flipped, transmits));
         Some((s, frame))
     }
 

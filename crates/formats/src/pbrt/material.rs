@@ -282,4 +282,7 @@ fn wrappers(b: &mut Build) {
             Err(fault) => b.scene.report.error(span, fault.to_string()),
         }
     }
+    if b.node.get("normal_map").or(b.node.get("displacement")).is_some() {
+        b.node.set("detail_facing", "leaking", None);
+    }
 }

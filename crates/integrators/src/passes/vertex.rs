@@ -13,8 +13,13 @@
 use super::subpath::{Sums, Ways, squared};
 use crate::nee;
 use std::f32::consts::FRAC_1_PI;
-use steradian_bsdf::{BsdfEval, BsdfSample, TransportMode};
-use steradian_core::{Scene, light::LightContext, material::Scattering, scene::Interaction};
+use steradian_bsdf::{BsdfEval, BsdfSample, Lobe, TransportMode};
+use steradian_core::{
+    Scene,
+    light::LightContext,
+    material::{Ground, Scattering},
+    scene::Interaction,
+};
 use steradian_math::{Frame, Spectrum, Vec2, Vec3, spectra::Wavelengths, warp};
 
 /// How far a surface depends on where it is seen from.
@@ -146,29 +151,34 @@ impl<'s> Vertex<'s> {
     #[inline]
     fn value(&self, (s, frame): &Side<'_>, from: Vec3, to: Vec3, mode: TransportMode) -> BsdfEval {
         let (wo, wi) = (frame.to_local(from), frame.to_local(to));
-        let e = match (mode, &s.cover) {
-            // The cover hides part of the light's directions: of `wi` for radiance, of `wo` for importance.
-            (TransportMode::Importance, Some(cover)) => match cover.passes(wo) {
-                Some(share) => {
-                    let e = s.bsdf.eval(wo, wi, mode);
-                    BsdfEval { value: e.value * share, ..e }
-                }
-                None => BsdfEval::ZERO,
-            },
-            _ => s.eval(wo, wi, mode),
+        if mode == TransportMode::Radiance {
+            return s.eval(wo, wi, mode);
+        }
+        // The ground hides, or folds, the light's directions: `wi` for radiance, `wo` for importance.
+        let lit = |wo: Vec3, share: f32| {
+            let e = s.bsdf.eval(wo, wi, mode);
+            BsdfEval { value: e.value * (share * self.adjoint(frame, wo.z, to)), ..e }
         };
-        BsdfEval { value: e.value * self.adjoint(frame, to, mode), ..e }
+        match &s.ground {
+            None => lit(wo, 1.0),
+            Some(Ground::Covers(cover)) => cover.passes(wo).map_or(BsdfEval::ZERO, |share| lit(wo, share)),
+            Some(Ground::Folds(fold)) => {
+                let values = fold.sources(wi, wo).into_iter().flatten().map(|w| lit(w, 1.0));
+                values.fold(BsdfEval::ZERO, |sum, e| BsdfEval { value: sum.value + e.value, pdf: sum.pdf + e.pdf })
+            }
+        }
     }
 
-    /// What shading normals change for importance: `|wo·ns| |wi·ng| / (|wo·ng| |wi·ns|)` (Veach 1997, eq. 5.19).
+    /// What shading normals change for importance, `|wo·ns| |wi·ng| / (|wo·ng| |wi·ns|)` (Veach 1997, eq. 5.19), with
+    /// `wo·ns` of the direction that the model is asked for.
     #[inline]
-    fn adjoint(&self, frame: &Frame, wi: Vec3, mode: TransportMode) -> f32 {
+    fn adjoint(&self, frame: &Frame, cos_o: f32, wi: Vec3) -> f32 {
         let (n, ns, wo) = (self.i.surface.n, frame.z, self.i.wo);
-        if mode == TransportMode::Radiance || n == ns || n == -ns {
+        if n == ns || n == -ns {
             return 1.0;
         }
         let below = n.dot(wo) * ns.dot(wi);
-        if below == 0.0 { 0.0 } else { (ns.dot(wo) * n.dot(wi) / below).abs() }
+        if below == 0.0 { 0.0 } else { (cos_o * n.dot(wi) / below).abs() }
     }
 
     /// The density with which a light subpath draws directions where the shading normal depends on the viewer.
@@ -209,7 +219,11 @@ impl<'s> Vertex<'s> {
                 let back = || self.scattering.bsdf.pdf(s.wi, wo, mode.adjoint());
                 Some(Drawn {
                     wi,
-                    weight: s.weight * self.adjoint(&self.frame, wi, mode),
+                    weight: if mode == TransportMode::Radiance {
+                        s.weight
+                    } else {
+                        s.weight * self.adjoint(&self.frame, wo.z, wi)
+                    },
                     eta: s.eta,
                     densities: (!s.lobe.is_specular()).then(|| (s.pdf, back())),
                     is_two_way: true,
@@ -218,12 +232,12 @@ impl<'s> Vertex<'s> {
         }
     }
 
-    /// What the model draws in its own frame, under the surface's cover.
+    /// What the model draws in its own frame, on its ground.
     #[inline]
     fn drawn(&self, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
         let (s, wo) = (&self.scattering, self.frame.to_local(self.i.wo));
-        match (mode, &s.cover) {
-            (TransportMode::Importance, Some(cover)) => {
+        match (mode, &s.ground) {
+            (TransportMode::Importance, Some(Ground::Covers(cover))) => {
                 let drawn = s.bsdf.sample(wo, u, u2, mode)?;
                 Some(BsdfSample { weight: drawn.weight * cover.passes(wo)?, ..drawn })
             }
@@ -236,8 +250,10 @@ impl<'s> Vertex<'s> {
         let wi = self.frame.to_world(s.wi);
         let light = self.seen_from(scene, wi);
         let is_specular = s.lobe.is_specular();
-        // Where the frames differ, a light subpath is not mirrored into this way.
-        let is_two_way = !is_specular || light.as_ref().is_some_and(|(_, frame)| same(frame, &self.frame));
+        // Where the frames differ, or the direction is folded, a light subpath is not mirrored into this way.
+        let is_mirrored =
+            || !s.lobe.contains(Lobe::FOLDED) && light.as_ref().is_some_and(|(_, frame)| same(frame, &self.frame));
+        let is_two_way = !is_specular || is_mirrored();
         let back = || light.as_ref().map_or(0.0, |side| self.light_pdf(side, wi, self.i.wo));
         let densities = (!is_specular).then(|| (s.pdf, back()));
         Some(Drawn { wi, weight: s.weight, eta: s.eta, densities, is_two_way })
@@ -253,14 +269,10 @@ impl<'s> Vertex<'s> {
             let wi = self.frame.to_world(s.wi);
             if s.lobe.is_specular() {
                 let (_, frame) = self.seen_from(scene, wi)?;
-                let weight = s.weight * (self.adjoint(&self.frame, wi, MODE) / (1.0 - EVEN));
-                return same(&frame, &self.frame).then_some(Drawn {
-                    wi,
-                    weight,
-                    eta: s.eta,
-                    densities: None,
-                    is_two_way: true,
-                });
+                let cos_o = self.frame.z.dot(self.i.wo);
+                let weight = s.weight * (self.adjoint(&self.frame, cos_o, wi) / (1.0 - EVEN));
+                let is_two_way = same(&frame, &self.frame) && !s.lobe.contains(Lobe::FOLDED);
+                return is_two_way.then_some(Drawn { wi, weight, eta: s.eta, densities: None, is_two_way: true });
             }
             (wi, s.eta)
         };
@@ -289,7 +301,7 @@ impl<'s> Vertex<'s> {
 
 /// The density with which one side's model draws a direction.
 fn pdf((s, frame): &Side<'_>, wo: Vec3, wi: Vec3, mode: TransportMode) -> f32 {
-    s.bsdf.pdf(frame.to_local(wo), frame.to_local(wi), mode)
+    s.pdf(frame.to_local(wo), frame.to_local(wi), mode)
 }
 
 /// Whether two frames have one normal.

@@ -216,7 +216,9 @@ fn unbiased_methods_agree_with_path_tracing() {
         wrong.extend(disagreement(&format!("shared paths, {name}"), &shared, &paths, 0.05));
         let bdpt = Shot::of("bdpt", 120).depth(6).take(&scene);
         wrong.extend(disagreement(&format!("bdpt, {name}"), &bdpt, &paths, 0.05));
-        let light = Shot::of("light", 400).depth(6);
+        // The directions that bent normals fold are drawn evenly by light subpaths.
+        let folds = name == "normal map on rough glass, bent";
+        let light = Shot::of("light", if folds { 3000 } else { 400 }).depth(6);
         match light.integrator(&scene).cannot(&scene) {
             None => wrong.extend(disagreement(&format!("light, {name}"), &light.take(&scene), &paths, 0.05)),
             Some(what) => assert!(

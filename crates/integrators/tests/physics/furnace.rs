@@ -4,11 +4,12 @@
 use crate::{
     materials::{Case, cases},
     shot::{Shot, is_exactly, mean},
-    stage::{Stage, cuboid, diffuse, icosphere, light, shape, sphere, white},
+    stage::{Stage, cuboid, diffuse, icosphere, light, material, rgb, shape, sphere, white},
 };
 use steradian_bsdf::{Bsdf, TransportMode};
 use steradian_core::{ColorMode, Scene, scene::Interaction};
 use steradian_math::{Frame, Vec2, Vec3, hash::ONE_MINUS_EPSILON, spectra::Wavelengths};
+use steradian_scene::{Family, Node};
 use steradian_testkit::integrate_sphere;
 
 /// A convex body of a material in the furnace, seen whole.
@@ -39,6 +40,40 @@ fn lossless_bodies_are_invisible() {
                 let m = p.mean()[0];
                 assert!((m - 1.0).abs() < 2e-3, "{}, mesh: {closed_mesh}: pixel {i} is {m}", case.label);
             }
+        }
+    }
+}
+
+/// Normal maps leave the albedo of what transmits as it is: directions sent to the wrong side of the surface are folded
+/// back, and light is not held in a body by total reflection at normals bent towards grazing.
+#[test]
+fn tilted_normals_lose_no_light() {
+    let tilts = [[0.9, 0.6, 0.8], [0.5, 0.85, 0.7]];
+    for kind in ["dielectric", "diffuse_transmission", "subsurface"] {
+        for (tilt, closed_mesh) in tilts.into_iter().flat_map(|t| [(t, false), (t, true)]) {
+            let mut stage = Stage::new();
+            let map = stage.add(Node::new(Family::Texture, "constant", None).with("value", rgb(tilt)));
+            let made_of = material(kind).with("normal_map", map);
+            let made_of = match kind {
+                "diffuse_transmission" => {
+                    made_of.with("reflectance", rgb([0.3; 3])).with("transmittance", rgb([0.7; 3]))
+                }
+                "subsurface" => {
+                    let matter = made_of.with("method", "random_walk").with("eta", 1.33);
+                    matter.with("sigma_a", rgb([0.0; 3])).with("sigma_s", rgb([5.0; 3]))
+                }
+                _ => made_of,
+            };
+            let made_of = stage.add(made_of);
+            let body = if closed_mesh {
+                stage.place_mesh(icosphere([0.1, -0.2, 0.3], 1.0, 2))
+            } else {
+                stage.place(sphere([0.1, -0.2, 0.3], 1.0))
+            };
+            body.material = Some(made_of);
+            stage.sky(1.0).film(24, 24).look([0.3, 1.0, -5.0], [0.1, -0.2, 0.3], 26.0);
+            let film = Shot::of("path", 24).depth(400).roulette_after(64).take(&stage.scene());
+            mean(&film).is_near_grey(&format!("{kind}, {tilt:?}, mesh: {closed_mesh}"), 1.0, 4e-3);
         }
     }
 }
@@ -192,7 +227,7 @@ fn metals_by_name_have_their_colour() {
     for metal in ["Au", "Ag", "Cu", "Al"] {
         let mut stage = Stage::new();
         let spectrum = |s: String| steradian_scene::Value::Spectrum(steradian_scene::SpectrumValue::Named(s));
-        let node = crate::stage::material("conductor")
+        let node = material("conductor")
             .with("eta", spectrum(format!("metal-{metal}-eta")))
             .with("k", spectrum(format!("metal-{metal}-k")));
         stage.solid(shape("disk").with("radius", 1.0), node);
