@@ -104,7 +104,7 @@ pub fn run(args: &VerifyArgs, terminal: Terminal) -> Outcome {
         terminal.warn(&format!("nothing is decided: no method with a known error finds {what}"));
     } else if !unsure.is_empty() {
         terminal.warn(&format!(
-            "not decided for {} with {} times the samples: noise may hide differences of {} % and more of the mean; a higher --spp tells",
+            "not decided for {} with {} times the samples and more: noise may hide differences of {} % and more of the mean; a higher --spp tells",
             unsure.join(", "),
             verify::BUDGET,
             100.0 * verify::POWER

@@ -1,6 +1,6 @@
 //! Whether a picture is that of a reference.
 
-use super::{picture::Values, quantile::quantile};
+use super::{MOST, picture::Values, quantile::quantile};
 
 /// The chance that an integrator that agrees is said not to, in one look at it; half of it for the blocks, and half for
 /// the mean.
@@ -9,6 +9,9 @@ const ALPHA: f64 = 0.002;
 const ROUNDING: f64 = 1e-4;
 /// Nothing is decided where a difference of the mean by this part could go unseen.
 pub const POWER: f64 = 0.01;
+
+/// More than the samples that are expected to decide, by this factor.
+const MARGIN: f64 = 1.2;
 
 /// `1/(2^p − 1)` for an error of order p = 0.74.
 const ORDER: f64 = 1.5;
@@ -46,8 +49,20 @@ pub struct Difference {
     pub allowed: f64,
     /// For biased integrators, by how much `ratio` changed when the radius or the edges of patches were halved.
     pub change: Option<f64>,
+    /// Whether the errors are known, so that more samples can decide.
+    pub is_reliable: bool,
     /// Whether it agrees.
     pub verdict: Verdict,
+}
+
+impl Difference {
+    /// With how many rounds it is likely decided, if not yet and if these are affordable; `rounds` are there.
+    pub(super) fn needed(&self, rounds: u32) -> Option<u32> {
+        let is_noisy = self.is_reliable && self.verdict == Verdict::Undecided && self.detects > POWER;
+        // Errors shrink by the root of their number, and are themselves known but roughly.
+        let needed = MARGIN * f64::from(rounds) * (self.detects / POWER).powi(2);
+        (is_noisy && needed <= f64::from(MOST)).then_some(needed.ceil() as u32)
+    }
 }
 
 /// How far a value may be from the reference, apart from noise: a bias that is about halved or less where the radius is
@@ -115,7 +130,8 @@ pub(super) fn compare(reference: &Values, ours: &Values, wider: Option<&Values>)
         let is_same = largest_beyond <= allowed && beyond(1.0 - ratio, change, 0.0) <= noise;
         (change, is_same, noise <= 2.0 * POWER)
     });
-    let verdict = if !all.iter().all(|v| v.is_reliable) {
+    let is_reliable = all.iter().all(|v| v.is_reliable);
+    let verdict = if !is_reliable {
         Verdict::Undecided
     } else if is_same {
         if detects <= POWER { Verdict::Agrees } else { Verdict::Undecided }
@@ -128,7 +144,8 @@ pub(super) fn compare(reference: &Values, ours: &Values, wider: Option<&Values>)
     };
     let root = |v: f64| (v / count as f64).sqrt() / level;
     let change = limit.map(|l| l.0);
-    Difference { ratio, detects, difference: root(squares), noise: root(noise), largest, allowed, change, verdict }
+    let (difference, noise) = (root(squares), root(noise));
+    Difference { ratio, detects, difference, noise, largest, allowed, change, is_reliable, verdict }
 }
 
 #[cfg(test)]
@@ -152,6 +169,18 @@ mod tests {
         assert_eq!(verdict(1.01, 0.001), Verdict::Differs);
         let doubtful = Values { is_reliable: false, ..of(1.1, 0.001) };
         assert_eq!(compare(&of(1.0, 0.001), &doubtful, None).verdict, Verdict::Undecided);
+    }
+
+    /// Noise is worth more samples where these are affordable; errors that are not known are not.
+    #[test]
+    fn samples_are_added_where_they_decide() {
+        let found = |error: f64| compare(&of(1.0, error), &of(1.0, error), None);
+        let (sure, noisy, hopeless) = (found(0.001), found(0.02), found(0.5));
+        assert_eq!((sure.verdict, sure.needed(16)), (Verdict::Agrees, None));
+        let rounds = noisy.needed(16).expect("an affordable number");
+        assert!(noisy.detects > POWER && rounds > 16 && rounds <= MOST, "{noisy:?} {rounds}");
+        assert_eq!(hopeless.needed(16), None);
+        assert_eq!(Difference { is_reliable: false, ..noisy }.needed(16), None);
     }
 
     /// A bias is excused by the limit to which it goes, not because it becomes less.

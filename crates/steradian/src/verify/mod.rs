@@ -5,9 +5,10 @@
 //!   lights without size, nor connections those that are seen in mirrors and through glass; where neither is complete
 //!   nothing is decided.
 //! - **Errors** come from the spread of parts of the samples, since pixels that share photons do not err independently.
-//!   Where few bright paths make them they are not known, and nothing is decided.
+//!   Where few bright paths make them they are not known: then larger blocks are compared, which more of these paths
+//!   meet, and where that is of no avail nothing is decided.
 //! - **Effort** is added until a method is seen to agree: the samples are doubled, up to [`BUDGET`] times those asked
-//!   for. What differs then differs.
+//!   for, and then as many taken as noise still asks for, up to [`MOST`] times. What differs then differs.
 //! - **Tests** compare blocks of pixels, at a level that is divided among all of them (Šidák 1967), and the mean.
 //!   Agreement says little where noise is large: a difference of [`POWER`] must be one that would be seen.
 //! - **Bias** is tested by its limit. Integrators with a radius or patches are rendered twice, photons with half their
@@ -33,8 +34,12 @@ use steradian_integrators::{
     passes::{missed_caustics, specular_material},
 };
 
-/// Most rounds of the samples asked for.
+/// Rounds of the samples asked for that are spent on whatever is not decided.
 pub const BUDGET: u32 = 16;
+/// Most rounds, spent where they are seen to lead to a decision.
+pub const MOST: u32 = 64;
+/// Rounds from which on larger blocks are compared where errors of small ones are not known.
+const COARSE: u32 = 4;
 /// The part of the light that a reference may leave out.
 const COMPLETE: f64 = 1e-3;
 /// Integrators that are not compared by default: those that do not compute all light, and parts of polarised light.
@@ -299,9 +304,14 @@ impl Maker<'_> {
         let difference = loop {
             self.extend(&mut method, rounds);
             self.extend(reference, rounds);
-            let wider = method.wider.as_ref().map(|w| w.1.values());
-            let found = judge::compare(&reference.picture.values(), &method.picture.values(), wider.as_ref());
-            let is_over = unsure.of_all || rounds >= BUDGET || self.control.cancel.load(Ordering::Relaxed);
+            let found = compare(&method, reference, rounds);
+            let is_cancelled = self.control.cancel.load(Ordering::Relaxed);
+            let is_over = unsure.of_all || rounds >= BUDGET || is_cancelled;
+            let needed = found.needed(rounds).filter(|_| rounds == BUDGET && !unsure.of_all && !is_cancelled);
+            if let Some(needed) = needed {
+                rounds = needed;
+                continue;
+            }
             // A difference may be that of rare light, which few samples do not find: it must remain.
             if is_over || matches!(found.verdict, Verdict::Agrees | Verdict::Converges) {
                 let is_blind = unsure.of_paths && method.is_unguided();
@@ -315,6 +325,21 @@ impl Maker<'_> {
         let film = method.picture.film.unwrap_or_else(|| empty(self.scene));
         Comparison { difference, seconds, spp, film }
     }
+}
+
+/// Holds a method against the reference: by the smallest blocks whose errors are known, after some rounds.
+fn compare(method: &Method, reference: &Method, rounds: u32) -> Difference {
+    let [reference, ours] = [&reference.picture, &method.picture];
+    let wider = method.wider.as_ref().map(|(_, picture)| picture);
+    let finest = judge::compare(&reference.values(), &ours.values(), wider.map(Picture::values).as_ref());
+    if finest.is_reliable || rounds < COARSE {
+        return finest;
+    }
+    let coarser = |times: usize| {
+        let wider = wider.and_then(|picture| picture.coarser(times));
+        Some(judge::compare(&reference.coarser(times)?, &ours.coarser(times)?, wider.as_ref()))
+    };
+    [2, 4, 8].into_iter().map_while(coarser).find(|difference| difference.is_reliable).unwrap_or(finest)
 }
 
 /// A biased integrator with about half of its bias, and with twice that: half its radius, or patches of half the edge.

@@ -11,6 +11,8 @@ const BLOCK: usize = 4;
 const PARTS: u32 = 32;
 /// Fewer groups than this tell nothing.
 const FEWEST: usize = 16;
+/// Coarser blocks are at least so many.
+const FEWEST_BLOCKS: usize = 9;
 /// A value is made by few bright paths where one group holds this part of the squared deviations (of normal errors the
 /// largest of 32 holds a fifth, and half once in 10⁸).
 const DOMINATED: f64 = 0.5;
@@ -23,6 +25,8 @@ const RARE: f64 = 0.1;
 pub(super) struct Picture {
     /// All samples.
     pub film: Option<Film>,
+    /// Blocks across and down; none where that is not known.
+    blocks: [usize; 2],
     /// Of each part the means of blocks by channel.
     parts: Vec<Vec<f64>>,
     /// CPU seconds.
@@ -63,6 +67,21 @@ impl Value {
 }
 
 impl Values {
+    /// Of the means of blocks of each group of parts.
+    fn of(groups: Vec<Vec<f64>>) -> Self {
+        let (mut blocks, mut is_known) = (Vec::new(), Vec::new());
+        for k in 0..groups.first().map_or(0, Vec::len) {
+            let value = Value::of(groups.iter().map(|g| g[k]));
+            let squares = groups.iter().map(|g| (g[k] - value.mean) * (g[k] - value.mean));
+            let (sum, largest) = squares.fold((0.0, 0.0_f64), |(sum, largest), d| (sum + d, largest.max(d)));
+            is_known.push(largest <= DOMINATED * sum);
+            blocks.push(value);
+        }
+        let unknown = is_known.iter().filter(|known| !**known).count();
+        let is_reliable = groups.len() >= FEWEST && unknown as f64 <= RARE * blocks.len() as f64;
+        Self { blocks, is_known, freedom: groups.len().saturating_sub(1), is_reliable, groups }
+    }
+
     /// The mean of blocks with weights whose sum is one.
     pub fn mean(&self, weights: &[f64]) -> Value {
         Value::of(self.groups.iter().map(|g| g.iter().zip(weights).map(|(v, w)| v * w).sum::<f64>()))
@@ -90,6 +109,7 @@ impl Picture {
         self.seconds += session.cpu().as_secs_f64();
         self.is_guided |= session.asks_photons();
         let film = session.film();
+        self.blocks = [film.crop.width(), film.crop.height()].map(|side| (side as usize).div_ceil(BLOCK));
         match &mut self.film {
             None => self.film = Some(film),
             Some(sum) => sum.pixels.iter_mut().zip(&film.pixels).for_each(|(a, b)| include(a, b)),
@@ -128,18 +148,27 @@ impl Picture {
 
     /// The values with their variances.
     pub fn values(&self) -> Values {
-        let groups = self.groups();
-        let (mut blocks, mut is_known) = (Vec::new(), Vec::new());
-        for k in 0..groups.first().map_or(0, Vec::len) {
-            let value = Value::of(groups.iter().map(|g| g[k]));
-            let squares = groups.iter().map(|g| (g[k] - value.mean) * (g[k] - value.mean));
-            let (sum, largest) = squares.fold((0.0, 0.0_f64), |(sum, largest), d| (sum + d, largest.max(d)));
-            is_known.push(largest <= DOMINATED * sum);
-            blocks.push(value);
+        Values::of(self.groups())
+    }
+
+    /// The values of blocks whose edges are so many times as long; `None` where these would be too few.
+    pub fn coarser(&self, times: usize) -> Option<Values> {
+        let [columns, rows] = self.blocks;
+        let [across, down] = [columns.div_ceil(times), rows.div_ceil(times)];
+        if across * down < FEWEST_BLOCKS {
+            return None;
         }
-        let unknown = is_known.iter().filter(|known| !**known).count();
-        let is_reliable = groups.len() >= FEWEST && unknown as f64 <= RARE * blocks.len() as f64;
-        Values { blocks, is_known, freedom: groups.len().saturating_sub(1), is_reliable, groups }
+        let merged = |group: Vec<f64>| -> Vec<f64> {
+            let (mut sums, mut counts) = (vec![0.0; across * down * 3], vec![0.0; across * down * 3]);
+            for (k, v) in group.into_iter().enumerate() {
+                let (x, y) = (k / 3 % columns, k / 3 / columns);
+                let to = (y / times * across + x / times) * 3 + k % 3;
+                sums[to] += v;
+                counts[to] += 1.0;
+            }
+            sums.into_iter().zip(counts).map(|(sum, count)| sum / count).collect()
+        };
+        Some(Values::of(self.groups().into_iter().map(merged).collect()))
     }
 
     /// The parts in groups of equal size, of which there are at most twice [`PARTS`].
@@ -198,6 +227,19 @@ mod tests {
         // Both blocks err together.
         let mean = v.mean(&[0.5, 0.5]);
         assert!((mean.variance - 2.25 * v.blocks[0].variance).abs() < 1e-12, "{mean:?}");
+    }
+
+    /// Rare bright paths that each meet another block are known where blocks are merged; blocks at the edge, too.
+    #[test]
+    fn larger_blocks_meet_rare_paths_often_enough() {
+        let part = |n: usize| (0..7 * 6 * 3).map(|k| if n % 32 == k / 3 % 32 { 50.0 } else { 1.0 }).collect();
+        let parts: Vec<Vec<f64>> = (0..32).map(part).collect();
+        let picture = Picture { parts, blocks: [7, 6], ..Picture::default() };
+        assert!(!picture.values().is_reliable);
+        let coarse = picture.coarser(2).expect("twelve blocks");
+        assert!(coarse.is_reliable && coarse.blocks.len() == 4 * 3 * 3);
+        assert!((coarse.blocks[0].mean - (1.0 + 49.0 / 32.0)).abs() < 1e-12, "{:?}", coarse.blocks[0]);
+        assert!(picture.coarser(4).is_none());
     }
 
     /// One bright part tells nothing of how often such parts come.

@@ -144,6 +144,41 @@ fn mutants_are_found() {
     }
 }
 
+/// A glass ball whose caustics rare paths find everywhere on an endless floor: decided by larger blocks.
+#[test]
+fn rare_paths_do_not_leave_common_caustics_undecided() {
+    let text = r#"steradian: 1
+        materials: { floor: {material: diffuse, reflectance: 0.5}  g: {material: dielectric, eta: 1.5} }
+        camera: {camera: perspective, fov: 40, to_world: {look_at: [0,0.6,0], from: [0,2,6], up: [0,1,0]}}
+        film: {film: rgb, width: 24, height: 24}
+        integrator: {integrator: path, max_depth: 8}
+        lights: []
+        shapes: [
+          {shape: plane, normal: [0,1,0], material: floor}
+          {shape: sphere, center: [-2,4,2], radius: 0.5, material: floor, emission: {light: area, radiance: 20}}
+          {shape: sphere, center: [0,1,0], radius: 1, material: g}
+        ]"#;
+    let loaded = crate::load_bytes("ball.steradian", text.into(), Some("steradian"), &Default::default());
+    let options = crate::CompileOptions { mode: Some(steradian_core::ColorMode::Rgb), ..Default::default() };
+    let mut scene = Arc::new(crate::compile(&loaded.desc, &options).scene.expect("a sound scene"));
+    let quality = Quality { spp: Some(64), threads: 2, seed: Some(1), ..Quality::default() };
+    let named = ["path".to_owned(), "bdpt".to_owned()];
+    let report = verify(&mut scene, &quality, &named, &Control::default(), |_| ()).expect("a report");
+    assert_eq!(
+        report.with(Verdict::Agrees),
+        named,
+        "{:?}",
+        report
+            .verified
+            .iter()
+            .map(|v| match &v.outcome {
+                Outcome::Compared(c) => format!("{:?}", c.difference),
+                Outcome::Cannot(what) => what.clone(),
+            })
+            .collect::<Vec<_>>()
+    );
+}
+
 /// Of all looks at sound methods, on the scenes of `scenes/verify` with 20 seeds, at most one in a thousand accuses
 /// one: with few samples, where errors are least normal.
 #[test]
