@@ -119,7 +119,7 @@ impl Compiler<'_> {
             _ => self.float(node, "lens_radius", 0.0).max(0.0),
         };
         let focal_distance = self.positive(node, "focal_distance", 1e6);
-        let near = if node.get("near").is_some() { self.float(node, "near", 0.0).max(0.0) } else { 0.0 };
+        let [near, far] = self.planes(node)?;
         Some(Camera {
             projection,
             world_from_camera: place,
@@ -128,8 +128,20 @@ impl Compiler<'_> {
             lens_radius,
             focal_distance,
             near,
+            far,
             medium: None,
         })
+    }
+
+    /// Where rays start and end along the axis.
+    fn planes(&mut self, node: &Node) -> Option<[f32; 2]> {
+        let near = if node.get("near").is_some() { self.float(node, "near", 0.0).max(0.0) } else { 0.0 };
+        let far = if node.get("far").is_some() { self.positive(node, "far", f64::INFINITY) } else { f32::INFINITY };
+        if far <= near {
+            self.error(node.span, format!("'far', {far}, must be more than 'near', {near}"));
+            return None;
+        }
+        Some([near, far])
     }
 
     /// How a spherical camera maps directions.

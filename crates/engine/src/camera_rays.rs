@@ -118,7 +118,8 @@ impl CameraRays {
             rays(self.lanes, b, self.camera);
             for (k, (_, sampler, _)) in pixels.iter().enumerate() {
                 let own = sampler.at(b.seed[k], b.index[k]);
-                let ray = Ray::new(get3(&b.origin, k), get3(&b.direction, k));
+                let direction = get3(&b.direction, k);
+                let ray = Ray { t_max: self.camera.end(direction), ..Ray::new(get3(&b.origin, k), direction) };
                 let lambda = scene.mode().wavelengths(|| own.get_1d(dimension::WAVELENGTH));
                 samples.push(PixelSample { ray, own, joint: own, lambda, radiance: Spectrum::ZERO, rays: 0 });
             }
@@ -137,13 +138,16 @@ mod tests {
 
     #[test]
     fn samples_have_the_bits_of_single_ones() {
-        for (mode, filter, near) in [(ColorMode::Rgb, "box", 0.0), (ColorMode::Spectral, "gaussian", 0.01)] {
+        for (mode, filter, near, far) in
+            [(ColorMode::Rgb, "box", 0.0, f64::INFINITY), (ColorMode::Spectral, "gaussian", 0.01, 3.7)]
+        {
             let mut desc = SceneDesc::default();
             desc.filter = Some(desc.add(Node::new(Family::Filter, filter, None)));
             let film = Node::new(Family::Film, "rgb", None).with("width", 300_i64).with("height", 40_i64);
             desc.film = Some(desc.add(film));
             let place = Transform::look_at(DVec3::new(0.3, 1.0, -4.0), DVec3::new(0.0, 0.7, 0.1), DVec3::Y).unwrap();
             let camera = Node::new(Family::Camera, "perspective", None).with("fov", 50.0).with("near", near);
+            let camera = if far.is_finite() { camera.with("far", far) } else { camera };
             desc.cameras = vec![desc.add(camera.with("to_world", place))];
             let scene = compile(&desc, &Options { mode: Some(mode), ..Options::default() }).scene.unwrap();
             let sampler = Sampler { kind: SamplerKind::ZSobol, spp: 6, seed: 3 };

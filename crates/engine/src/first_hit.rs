@@ -77,7 +77,7 @@ fn next_hit(
         let i = scene.interaction(&from, &hit);
         match albedo(scene, &i, lambda) {
             Some((albedo, frame)) => return Some((i, albedo, frame)),
-            None => ray = i.spawn(ray.direction),
+            None => ray = i.rest(&ray),
         }
     }
     None

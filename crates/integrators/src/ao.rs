@@ -23,7 +23,7 @@ impl Integrator for AmbientOcclusion {
             let i = scene.interaction(&ray, &hit);
             let u = sampler.get_1d_lazily(dimension::at(0, dimension::MIXTURE), scene.has_mixtures());
             let Some((_, frame)) = scene.scattering(&i, u, lambda) else {
-                ray = i.spawn(ray.direction);
+                ray = i.rest(&ray);
                 continue;
             };
             let up = if frame.z.dot(i.wo) < 0.0 { -frame.z } else { frame.z };

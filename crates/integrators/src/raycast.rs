@@ -37,7 +37,7 @@ impl Integrator for Raycast {
                     return if self.hide_emitters { color } else { color + nee::emission(scene, &i, &None, lambda) };
                 }
                 _ => {
-                    ray = i.spawn(ray.direction);
+                    ray = i.rest(&ray);
                     differential = differential.map(|d| d.advance(i.t));
                 }
             }

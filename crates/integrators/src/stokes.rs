@@ -73,7 +73,7 @@ impl Stokes {
                 if passes > crate::MAX_PASSES {
                     return sum;
                 }
-                ray = i.spawn(ray.direction);
+                ray = i.rest(&ray);
                 continue;
             };
             let bsdf = &scattering.bsdf;

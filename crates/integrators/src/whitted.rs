@@ -101,7 +101,7 @@ impl Whitted {
                 false => scene.scattering_along(&i, differential.as_ref(), choice, lambda),
             };
             let Some((scattering, frame)) = surface else {
-                ray = i.spawn(ray.direction);
+                ray = i.rest(&ray);
                 differential = differential.map(|d| d.advance(i.t));
                 continue;
             };

@@ -204,7 +204,7 @@ impl<'a> Shader<'a> {
             match surface {
                 None => {
                     path.differential = path.differential.map(|d| d.advance(i.t));
-                    path.ray = i.spawn(ray.direction);
+                    path.ray = i.rest(&ray);
                 }
                 Some(_) if path.events >= self.depth.max => return sum,
                 Some((scattering, frame)) => {

@@ -426,7 +426,8 @@ fn triangle(ray: &Ray, [a, b, c]: [Vec3; 3], border: Border) -> Option<(f32, f32
     let s = ray.origin - a;
     let q = s.cross(e1);
     let (u, v, t) = (s.dot(p) / det, ray.direction.dot(q) / det, e2.dot(q) / det);
-    let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0;
+    let is_within = |t: f32| t > 0.0 && t.is_finite() && t < ray.t_max;
+    let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && is_within(t);
     if inside {
         return Some((t, u, v));
     }
@@ -439,5 +440,5 @@ fn triangle(ray: &Ray, [a, b, c]: [Vec3; 3], border: Border) -> Option<(f32, f32
     let (u, v) = if u + v > 1.0 { (u / (u + v), v / (u + v)) } else { (u, v) };
     let at = a + e1 * u + e2 * v;
     let t = (at - ray.origin).dot(ray.direction) / ray.direction.length_squared();
-    (t > 0.0 && t.is_finite()).then_some((t, u, v))
+    is_within(t).then_some((t, u, v))
 }

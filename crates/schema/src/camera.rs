@@ -6,7 +6,8 @@ use crate::{
 };
 
 const NEAR: Parameter = number("near", ANY, "0", "distance along the axis where rays start; below 0 counts as 0");
-const FAR: Parameter = number("far", ANY, "none", "without effect: rays do not end");
+const FAR: Parameter =
+    number("far", POSITIVE, "none", "distance along the axis where rays end, and the background is seen").refused();
 const LENS_RADIUS: Parameter = number("lens_radius", ANY, "0", "radius of the thin lens; up to 0 is a pinhole");
 const FOCAL_DISTANCE: Parameter =
     number("focal_distance", POSITIVE, "1e6", "distance of what is in focus, along the axis").refused();

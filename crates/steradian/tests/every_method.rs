@@ -11,9 +11,14 @@ const SEEDS: u64 = 3;
 
 /// A floor before the camera, with what is asked for; paths of so many bounces.
 fn scene(bounces: u32, integrator: &str, what: &str) -> Arc<Scene> {
+    scene_between("", bounces, integrator, what)
+}
+
+/// The same, with further parameters of the camera.
+fn scene_between(planes: &str, bounces: u32, integrator: &str, what: &str) -> Arc<Scene> {
     let text = format!(
         "steradian: 1
-camera: {{camera: perspective, fov: 30, to_world: {{look_at: [0,0,0], from: [0,-3,3], up: [0,0,1]}}}}
+camera: {{camera: perspective, fov: 30, to_world: {{look_at: [0,0,0], from: [0,-3,3], up: [0,0,1]}}{planes}}}
 film: {{film: rgb, width: 8, height: 8}}
 integrator: {{integrator: {integrator}, max_depth: {bounces}}}
 materials: {{w: {{material: diffuse, reflectance: 0.5}}, k: {{material: diffuse, reflectance: 0}}, {what}
@@ -86,6 +91,23 @@ fn lights_are_found_or_told() {
     let mut faults = String::new();
     for light in lights {
         faults += &obey(light, &scene(1, "path", &format!("}}\nlights: [{light}]\nshapes: [{FLOOR}]")), "path", &[]);
+    }
+    assert!(faults.is_empty(), "\n{faults}");
+}
+
+/// What lies before the plane `near` or beyond the plane `far` of the camera is seen by no method; a pane that only
+/// separates media hides nothing, and moves no plane.
+#[test]
+fn planes_that_cut_the_view_are_followed() {
+    let pane = "{shape: sphere, radius: 0.3, to_world: {translate: [0,-1.2,1.2]}, material: i}";
+    let lamp = "i: {material: interface}}\nlights: [{light: point, position: [0.5,0,2], intensity: 3}]";
+    let seen = |planes: &str| scene_between(planes, 2, "path", &format!("{lamp}\nshapes: [{FLOOR}, {pane}]"));
+    let mut faults = String::new();
+    let [whole, _] = mean(&seen(""), "path", 64).expect("path");
+    for planes in [", near: 4", ", far: 4.4", ", near: 3.9, far: 4.5"] {
+        let [part, _] = mean(&seen(planes), "path", 64).expect("path");
+        assert!(part > 0.2 * whole && part < 0.8 * whole, "{planes}: {part} of {whole}");
+        faults += &obey(planes, &seen(planes), "path", &[]);
     }
     assert!(faults.is_empty(), "\n{faults}");
 }

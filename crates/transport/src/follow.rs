@@ -64,7 +64,7 @@ pub fn meet<'s, const MEDIA: bool>(
         }
         if let (true, false, Some(medium)) = (MEDIA, std::mem::take(&mut has_flown), path_state.medium) {
             let scattering = &scene.media()[medium as usize];
-            let distance = hit.as_ref().map_or(f32::INFINITY, |h| h.t);
+            let distance = hit.as_ref().map_or(path_state.ray.t_max, |h| h.t);
             let u = sampler.get_1d(path_state.dimension(dimension::FLIGHT));
             let lane = sampler.get_1d(path_state.dimension(dimension::LANE));
             let weight = volume_emission::weight(scene, medium, &path_state.origin, path_state.ray.direction);

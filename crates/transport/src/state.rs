@@ -219,7 +219,7 @@ impl PathState {
         if MEDIA {
             self.medium = scene.medium_towards(i, self.ray.direction, self.medium);
         }
-        self.ray = i.spawn(self.ray.direction);
+        self.ray = i.rest(&self.ray);
         self.differential = self.differential.map(|d| d.advance(i.t));
     }
 

@@ -15,8 +15,8 @@ const FAMILIES: [Family; 9] = {
 /// Whether the compiler does not read a parameter, or takes it without a word whatever it is.
 fn is_unread(family: Family, kind: &str, name: &str) -> bool {
     match (family, name) {
-        // Readers of other formats set these.
-        (Family::Camera, "far") | (Family::Film, "filename") => true,
+        // Readers of other formats set it.
+        (Family::Film, "filename") => true,
         // The reader of pbrt's files sets it of every light, and slides have no use for it.
         (Family::Light, "normalize") => kind == "projection",
         _ => false,

@@ -170,6 +170,7 @@ mod tests {
             lens_radius: 0.0,
             focal_distance: 2.5,
             near: 0.01,
+            far: f32::INFINITY,
             medium: None,
         };
         let mut all = Vec::new();

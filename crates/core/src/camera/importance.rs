@@ -58,7 +58,7 @@ impl Camera {
         let seen = if self.near > 0.0 && towards.z < 0.0 { 1.0 + self.near / towards.z } else { 1.0 };
         let to = self.world_from_camera.vector(towards);
         let distance = to.length();
-        if seen <= 0.0 || !(distance > 0.0 && distance.is_finite()) {
+        if seen <= 0.0 || -towards.z > self.far || !(distance > 0.0 && distance.is_finite()) {
             return None;
         }
         let to_camera = to / distance;
@@ -214,6 +214,7 @@ mod tests {
                     projection: projection.clone(),
                     lens_radius,
                     near: if planar { 0.05 } else { 0.0 },
+                    far: f32::INFINITY,
                     world_from_camera: place.affine().unwrap(),
                     window: [-0.8, 0.8, -0.6, 0.6],
                     focal_distance: 2.5,
@@ -247,6 +248,25 @@ mod tests {
             assert!(camera.can_receive());
         }
         assert!(!Camera { lens_radius: 0.1, ..cameras().pop().unwrap() }.can_receive());
+    }
+
+    /// A point just before the plane `far` is received, and on a camera ray; one just beyond it is neither.
+    #[test]
+    fn nothing_is_seen_beyond_the_far_plane() {
+        let film = film();
+        let lens = Vec2::new(0.3, 0.6);
+        for camera in cameras().into_iter().filter(|c| c.near > 0.0) {
+            let camera = Camera { far: 1.7, ..camera };
+            for at in [Vec2::new(20.0, 15.0), Vec2::new(3.0, 27.0)] {
+                let ray = camera.ray(&film, at, lens);
+                let axis = camera.world_from_camera.inverse().vector(ray.direction).z;
+                let left = 1.7 - camera.world_from_camera.inverse().point(ray.origin).z;
+                let what = format!("{:?}, lens {}", camera.projection, camera.lens_radius);
+                assert!((ray.t_max - left / axis).abs() < 1e-4, "{what}: {}", ray.t_max);
+                assert!(camera.receive(&film, ray.at(ray.t_max * 0.999), lens).is_some(), "{what}");
+                assert!(camera.receive(&film, ray.at(ray.t_max * 1.001), lens).is_none(), "{what}");
+            }
+        }
     }
 
     /// The importance of a camera integrates to the pixels of its frame: over directions, and of parallel rays over a

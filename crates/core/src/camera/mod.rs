@@ -51,6 +51,8 @@ pub struct Camera {
     pub focal_distance: f32,
     /// Distance from the eye, along the axis, where rays start.
     pub near: f32,
+    /// Distance from the eye, along the axis, where rays end, and the background is seen; infinite where they do not.
+    pub far: f32,
     /// Index of the medium the camera is in.
     pub medium: Option<u32>,
 }
@@ -106,6 +108,7 @@ pub struct Pinhole {
     size: [f32; 2],
     window: [f32; 4],
     near: f32,
+    view: View,
     /// Columns of the matrix that places it, the last of them its place.
     place: [Vec3; 4],
 }
@@ -113,7 +116,31 @@ pub struct Pinhole {
 /// The width, in radians, of the cone of directions that [`Projection::Ray`] takes.
 const ACCEPTANCE: f32 = 1e-6;
 
+/// The view between the planes at [`Camera::near`] and [`Camera::far`].
+#[derive(Clone, Copy, Debug)]
+struct View {
+    /// How far it reaches along the axis.
+    depth: f32,
+    /// How much further along the axis of camera space is what is further in the world.
+    axis: Vec3,
+}
+
+impl View {
+    /// Where a ray in a unit direction leaves it.
+    #[inline(always)]
+    fn end(&self, direction: Vec3) -> f32 {
+        let advance = self.axis.dot(direction);
+        if self.depth < f32::INFINITY && advance > 0.0 { self.depth / advance } else { f32::INFINITY }
+    }
+}
+
 impl Pinhole {
+    /// Where a ray in a unit direction ends, with the bits of [`Camera::ray`].
+    #[inline(always)]
+    pub fn end(&self, direction: Vec3) -> f32 {
+        self.view.end(direction)
+    }
+
     /// Origin and unit direction of the ray through a point of the full frame, with the bits of [`Camera::ray`].
     #[inline(always)]
     pub fn ray(&self, pixel: Vec2) -> (Vec3, Vec3) {
@@ -134,6 +161,7 @@ impl Camera {
             size: [film.width as f32, film.height as f32],
             window: self.window,
             near: self.near.max(0.0),
+            view: self.view(),
             place: [m.x_axis, m.y_axis, m.z_axis, m.w_axis].map(glam::Vec4::truncate),
         })
     }
@@ -167,8 +195,13 @@ impl Camera {
         if self.near > 0.0 && direction.z > 0.0 {
             origin += direction * (self.near / direction.z);
         }
-        let d = self.world_from_camera.vector(direction);
-        Ray::new(self.world_from_camera.point(origin), d.normalize())
+        let d = self.world_from_camera.vector(direction).normalize();
+        Ray { t_max: self.view().end(d), ..Ray::new(self.world_from_camera.point(origin), d) }
+    }
+
+    /// What lies between the planes that cut the view.
+    fn view(&self) -> View {
+        View { depth: self.far - self.near.max(0.0), axis: self.world_from_camera.inv.transpose().z_axis.truncate() }
     }
 
     /// [`Self::ray`] at a moment of the exposure.
@@ -210,7 +243,8 @@ impl Camera {
     fn moved(&self, ray: Ray) -> Ray {
         let Some(place) = self.motion.as_ref().and_then(|motion| motion.at(ray.time)) else { return ray };
         let ray = place.ray(&self.world_from_camera.inverse().ray(&ray));
-        Ray { direction: ray.direction.normalize(), ..ray }
+        let length = ray.direction.length();
+        Ray { direction: ray.direction.normalize(), t_max: ray.t_max * length, ..ray }
     }
 
     /// The camera's forward axis in the world, unit length.
@@ -243,6 +277,7 @@ impl Camera {
             lens_radius: 0.0,
             focal_distance: 1.0,
             near: 0.0,
+            far: f32::INFINITY,
             medium: None,
         })
     }

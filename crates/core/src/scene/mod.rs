@@ -282,6 +282,12 @@ impl Interaction {
         Ray { time: self.time, ..Ray::new(offset_ray_origin(s.p, s.error, s.n, direction), direction) }
     }
 
+    /// The rest of the ray that arrived, behind the surface.
+    #[inline]
+    pub fn rest(&self, ray: &Ray) -> Ray {
+        Ray { t_max: ray.t_max - self.t, ..self.spawn(ray.direction) }
+    }
+
     /// A ray to a point at a distance in a unit direction, that ends just before it.
     #[inline]
     pub fn spawn_towards(&self, direction: Vec3, distance: f32) -> Ray {

@@ -176,11 +176,6 @@ impl Reader<'_> {
         }
         node.set("near", near, Some(self.value_span(object, "near_clip")));
         node.set("far", far, Some(self.value_span(object, "far_clip")));
-        // Exporters write it always, mostly beyond all that there is: that is no loss.
-        if far < 1e4 {
-            let span = self.value_span(object, "far_clip");
-            self.note(span, format!("'far_clip' has no effect: what is further away than {far} is seen"));
-        }
         self.ignore(object, &["focus_distance"]);
     }
 

@@ -144,7 +144,7 @@ pub(super) fn direct(run: &Run<'_>, v: &Vertex<'_>, sampler: &PixelSampler, coun
             if !scene.geometries()[i.geometry as usize].is_interface {
                 break;
             }
-            ray = i.spawn(ray.direction);
+            ray = i.rest(&ray);
         }
     }
     run.developed(v.beta * sum, &v.lambda)

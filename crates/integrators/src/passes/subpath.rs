@@ -232,7 +232,7 @@ impl Subpath {
             }
             self.passes += 1;
             self.distance = distance;
-            self.ray = i.spawn(self.ray.direction);
+            self.ray = i.rest(&self.ray);
         }
         Arrival::Ended
     }

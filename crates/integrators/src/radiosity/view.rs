@@ -63,7 +63,7 @@ impl Integrator for View {
             let passes_straight = is_camera_ray && self.depth.hides(scene, i.geometry, 0);
             let surface = if passes_straight { None } else { scene.scattering(&i, u, lambda) };
             let Some((s, frame)) = surface else {
-                ray = i.spawn(ray.direction);
+                ray = i.rest(&ray);
                 continue;
             };
             if event == most {
@@ -184,7 +184,7 @@ impl Seen<'_> {
             };
             let y = scene.interaction(&ray, &hit);
             if scene.geometries()[y.geometry as usize].is_interface {
-                ray = y.spawn(ray.direction);
+                ray = y.rest(&ray);
                 continue;
             }
             let emitted = nee::emission(scene, &y, &origin, lambda);

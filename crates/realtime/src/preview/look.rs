@@ -58,7 +58,7 @@ pub fn look<'a>(
         match surface {
             None => {
                 path.differential = path.differential.map(|d| d.advance(i.t));
-                path.ray = i.spawn(ray.direction);
+                path.ray = i.rest(&ray);
             }
             Some(_) if path.events >= shader.depth.max => return look,
             Some((scattering, frame)) => {

@@ -261,15 +261,20 @@ impl Writer<'_> {
             _ => Transform::IDENTITY,
         };
         let near = node.float("near").filter(|n| *n > 0.0).unwrap_or(1e-2);
+        let far = node.float("far").filter(|far| *far > near);
         let camera = if is_perspective {
             if center.iter().any(|c| c.abs() > 1e-6) {
                 self.x.approximated(node, "the camera's window is centred in glTF");
             }
             let fov = 2.0 * half[1].atan();
-            json!({ "type": "perspective", "perspective": { "yfov": fov, "aspectRatio": aspect, "znear": near } })
+            let mut lens = json!({ "yfov": fov, "aspectRatio": aspect, "znear": near });
+            if let Some(far) = far {
+                lens["zfar"] = json!(far);
+            }
+            json!({ "type": "perspective", "perspective": lens })
         } else {
             to_world = to_world * Transform::translate(DVec3::new(center[0], center[1], 0.0));
-            let far = 1e4;
+            let far = far.unwrap_or(1e4);
             json!({ "type": "orthographic", "orthographic": { "xmag": half[0], "ymag": half[1], "znear": 0.0, "zfar": far } })
         };
         // glTF's cameras look along −z.

@@ -91,7 +91,8 @@ impl Writer<'_> {
         let near = node.float("near").filter(|n| *n > 0.0).unwrap_or(1e-2);
         let distance = to_world.point(DVec3::ZERO).length() + self.reach;
         out.float("near_clip", near);
-        out.float("far_clip", node.float("far").unwrap_or(1e4).max(2.0 * distance).max(2.0 * near));
+        // Mitsuba's default may cut what is seen here.
+        out.float("far_clip", node.float("far").unwrap_or(1e4f64.max(2.0 * distance).max(2.0 * near)));
         for name in ["shutter_open", "shutter_close"] {
             if let Some(time) = node.float(name) {
                 out.float(name, time);
