@@ -6,7 +6,7 @@
 //! sums and a count, and nothing depends on threads. A pass that is cancelled counts for nothing.
 
 use crate::{
-    Control, Counters, Doubt, FIRST_LOOK, History, Plan, Session, cpu_time, dimension,
+    Control, Counters, Doubt, FIRST_LOOK, History, Plan, Session, Stop, cpu_time, dimension,
     estimate::Sum,
     first_hit,
     session::Earlier,
@@ -94,7 +94,7 @@ impl<'s> Run<'s> {
     }
 
     /// Does pieces of work on all threads; what they found, in the order of the pieces, and what was counted. `None`
-    /// where it was cancelled.
+    /// where it was cancelled: what was asked for meanwhile counts for nothing, so that work may break off anywhere.
     pub fn in_order<T: Send>(
         &self,
         pieces: usize,
@@ -109,8 +109,12 @@ impl<'s> Run<'s> {
                 if piece >= pieces {
                     break;
                 }
-                let mut mine = Counters::default();
-                found.push((piece, work(piece, &mut mine)));
+                let mut mine = Counters::until(&Stop::by(&self.control.cancel));
+                let one = work(piece, &mut mine);
+                if self.is_cancelled() {
+                    break;
+                }
+                found.push((piece, one));
                 self.control.rays.fetch_add(mine.rays, Ordering::Relaxed);
                 self.control.samples.fetch_add(mine.samples, Ordering::Relaxed);
                 counters += &mine;

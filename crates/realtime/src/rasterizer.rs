@@ -17,7 +17,7 @@ use steradian_core::{
     Scene,
     film::{FilmSpec, PassFilm},
 };
-use steradian_engine::{Counters, Pass, Plan, Run, Sight, Stop, first_hit};
+use steradian_engine::{Counters, Pass, Plan, Run, Sight, first_hit};
 use steradian_math::{Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
 use steradian_transport::Depth;
 
@@ -104,7 +104,7 @@ impl Rasterizer {
                 Some(lesson) => Found { value: lesson[row * width + column], lights: Vec::new() },
                 None => self.pixel(&drawing, shadows, [column as u32, row as u32], counters),
             };
-            (0..width).map(pixel).collect::<Vec<_>>()
+            (0..width).take_while(|_| !run.is_cancelled()).map(pixel).collect::<Vec<_>>()
         });
         let Some((rows, mut counters)) = rows else { return Ok(None) };
         for (at, found) in rows.iter().flatten().enumerate() {
@@ -160,7 +160,6 @@ impl Rasterizer {
         counters.by_group.clear();
         let groups = if self.by_light { scene.light_groups().names.len() } else { 0 };
         counters.by_group.resize(groups, Spectrum::ZERO);
-        counters.stop = Stop::by(&run.control.cancel);
         let mut radiance = shader.radiance(&ray, seen, at, &mut lambda, counters);
         let sight = Sight { sees_through: false, hide_emitters: self.depth.hide_emitters };
         if self.transparent && first_hit(scene, ray, &lambda, sight, None).coverage == 0.0 {

@@ -16,8 +16,11 @@ pub struct Trace<'a> {
 }
 
 impl Trace<'_> {
-    /// What a ray meets first.
+    /// What a ray meets first; nothing once a stop is asked for.
     pub fn nearest(&mut self, scene: &Scene, ray: &Ray) -> Option<Hit> {
+        if self.counters.stop.is_asked() {
+            return None;
+        }
         self.counters.rays += 1;
         match self.world {
             Some(world) => world.nearest(scene, ray),
@@ -25,12 +28,45 @@ impl Trace<'_> {
         }
     }
 
-    /// Whether anything is on a ray.
+    /// Whether anything is on a ray; so it is said once a stop is asked for.
     pub fn is_occluded(&mut self, scene: &Scene, ray: &Ray) -> bool {
+        if self.counters.stop.is_asked() {
+            return true;
+        }
         self.counters.rays += 1;
         match self.world {
             Some(world) => world.is_occluded(scene, ray),
             None => scene.occluded(ray),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::{Arc, atomic::AtomicBool};
+    use steradian_compile::{Options, compile};
+    use steradian_engine::Stop;
+    use steradian_math::Vec3;
+    use steradian_scene::{Family, Node, SceneDesc, Shape};
+
+    /// No ray is traced once a stop is asked for.
+    #[test]
+    fn a_stop_ends_all_rays() {
+        let mut desc = SceneDesc::default();
+        desc.film = Some(desc.add(Node::new(Family::Film, "rgb", None)));
+        desc.cameras = vec![desc.add(Node::new(Family::Camera, "perspective", None))];
+        let ball = desc.add(Node::new(Family::Shape, "sphere", None));
+        desc.shapes.push(Shape::new(ball));
+        let scene = compile(&desc, &Options::default()).scene.unwrap();
+        let ray = Ray::new(Vec3::ZERO, Vec3::Z);
+        for is_stopped in [false, true] {
+            let stop = Stop::by(&Arc::new(AtomicBool::new(is_stopped)));
+            let mut counters = Counters::until(&stop);
+            let mut trace = Trace { counters: &mut counters, pixel: None, world: None };
+            assert_eq!(trace.nearest(&scene, &ray).is_some(), !is_stopped);
+            assert!(trace.is_occluded(&scene, &ray));
+            assert_eq!(counters.rays, if is_stopped { 0 } else { 2 });
         }
     }
 }

@@ -14,7 +14,7 @@ fn scene(bounces: u32, integrator: &str, what: &str) -> Arc<Scene> {
     scene_between("", bounces, integrator, what)
 }
 
-/// The same, with further parameters of the camera.
+/// As [`scene`], with further parameters of the camera.
 fn scene_between(planes: &str, bounces: u32, integrator: &str, what: &str) -> Arc<Scene> {
     let text = format!(
         "steradian: 1
@@ -101,7 +101,7 @@ fn lights_are_found_or_told() {
 fn planes_that_cut_the_view_are_followed() {
     let pane = "{shape: sphere, radius: 0.3, to_world: {translate: [0,-1.2,1.2]}, material: i}";
     let lamp = "i: {material: interface}}\nlights: [{light: point, position: [0.5,0,2], intensity: 3}]";
-    let seen = |planes: &str| scene_between(planes, 2, "path", &format!("{lamp}\nshapes: [{FLOOR}, {pane}]"));
+    let seen = |planes: &str| scene_between(planes, 4, "path", &format!("{lamp}\nshapes: [{FLOOR}, {pane}]"));
     let mut faults = String::new();
     let [whole, _] = mean(&seen(""), "path", 64).expect("path");
     for planes in [", near: 4", ", far: 4.4", ", near: 3.9, far: 4.5"] {

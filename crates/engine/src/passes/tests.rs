@@ -122,3 +122,24 @@ fn splats_that_are_no_numbers_are_black() {
     film.splat(&Splat { at: Vec2::splat(-1e30), rgb: Vec3::ONE });
     assert!(film.nonfinite() == 2 && film.sums().iter().flatten().all(|v| *v == 0.0));
 }
+
+/// Work that is under way when a stop is asked for sees it, may break off, and counts for nothing.
+#[test]
+fn work_sees_that_a_stop_is_asked_for() {
+    let scene = scene("box");
+    for threads in [1, 2] {
+        let control = Control::default();
+        let sampler = Sampler { kind: SamplerKind::Independent, spp: 1, seed: 0 };
+        let run = Run { scene: &scene, sampler, threads, control: &control };
+        let found = run.in_order(1, |_, counters| {
+            let steps = (0..1000).take_while(|step| {
+                if *step == 10 {
+                    control.cancel.store(true, Ordering::Relaxed);
+                }
+                !counters.stop.is_asked()
+            });
+            assert_eq!(steps.count(), 10);
+        });
+        assert!(found.is_none());
+    }
+}

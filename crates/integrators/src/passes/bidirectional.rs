@@ -396,7 +396,7 @@ impl Pass for Tracer {
         let grid = if self.merges() {
             let (photons, counters) = run.in_order(pieces, |piece, counters| {
                 let (mut photons, mut subpaths) = (Vec::new(), Vec::new());
-                for k in piece * PIECE..pixels.min((piece + 1) * PIECE) {
+                for k in (piece * PIECE..pixels.min((piece + 1) * PIECE)).take_while(|_| !run.is_cancelled()) {
                     let (x, y) = place(k);
                     let sample = run.camera_sample(x, y, number);
                     let numbers = &sample.sampler;
@@ -423,7 +423,7 @@ impl Pass for Tracer {
                 let mut all = (Vec::new(), Vec::new());
                 let mut found = Found::default();
                 let begin = (first + piece) * PIECE;
-                for k in begin..pixels.min(begin + PIECE) {
+                for k in (begin..pixels.min(begin + PIECE)).take_while(|_| !run.is_cancelled()) {
                     let (x, y) = place(k);
                     let mut sample = run.camera_sample(x, y, number);
                     if let Some(lambda) = shared {

@@ -205,8 +205,10 @@ impl Chains {
     fn chain(&self, run: &Run<'_>, seed: u64, mutations: usize, counters: &mut Counters) -> Vec<Splat> {
         // Where it begins, and the mean of all places where it might have.
         let seeds: Vec<u64> = (0..BEGINNINGS as u64).map(|k| combine64(seed, k)).collect();
-        let weights: Vec<f32> =
-            seeds.iter().map(|s| self.sample(run, &Proposal::new(*s), counters).importance).collect();
+        let weights: Vec<f32> = seeds
+            .iter()
+            .map_while(|s| (!run.is_cancelled()).then(|| self.sample(run, &Proposal::new(*s), counters).importance))
+            .collect();
         let sum: f32 = weights.iter().sum();
         if !(sum > 0.0 && sum.is_finite()) {
             return Vec::new();
@@ -231,7 +233,7 @@ impl Chains {
         };
         // What a state brings is added when it is left.
         let mut stayed = 0.0;
-        for _ in 0..mutations {
+        for _ in (0..mutations).take_while(|_| !run.is_cancelled()) {
             let is_large = numbers.uniform() < self.large_step;
             numbers.mutate(is_large);
             let proposed = self.sample(run, &numbers, counters);

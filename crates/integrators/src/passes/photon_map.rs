@@ -184,7 +184,7 @@ impl Pass for Mapped {
                 counters.samples += 1;
                 self.pixel(run, &maps, x, crop.y0 + row as u32, counters)
             };
-            (crop.x0..crop.x1).map(pixel).collect::<Vec<_>>()
+            (crop.x0..crop.x1).take_while(|_| !run.is_cancelled()).map(pixel).collect::<Vec<_>>()
         })?;
         total += &counters;
         film.add_rows(&rows);

@@ -75,7 +75,7 @@ pub(super) fn land(
     let ways = Ways::connections(1.0, false);
     let (found, counters) = run.in_order(count.div_ceil(PIECE), |piece, counters| {
         let mut photons = Vec::new();
-        for k in piece * PIECE..count.min((piece + 1) * PIECE) {
+        for k in (piece * PIECE..count.min((piece + 1) * PIECE)).take_while(|_| !run.is_cancelled()) {
             let (sampler, lambda) = seed(k as u32);
             let Some(mut path) = Subpath::from_light(run.scene, emission, &sampler, lambda) else { continue };
             while let Arrival::Vertex(v) = path.arrive(run.scene, &sampler, counters, |_, _, _, _| ()) {
@@ -179,7 +179,7 @@ impl Pass for Progressive {
                 counters.samples += 1;
                 self.pixel(run, x, crop.y0 + row as u32, &landed, counters)
             };
-            (crop.x0..crop.x1).map(pixel).collect::<Vec<_>>()
+            (crop.x0..crop.x1).take_while(|_| !run.is_cancelled()).map(pixel).collect::<Vec<_>>()
         })?;
         total += &counters;
         film.add_rows(&rows);

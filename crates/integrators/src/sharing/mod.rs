@@ -197,7 +197,13 @@ pub(crate) fn group<'s, const MEDIA: bool>(
     for k in 0..precomputed.effort.lights {
         direct::<MEDIA>(scene, k, group, pixel_samples, counters);
     }
+    if counters.stop.is_asked() {
+        return;
+    }
     bounce(path, scene, precomputed, group, pixel_samples, counters);
+    if counters.stop.is_asked() {
+        return;
+    }
     share(path, scene, precomputed, group, pixel_samples, counters);
 }
 

@@ -42,7 +42,7 @@ pub(crate) fn run<const MEDIA: bool>(
         }
     }
     let samples = u64::from(scene.film().width) * u64::from(scene.film().height) * u64::from(plan.sampler.spp);
-    let is_open = !(MEDIA && scene.has_media()) && is_open(scene);
+    let is_open = !(MEDIA && scene.has_media()) && is_open(scene, stop);
     // Densities of ways through media that vary are not known, which sharing would need.
     let varies = MEDIA && scene.media().iter().any(|m| m.field.is_some());
     precomputed.group = match variance_reduction.reuse {
@@ -66,13 +66,13 @@ pub(crate) fn run<const MEDIA: bool>(
 }
 
 /// Whether the sky is met by more than a quarter of the directions from what the camera sees, by a few hundred of them.
-fn is_open(scene: &Scene) -> bool {
+fn is_open(scene: &Scene, stop: &Stop) -> bool {
     if scene.lights().environments.is_empty() {
         return false;
     }
     const EDGE: u32 = 16;
     let (mut seen, mut escaped) = (0, 0);
-    for k in 0..EDGE * EDGE {
+    for k in (0..EDGE * EDGE).take_while(|_| !stop.is_asked()) {
         let size = Vec2::new(scene.film().width as f32, scene.film().height as f32);
         let place = Vec2::new((k % EDGE) as f32 + 0.5, (k / EDGE) as f32 + 0.5) / EDGE as f32;
         let ray = scene.camera().ray(scene.film(), place * size, Vec2::splat(0.5));

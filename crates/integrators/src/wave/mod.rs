@@ -8,7 +8,7 @@ mod lights;
 mod media;
 mod vertices;
 
-use crate::{Counters, path::PathTracer, precomputed::Precomputed};
+use crate::{Counters, Stop, path::PathTracer, precomputed::Precomputed};
 use block::Block;
 use std::mem::take;
 use steradian_accel::{
@@ -124,7 +124,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
         let WaveBuffer { rays, hits, .. } = &mut *buffer;
         hits.clear();
         hits.resize(rays.len(), None);
-        scene.intersect_batch(rays, hits);
+        in_parts(rays, hits, &counters.stop, |rays, hits| scene.intersect_batch(rays, hits));
         counters.rays += rays.len() as u64;
 
         buffer.diffuse.clear();
@@ -153,7 +153,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
 
         occluded.clear();
         occluded.resize(shadows.rays.len(), false);
-        scene.occluded_batch(&shadows.rays, occluded);
+        in_parts(&shadows.rays, occluded, &counters.stop, |rays, is| scene.occluded_batch(rays, is));
         counters.rays += shadows.rays.len() as u64;
         for ((sample, light), is_occluded) in shadows.light.iter().zip(&*occluded) {
             let sample = &mut pixel_samples[*sample as usize];
@@ -250,6 +250,16 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
     }
 }
 
+/// So many rays are asked about at once: in scenes where each takes long, a stop is not waited for.
+const PART: usize = 64;
+
+/// Asks about rays part by part, until a stop is asked for; what is left then is as it was.
+fn in_parts<T>(rays: &[Ray], found: &mut [T], stop: &Stop, mut ask: impl FnMut(&[Ray], &mut [T])) {
+    for (rays, found) in rays.chunks(PART).zip(found.chunks_mut(PART)).take_while(|_| !stop.is_asked()) {
+        ask(rays, found);
+    }
+}
+
 /// Puts paths next to each other whose rays have the same signs of direction and the same greatest axis, and takes
 /// these rays.
 fn sort(buffer: &mut WaveBuffer<'_>) {
@@ -275,4 +285,30 @@ fn sort(buffer: &mut WaveBuffer<'_>) {
         *start += 1;
     }
     std::mem::swap(live, order);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    };
+
+    /// Rays are asked about up to the part in which a stop is asked for, and all of them where none is.
+    #[test]
+    fn rays_are_left_where_a_stop_is_asked_for() {
+        let rays = [PathState::NONE.ray; 10 * PART + 7];
+        for (stops_at, expected) in [(usize::MAX, rays.len()), (3, 3 * PART)] {
+            let flag = Arc::new(AtomicBool::new(false));
+            let (mut found, mut parts) = ([false; 10 * PART + 7], 0);
+            in_parts(&rays, &mut found, &Stop::by(&flag), |rays, found| {
+                assert_eq!(rays.len(), found.len());
+                found.fill(true);
+                parts += 1;
+                flag.store(parts == stops_at, Ordering::Relaxed);
+            });
+            assert_eq!(found.iter().filter(|is_found| **is_found).count(), expected);
+        }
+    }
 }

@@ -16,7 +16,7 @@ use crate::{
 use std::collections::BTreeMap;
 use steradian_bsdf::{BsdfSample, Lobe};
 use steradian_denoise::svgf::Denoiser;
-use steradian_engine::{Counters, Stop};
+use steradian_engine::Counters;
 use steradian_math::{Ray, Spectrum, Vec3, spectra::Wavelengths, warp};
 use steradian_transport::nee;
 
@@ -264,13 +264,12 @@ impl<'a> Frame<'a> {
         let crop = run.scene.film().crop;
         let (scene, seed) = (run.scene, run.sampler.seed);
         let rows = run.in_order(crop.height() as usize, |row, counters| {
-            counters.stop = Stop::by(&run.control.cancel);
             let shader = Shader { scene, shadows, options, depth, pass: *number, seed };
             let of_pixel = |x| {
                 let mut trace = Trace { counters, pixel: None, world: Some(world) };
                 pixel(self, [x, row as u32], &shader, &mut trace)
             };
-            (0..crop.width()).map(of_pixel).collect::<Vec<_>>()
+            (0..crop.width()).take_while(|_| !run.is_cancelled()).map(of_pixel).collect::<Vec<_>>()
         });
         let (rows, counters) = rows.ok_or(Error::Cancelled)?;
         self.counters += &counters;

@@ -23,7 +23,7 @@ use look::{look, object};
 use rayon::prelude::*;
 use steradian_bsdf::TransportMode;
 use steradian_core::{ColorMode, Scene, camera::Projection, film::PassFilm, sampler::Sampler, scene::Shape};
-use steradian_engine::{Counters, Pass, PathContext, Plan, Run, Stop, albedo, albedo_of, dimension};
+use steradian_engine::{Counters, Pass, PathContext, Plan, Run, albedo, albedo_of, dimension};
 use steradian_math::{Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
 use steradian_transport::{Depth, NoGuide, PathState, along};
 
@@ -156,8 +156,10 @@ impl Drawing<'_> {
     /// What the pixels show, by rows.
     fn pixels(&self, [width, height]: [u32; 2]) -> Option<(Vec<Pixel>, Counters)> {
         let (rows, counters) = self.run.in_order(height as usize, |row, counters| {
-            counters.stop = Stop::by(&self.run.control.cancel);
-            (0..width).map(|x| self.pixel([x, row as u32], counters)).collect::<Vec<_>>()
+            (0..width)
+                .take_while(|_| !self.run.is_cancelled())
+                .map(|x| self.pixel([x, row as u32], counters))
+                .collect::<Vec<_>>()
         })?;
         Some((rows.into_iter().flatten().collect(), counters))
     }
@@ -222,7 +224,6 @@ impl Drawing<'_> {
         let [columns, rows] = indirect::blocks(size);
         let paths = (ALL_PATHS / columns.saturating_mul(rows).max(1)).clamp(PATHS[0], PATHS[1]);
         let (points, counters) = self.run.in_order(rows as usize, |row, counters| {
-            counters.stop = Stop::by(&self.run.control.cancel);
             let of_block = |column| {
                 let mut found = indirect::pixels([column, row as u32], size);
                 found.find_map(|at| {
@@ -230,7 +231,7 @@ impl Drawing<'_> {
                     Some((surface, self.indirect(at, paths, counters) / surface.albedo))
                 })
             };
-            (0..columns).map(of_block).collect::<Vec<_>>()
+            (0..columns).take_while(|_| !self.run.is_cancelled()).map(of_block).collect::<Vec<_>>()
         })?;
         let points = points.into_iter().flatten().collect();
         let blocks = Blocks::new(size, points, self.pixel_angle(size)).smooth(1).smooth(2);
@@ -254,7 +255,7 @@ impl Drawing<'_> {
         let Some(point) = found.point else { return Vec3::ZERO };
         let wo = point.frame.to_local(point.i.wo);
         let mut sum = Vec3::ZERO;
-        for k in 0..paths {
+        for k in (0..paths).take_while(|_| !run.is_cancelled()) {
             let sampler = &sampler.pixel(at[0], at[1], self.number.wrapping_mul(paths).wrapping_add(k));
             let (u, u2) = (sampler.get_1d(dimension::LOBE), sampler.get_2d(dimension::DIRECTION));
             let Some(s) = point.scattering.sample(wo, u, u2, TransportMode::Radiance) else { continue };
