@@ -89,48 +89,133 @@ pub(crate) fn groups(names: &[&str]) -> Vec<[usize; 3]> {
 }
 
 /// Whether the chosen channels are the red, green and blue of a layer that holds colours.
-pub(crate) fn holds_colours(names: &[&str], chosen: &[usize]) -> bool {
-    chosen.len() >= 3 && groups(names).iter().any(|group| group[..] == chosen[..3])
+pub(crate) fn holds_colours(names: &[&str], chosen: &[Option<usize>]) -> bool {
+    chosen.len() >= 3 && groups(names).iter().any(|group| group.map(Some)[..] == chosen[..3])
 }
 
-/// Which of the named channels are the picture's colour: `[r, g, b]`, `[r, g, b, a]`, `[y]` or `[y, a]`.
-pub(crate) fn channels(names: &[&str]) -> Option<Vec<usize>> {
-    let grey = |layer: &str| {
-        // `N.Y` beside `N.X` is no luminance.
-        let is_vector = find(names, layer, "X").is_some();
-        let y = find(names, layer, "Y").filter(|_| !is_vector)?;
-        Some([Some(y), find(names, layer, "A")].into_iter().flatten().collect::<Vec<_>>())
-    };
+/// Which of the named channels are the picture's colour: `[r, g, b]`, `[r, g, b, a]`, `[y]` or `[y, a]`. `None` stands
+/// for a red, green or blue that no layer has, which is zero.
+pub(crate) fn channels(names: &[&str]) -> Option<Vec<Option<usize>>> {
+    choice(names).map(|choice| choice.channels)
+}
+
+/// What [`channels`] chooses.
+struct Choice<'a> {
+    /// What the names of its channels begin with.
+    prefix: &'a str,
+    channels: Vec<Option<usize>>,
+}
+
+fn choice<'a>(names: &[&'a str]) -> Option<Choice<'a>> {
     let all = layers(names);
-    let of = |layer: &Layer<'_>| layer.rgb.into_iter().chain(layer.alpha).collect();
-    let only = || (names.len() == 1).then(|| vec![0]);
-    let root = all.iter().find(|layer| layer.prefix.is_empty());
-    root.map(of).or_else(|| grey("")).or_else(only).or_else(|| all.iter().min_by_key(|l| l.rank()).map(of)).or_else(
-        || {
-            let prefixes = names.iter().filter_map(|n| n.strip_suffix('Y').filter(|layer| layer.ends_with('.')));
-            prefixes.into_iter().find_map(grey)
-        },
-    )
+    let of = |layer: &Layer<'a>| {
+        let channels = layer.rgb.into_iter().chain(layer.alpha).map(Some).collect();
+        Choice { prefix: layer.prefix, channels }
+    };
+    let root = all.iter().find(|layer| layer.prefix.is_empty()).map(of);
+    let only = || {
+        let [name] = names else { return None };
+        Some(Choice { prefix: &name[..name.rfind('.').map_or(0, |dot| dot + 1)], channels: vec![Some(0)] })
+    };
+    root.or_else(|| grey(names, ""))
+        .or_else(only)
+        .or_else(|| all.iter().min_by_key(|layer| layer.rank()).map(of))
+        .or_else(|| part(names))
 }
 
-/// A message about [`channels`] where the names leave a doubt: one layer of several was chosen, or the picture is a
-/// depth.
+/// The luminance of a layer, and its alpha.
+fn grey<'a>(names: &[&str], prefix: &'a str) -> Option<Choice<'a>> {
+    // `N.Y` beside `N.X` is no luminance.
+    let is_vector = find(names, prefix, "X").is_some();
+    let y = find(names, prefix, "Y").filter(|_| !is_vector)?;
+    Some(Choice { prefix, channels: [Some(y), find(names, prefix, "A")].into_iter().flatten().map(Some).collect() })
+}
+
+/// Of layers none of which has all colours, the one that has most of red, green and blue; one with a luminance counts
+/// as one that has all. The only colour of a layer is taken for grey.
+fn part<'a>(names: &[&'a str]) -> Option<Choice<'a>> {
+    let of = |prefix: &'a str| {
+        grey(names, prefix).map(|choice| (0, choice)).or_else(|| {
+            let lettered = SUFFIXES.iter().map(|[r, g, b, a]| {
+                let [r, g, b, a] = [r, g, b, a].map(|suffix| find(names, prefix, suffix));
+                ([r, g, b], a)
+            });
+            let (rgb, alpha) = lettered.max_by_key(|(rgb, _)| rgb.iter().flatten().count())?;
+            let there: Vec<usize> = rgb.into_iter().flatten().collect();
+            let lead = match there[..] {
+                [] => return None,
+                [one] => vec![Some(one)],
+                _ => rgb.to_vec(),
+            };
+            let channels = lead.into_iter().chain(alpha.map(Some)).collect();
+            Some((3 - there.len(), Choice { prefix, channels }))
+        })
+    };
+    let found = prefixes(names).into_iter().filter(|prefix| !is_data(prefix)).filter_map(of);
+    let place = |(lacks, choice): &(usize, Choice<'_>)| (*lacks, !BEAUTY.contains(&last_part(choice.prefix).as_str()));
+    found.min_by_key(place).map(|(_, choice)| choice)
+}
+
+/// What the names of each layer's channels begin with, in the order of the channels.
+fn prefixes<'a>(names: &[&'a str]) -> Vec<&'a str> {
+    let mut prefixes: Vec<&str> = Vec::new();
+    for name in names {
+        let prefix = &name[..name.rfind('.').map_or(0, |dot| dot + 1)];
+        if !prefixes.contains(&prefix) {
+            prefixes.push(prefix);
+        }
+    }
+    prefixes
+}
+
+/// A message about [`channels`] where the names leave a doubt: one layer of several was chosen, colours are missing, or
+/// the picture is a depth.
 pub(crate) fn note(names: &[&str]) -> Option<String> {
-    let chosen = channels(names)?;
+    let choice = choice(names)?;
     if let [name] = names {
         let is_depth = matches!(last_part(name).as_str(), "z" | "depth") || last_part(name).starts_with("depth");
         return is_depth
             .then(|| format!("the only channel of this picture is a depth, '{name}', which is taken for grey"));
     }
-    let all = layers(names);
-    let shown = |layer: &Layer<'_>| layer.prefix.trim_end_matches('.').to_owned();
-    let used = all.iter().find(|layer| layer.rgb[..] == chosen[..chosen.len().min(3)] && !layer.prefix.is_empty())?;
-    let others: Vec<String> =
-        all.iter().filter(|l| l.prefix != used.prefix).map(|l| format!("'{}'", shown(l))).collect();
-    (!others.is_empty()).then(|| {
-        let name = shown(used);
-        format!("the layer '{name}' of this picture is its colour; other layers are left out: {}", others.join(", "))
-    })
+    let shown = |prefix: &str| prefix.trim_end_matches('.').to_owned();
+    let said = [lacking(names, &choice), left_out(names, &choice)].into_iter().flatten();
+    let said: Vec<String> = said.collect();
+    let subject = match choice.prefix {
+        "" => "the colour of this picture is its channels without a layer".to_owned(),
+        prefix => format!("the layer '{}' of this picture is its colour", shown(prefix)),
+    };
+    (!said.is_empty()).then(|| format!("{subject}; {}", said.join("; ")))
+}
+
+/// What the chosen layer has none of.
+fn lacking(names: &[&str], choice: &Choice<'_>) -> Option<String> {
+    let [red, green, blue, ..] = choice.channels[..] else {
+        // One colour of a layer that is no luminance.
+        let &[Some(first), ..] = &choice.channels[..] else { return None };
+        let suffix = names[first].strip_prefix(choice.prefix)?;
+        let is_colour = SUFFIXES.iter().any(|letters| letters[..3].contains(&suffix));
+        return is_colour.then(|| format!("it has '{suffix}' alone, which is taken for grey"));
+    };
+    let lacks = [("red", red), ("green", green), ("blue", blue)].into_iter().filter(|(_, found)| found.is_none());
+    let lacks: Vec<&str> = lacks.map(|(name, _)| name).collect();
+    (!lacks.is_empty()).then(|| format!("it has no {}, which is taken for zero", lacks.join(" and no ")))
+}
+
+/// The layers that are not chosen, where there is none without a name that is.
+fn left_out(names: &[&str], choice: &Choice<'_>) -> Option<String> {
+    if choice.prefix.is_empty() {
+        return None;
+    }
+    let is_colour = |prefix: &&str| {
+        let letters = SUFFIXES.iter().flat_map(|letters| &letters[..3]).chain([&"Y"]);
+        **prefix != *choice.prefix && letters.into_iter().any(|suffix| find(names, prefix, suffix).is_some())
+    };
+    let others: Vec<String> = prefixes(names)
+        .into_iter()
+        .filter(is_colour)
+        .map(|prefix| format!("'{}'", prefix.trim_end_matches('.')))
+        .collect();
+    (!others.is_empty()).then(|| format!("other layers are left out: {}", others.join(", ")))
 }
 
 #[cfg(test)]
@@ -138,7 +223,7 @@ mod tests {
     use super::*;
 
     fn chosen<'a>(names: &[&'a str]) -> Option<Vec<&'a str>> {
-        channels(names).map(|indices| indices.into_iter().map(|i| names[i]).collect())
+        channels(names).map(|indices| indices.into_iter().map(|i| i.map_or("", |i| names[i])).collect())
     }
 
     #[test]
@@ -171,6 +256,23 @@ mod tests {
         assert!(note(&["Z"]).unwrap().contains("depth, 'Z'") && note(&["Depth.Z"]).is_some());
         assert_eq!((chosen(&["Z"]).unwrap(), note(&["Y"]), note(&["R"])), (vec!["Z"], None, None));
         assert_eq!(chosen(&["N.X", "N.Y", "N.Z"]), None);
-        assert_eq!(chosen(&["R", "G"]), None);
+        assert_eq!(chosen(&["N.B", "N.G", "Depth.Z"]), None);
+    }
+
+    #[test]
+    fn layers_without_all_colours_are_read_and_told() {
+        let named = ["AO.Y", "depth.Z", "diffuse.R"];
+        assert_eq!(chosen(&named).unwrap(), ["AO.Y"]);
+        let said = note(&named).unwrap();
+        assert!(said.contains("layer 'AO'") && said.ends_with("left out: 'diffuse'"), "{said}");
+        let part = ["depth.Z", "diffuse.R", "spec.A", "spec.G", "spec.R"];
+        assert_eq!(chosen(&part).unwrap(), ["spec.R", "spec.G", "", "spec.A"]);
+        let said = note(&part).unwrap();
+        assert!(said.contains("'spec'") && said.contains("no blue") && said.ends_with("left out: 'diffuse'"), "{said}");
+        let one = ["depth.Z", "diffuse.R"];
+        assert_eq!(chosen(&one).unwrap(), ["diffuse.R"]);
+        assert!(note(&one).unwrap().contains("it has 'R' alone, which is taken for grey"));
+        assert_eq!(chosen(&["R", "G"]).unwrap(), ["R", "G", ""]);
+        assert!(note(&["R", "G"]).unwrap().contains("no blue, which is taken for zero"));
     }
 }

@@ -197,13 +197,14 @@ impl Image {
     }
 
     /// The colour planes: `R`, `G`, `B`; else the grey plane `Y`, or the only channel, three times; else those of a
-    /// layer that has all three, the one called `rgba`, `Combined` or `beauty` before others.
+    /// layer that has all three, the one called `rgba`, `Combined` or `beauty` before others; else those of a layer
+    /// with one colour, three times. `None` where the layer with most colours has two.
     pub fn rgb(&self) -> Option<RgbPlanes<'_>> {
         let names: Vec<&str> = self.channels.iter().map(|c| c.name.as_str()).collect();
         let plane = |index: usize| &self.channels[index].data[..];
         match colour::channels(&names)?[..] {
-            [r, g, b, ..] => Some(RgbPlanes { r: plane(r), g: plane(g), b: plane(b) }),
-            [y, ..] => Some(RgbPlanes { r: plane(y), g: plane(y), b: plane(y) }),
+            [r, g, b, ..] => Some(RgbPlanes { r: plane(r?), g: plane(g?), b: plane(b?) }),
+            [y, ..] => y.map(plane).map(|y| RgbPlanes { r: y, g: y, b: y }),
             [] => None,
         }
     }

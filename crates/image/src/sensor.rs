@@ -72,7 +72,7 @@ impl Sensor {
         let colour = colour::channels(&names).unwrap_or_default();
         let colour = colour.iter().take(if colour.len() < 3 { 1 } else { 3 });
         for (channel, &index) in colour.enumerate() {
-            let Some(plane) = image.channel_mut(names[index]) else { continue };
+            let Some(plane) = index.and_then(|index| image.channel_mut(names[index])) else { continue };
             let stream = [u64::from(self.frame), channel as u64].into_iter().fold(self.seed, combine64);
             plane.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
                 let row_stream = combine64(stream, (i64::from(origin[1]) + y as i64) as u64);

@@ -106,12 +106,12 @@ pub(crate) fn decode_texels(bytes: &[u8], limits: &Limits) -> Result<Texels> {
     };
     let (note, is_colour) = (colour::note(&names), colour::holds_colours(&names, &chosen));
     let lanes = chosen.len();
-    let chosen: Vec<&Plane> = chosen.iter().map(|&i| &picture.planes[i].1).collect();
+    let chosen: Vec<Option<&Plane>> = chosen.iter().map(|i| i.map(|i| &picture.planes[i].1)).collect();
     let pixels = picture.width * picture.height;
-    let data = if chosen.iter().all(|p| matches!(p, Plane::Half(_))) {
+    let data = if chosen.iter().flatten().all(|p| matches!(p, Plane::Half(_))) {
         let mut data = vec![f16::ZERO; pixels * lanes];
         for (lane, plane) in chosen.iter().enumerate() {
-            if let Plane::Half(v) = plane {
+            if let Some(Plane::Half(v)) = plane {
                 data.iter_mut().skip(lane).step_by(lanes).zip(v).for_each(|(to, &from)| *to = from);
             }
         }
@@ -119,6 +119,7 @@ pub(crate) fn decode_texels(bytes: &[u8], limits: &Limits) -> Result<Texels> {
     } else {
         let mut data = vec![0.0; pixels * lanes];
         for (lane, plane) in chosen.iter().enumerate() {
+            let Some(plane) = plane else { continue };
             data.iter_mut().skip(lane).step_by(lanes).enumerate().for_each(|(i, to)| *to = plane.at(i));
         }
         TexelData::F32(data)
