@@ -117,8 +117,7 @@ pub fn is_stdin(name: &Path) -> bool {
 /// How scenes are read, with definitions of the user's, and the box that automatic cameras show.
 pub fn reading(define: &[(String, String)], framing: Option<[DVec3; 2]>) -> Options {
     let mut reading = Options { defines: define.iter().cloned().collect(), framing, ..Options::default() };
-    // No larger file has a place.
-    reading.limits.file_bytes = reading.limits.file_bytes.min(memory::available().unwrap_or(u64::MAX));
+    reading.limits.memory = Some(memory::available);
     reading
 }
 

@@ -52,6 +52,21 @@ pub enum FileError {
         /// The limit.
         limit: u64,
     },
+    /// For which [`Limits::memory`] leaves no room.
+    #[error(
+        "'{}' holds {size} bytes; reading it takes about {needed} bytes of memory, and {there_is} are available",
+        .path.display()
+    )]
+    Memory {
+        /// Which file.
+        path: PathBuf,
+        /// Its bytes, unpacked as far as it was.
+        size: u64,
+        /// Bytes of memory that reading it takes.
+        needed: u64,
+        /// Bytes of memory that there are.
+        there_is: u64,
+    },
     /// Over [`Limits::file_bytes`].
     #[error("'{}' holds more than the {limit} bytes allowed", .path.display())]
     TooLarge {
@@ -115,11 +130,27 @@ impl SearchPath {
     }
 }
 
+/// Refuses a text of so many bytes, `held` of them in memory, where there is no room for it twice: whatever becomes of
+/// it stands beside it for a while.
+fn room(path: &Path, size: u64, held: u64, limits: &Limits) -> Result<(), FileError> {
+    let needed = size.saturating_mul(2);
+    match limits.shortage(needed - held) {
+        Some(there_is) => Err(FileError::Memory { path: path.into(), size, needed: needed - held, there_is }),
+        None => Ok(()),
+    }
+}
+
 /// Reads a whole file; one that starts as gzip is unpacked. Never holds more than [`Limits::file_bytes`].
 ///
 /// # Errors
-/// [`FileError::Io`] (also for what is not a regular file), [`FileError::TooLarge`] or [`FileError::Bomb`].
+/// [`FileError::Io`] (also for what is not a regular file), [`FileError::TooLarge`], [`FileError::Memory`] or
+/// [`FileError::Bomb`].
 pub fn read(path: &Path, limits: &Limits) -> Result<Vec<u8>, FileError> {
+    // What is larger than allowed is told as that.
+    let size = std::fs::metadata(path).map_or(0, |meta| if meta.is_file() { meta.len() } else { 0 });
+    if size <= limits.file_bytes {
+        room(path, size, 0, limits)?;
+    }
     let fault = |cause: std::io::Error| match cause.kind() {
         ErrorKind::FileTooLarge => FileError::TooLarge { path: path.into(), limit: limits.file_bytes },
         _ => FileError::Io { path: path.into(), cause },
@@ -134,12 +165,8 @@ pub fn read(path: &Path, limits: &Limits) -> Result<Vec<u8>, FileError> {
 pub fn inflated(path: &Path, mut bytes: Vec<u8>, limits: &Limits) -> Result<Vec<u8>, FileError> {
     if bytes.starts_with(&[0x1f, 0x8b]) {
         let plausible = unpacked(bytes.len(), MOST_OF_TEXT);
-        let mut plain = Vec::new();
-        flate2::read::MultiGzDecoder::new(bytes.as_slice())
-            .take(limits.file_bytes.min(plausible) + 1)
-            .read_to_end(&mut plain)
-            .map_err(|cause| FileError::Io { path: path.into(), cause })?;
-        bytes = plain;
+        let most = limits.file_bytes.min(plausible).saturating_add(1);
+        bytes = unpack(path, &bytes, most, limits)?;
         if bytes.len() as u64 > plausible {
             return Err(FileError::Bomb { path: path.into() });
         }
@@ -148,6 +175,22 @@ pub fn inflated(path: &Path, mut bytes: Vec<u8>, limits: &Limits) -> Result<Vec<
         return Err(FileError::TooLarge { path: path.into(), limit: limits.file_bytes });
     }
     Ok(bytes)
+}
+
+/// At most so many bytes of what is packed.
+fn unpack(path: &Path, packed: &[u8], most: u64, limits: &Limits) -> Result<Vec<u8>, FileError> {
+    const PIECE: u64 = 64 << 20;
+    let mut from = flate2::read::MultiGzDecoder::new(packed).take(most);
+    let mut plain = Vec::new();
+    loop {
+        let before = plain.len() as u64;
+        // Growing takes the place of what there is once more.
+        room(path, before + PIECE.min(most), before, limits)?;
+        let read = from.by_ref().take(PIECE).read_to_end(&mut plain);
+        if read.map_err(|cause| FileError::Io { path: path.into(), cause })? == 0 {
+            return Ok(plain);
+        }
+    }
 }
 
 /// Most bytes of repetitions over all files that a scene includes.
@@ -202,6 +245,27 @@ mod tests {
         std::fs::write(&path, packed(20 << 20, |_| b' ')).unwrap();
         assert!(matches!(read(&path, &Limits::default()), Err(FileError::Bomb { .. })));
         assert!(matches!(read(folder.path(), &Limits::default()), Err(FileError::Io { .. })));
+    }
+
+    #[test]
+    fn files_that_memory_has_no_room_for_are_refused_with_the_numbers() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("f");
+        // Nothing of it is on the disk.
+        std::fs::File::create(&path).unwrap().set_len(3 << 30).unwrap();
+        let little = Limits { memory: Some(|| Some(4 << 30)), ..Limits::default() };
+        let told = read(&path, &little).unwrap_err().to_string();
+        let ending = "' holds 3221225472 bytes; reading it takes about 6442450944 bytes of memory, and 4294967296 are \
+                      available";
+        assert!(told.ends_with(ending), "{told}");
+        let enough = Limits { memory: Some(|| Some(128 << 20)), ..Limits::default() };
+        std::fs::File::create(&path).unwrap().set_len(50 << 20).unwrap();
+        assert_eq!(read(&path, &enough).unwrap().len(), 50 << 20);
+        // What is packed counts as it will be.
+        let packed = packed(100 << 20, |i| ((i * i) >> 7) as u8);
+        assert!(packed.len() < 50 << 20, "{}", packed.len());
+        std::fs::write(&path, packed).unwrap();
+        assert!(matches!(read(&path, &enough), Err(FileError::Memory { .. })));
     }
 
     #[test]

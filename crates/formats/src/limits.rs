@@ -5,6 +5,8 @@
 pub struct Limits {
     /// Largest file read, in bytes (after gzip too).
     pub file_bytes: u64,
+    /// Tells how many bytes of memory can be had; files for which there is no room are not read.
+    pub memory: Option<fn() -> Option<u64>>,
     /// Most files a scene may include, nested or in sequence.
     pub includes: usize,
     /// Deepest nesting of includes.
@@ -17,7 +19,24 @@ pub struct Limits {
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { file_bytes: 8 << 30, includes: 10_000, include_depth: 15, nesting: 10_000, instances: 50_000_000 }
+        Self {
+            file_bytes: 8 << 30,
+            memory: None,
+            includes: 10_000,
+            include_depth: 15,
+            nesting: 10_000,
+            instances: 50_000_000,
+        }
+    }
+}
+
+/// Bytes that need no room made: asking for the memory there is costs more.
+const SMALL: u64 = 16 << 20;
+
+impl Limits {
+    /// The bytes of memory that there are, where they are known and fewer than these.
+    pub(crate) fn shortage(&self, needed: u64) -> Option<u64> {
+        self.memory.filter(|_| needed > SMALL)?().filter(|&there_is| needed > there_is)
     }
 }
 
