@@ -116,7 +116,7 @@ impl From<Estimate> for Interval {
 /// Opens the scene and reads the meter.
 pub fn run(args: &MeterArgs, terminal: Terminal) -> Outcome {
     open::limit_threads(args.scene_options.threads);
-    let opened = open::open(&args.scene, &args.scene_options, None);
+    let opened = open::open_unseen(&args.scene, &args.scene_options);
     let scene = opened.into_scene(&args.scene, args.scene_options.strict, terminal)?.scene;
     let unit = |v: [f32; 3]| Vec3::from(v).normalize();
     let at = Vec3::from(args.at);

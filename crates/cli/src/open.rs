@@ -20,7 +20,7 @@ use steradian::{
     formats::Options,
     image::tone::Tone,
     math::DVec3,
-    scene::{Diagnostic, Diagnostics, SceneDesc, Severity},
+    scene::{Diagnostic, Diagnostics, Family, Node, SceneDesc, Severity},
 };
 
 /// Most bytes that are read from standard input, of which nobody tells how much is to come.
@@ -68,7 +68,20 @@ pub fn compile_options(options: &SceneOptions, spp: Option<u32>) -> CompileOptio
 
 /// Reads and compiles a scene, for a number of samples per pixel if it is known already.
 pub fn open(name: &Path, options: &SceneOptions, spp: Option<u32>) -> Opened {
-    let loaded = load(name, options.format.as_deref(), &reading(&options.define, options.framing));
+    opened(load(name, options.format.as_deref(), &reading(&options.define, options.framing)), options, spp)
+}
+
+/// Reads and compiles a scene whose camera shows nothing to anybody; it may have none.
+pub fn open_unseen(name: &Path, options: &SceneOptions) -> Opened {
+    let mut loaded = load(name, options.format.as_deref(), &reading(&options.define, options.framing));
+    if loaded.desc.cameras.is_empty() && options.camera.is_none() {
+        let camera = loaded.desc.add(Node::new(Family::Camera, "perspective", None));
+        loaded.desc.cameras.push(camera);
+    }
+    opened(loaded, options, None)
+}
+
+fn opened(loaded: Loaded, options: &SceneOptions, spp: Option<u32>) -> Opened {
     let (mut desc, mut diagnostics) = (loaded.desc, loaded.diagnostics);
     if let Some(view) = options.look_at
         && let Some(camera) = desc.camera(options.camera.as_deref())
