@@ -6,6 +6,7 @@
 mod args;
 mod bench;
 mod brightness;
+mod closed;
 mod command;
 mod compare;
 mod convert;
@@ -51,14 +52,7 @@ fn main() -> ExitCode {
     signals::take_over();
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        Err(answer) => {
-            // Also `--help` and `--version` arrive here. A reader that has gone away is no failure.
-            let _ = answer.print();
-            if let Some(advice) = slips::advice(&answer) {
-                Terminal::new(false).say(&advice);
-            }
-            return ExitCode::from(answer.exit_code() as u8);
-        }
+        Err(answer) => return ExitCode::from(answered(&answer)),
     };
     let terminal = Terminal::new(cli.command.is_quiet());
     panics::explain(terminal);
@@ -73,6 +67,23 @@ fn main() -> ExitCode {
         Err(panics::Contained) => failure::FAILED,
     };
     ExitCode::from(code)
+}
+
+/// Prints what is wrong with a command line, or what `--help` and `--version` ask for, and gives the exit code.
+fn answered(answer: &clap::Error) -> u8 {
+    let terminal = Terminal::new(false);
+    if answer.use_stderr() {
+        // There is nobody to tell when it is closed.
+        let _ = answer.print();
+    } else if let Err(fault) = terminal::written(|| answer.print()) {
+        let failure = Failure::from(fault);
+        terminal.error(&failure.message);
+        return failure.code;
+    }
+    if let Some(advice) = slips::advice(answer) {
+        terminal.say(&advice);
+    }
+    answer.exit_code() as u8
 }
 
 /// The manual page of the program or of one of its commands.

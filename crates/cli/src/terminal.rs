@@ -1,5 +1,6 @@
 //! Talk on stderr and data on stdout, both safe against readers that go away.
 
+use crate::closed;
 use std::io::{ErrorKind, IsTerminal, Result, Write, stderr, stdout};
 
 /// How to talk on stderr.
@@ -71,10 +72,18 @@ impl Terminal {
 /// Writes data to stdout. A reader that has seen enough (`| head`) is no failure.
 ///
 /// # Errors
-/// Whatever else keeps stdout from being written, such as a full disk.
+/// Whatever else keeps stdout from being written, such as a full disk, or that it is closed.
 pub fn data(bytes: &[u8]) -> Result<()> {
-    let mut out = stdout().lock();
-    match out.write_all(bytes).and_then(|()| out.flush()) {
+    written(|| stdout().lock().write_all(bytes))
+}
+
+/// Writes to stdout by a function of another's.
+///
+/// # Errors
+/// As [`data`].
+pub fn written(write: impl FnOnce() -> Result<()>) -> Result<()> {
+    closed::check()?;
+    match write().and_then(|()| stdout().flush()) {
         Err(e) if e.kind() == ErrorKind::BrokenPipe => Ok(()),
         other => other,
     }

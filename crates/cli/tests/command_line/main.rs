@@ -10,6 +10,7 @@ mod experiments;
 mod layers;
 mod lists;
 mod materials;
+mod meters;
 mod names;
 mod outputs;
 mod pictures;
@@ -18,6 +19,7 @@ mod scenes;
 mod sensors;
 #[cfg(unix)]
 mod stopping;
+mod streams;
 mod view;
 
 use std::{
