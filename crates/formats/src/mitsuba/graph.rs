@@ -138,6 +138,18 @@ pub(super) struct Graph {
 }
 
 impl Graph {
+    /// A property in messages: by its name, or by what it is where the file leaves it unnamed.
+    pub fn called(&self, prop: &Prop) -> String {
+        match prop.value {
+            Raw::Object(child) if prop.name.is_empty() => {
+                let child = &self.objects[child];
+                format!("the nested {} '{}'", child.category.noun(), child.plugin)
+            }
+            _ if prop.name.is_empty() => "this object".into(),
+            _ => format!("'{}'", prop.name),
+        }
+    }
+
     /// The property of this name; it counts as used from now on.
     pub fn take(&mut self, object: ObjectId, name: &'static str) -> Option<Prop> {
         let object = &mut self.objects[object];

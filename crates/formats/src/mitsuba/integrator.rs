@@ -154,8 +154,9 @@ impl Reader<'_> {
     /// Says which settings of another estimator of the same picture change nothing here.
     fn settings_of_another(&mut self, object: ObjectId, kind: &str) {
         let span = self.span(object);
+        let unused = self.graph.objects[object].props.iter().filter(|p| !p.used);
+        let unused: Vec<String> = unused.map(|p| self.graph.called(p)).collect();
         let object = &mut self.graph.objects[object];
-        let unused: Vec<String> = object.props.iter().filter(|p| !p.used).map(|p| format!("'{}'", p.name)).collect();
         object.props.iter_mut().for_each(|p| p.used = true);
         if !unused.is_empty() {
             let message = format!("{} of '{}' has no effect on '{kind}'", unused.join(", "), object.plugin);

@@ -406,7 +406,7 @@ impl<'a> Reader<'a> {
                 Category::Scene => "the scene".to_owned(),
                 category => format!("the {} '{}'", category.noun(), object.plugin),
             };
-            let named = if prop.name.is_empty() { "this object".into() } else { format!("'{}'", prop.name) };
+            let named = self.graph.called(prop);
             let places = if more > 0 { format!(" (here and in {more} more places)") } else { String::new() };
             let help = names::did_you_mean(&prop.name, object.asked.iter().copied());
             let message = format!("{what} does not use {named}{places}");
