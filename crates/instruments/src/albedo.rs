@@ -19,6 +19,23 @@ pub struct Albedo {
     pub error: f32,
 }
 
+/// Angles at which energy is watched, degrees from the normal: models gain it towards grazing.
+pub const WATCHED: [f64; 9] = [0.0, 10.0, 20.0, 45.0, 60.0, 75.0, 80.0, 85.0, 89.0];
+/// The gain that rounding may make.
+const ROUNDING: f32 = 1e-4;
+
+impl Albedo {
+    /// The part that leaves on both sides, of the lane with most of it.
+    pub fn total(&self) -> f32 {
+        self.reflectance.iter().zip(&self.transmittance).map(|(r, t)| r + t).fold(0.0, f32::max)
+    }
+
+    /// Whether no lane gains energy, beyond four standard errors.
+    pub fn conserves_energy(&self) -> bool {
+        self.total() <= 1.0 + ROUNDING + 4.0 * self.error
+    }
+}
+
 /// Measures at an angle (degrees; beyond 90 from below) in the plane of the tangent, or along a fibre, from so many
 /// samples.
 pub fn albedo(specimen: &Specimen<'_>, theta: f64, samples: u32) -> Albedo {

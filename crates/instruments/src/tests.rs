@@ -10,7 +10,10 @@ use crate::{
     microsurface::Microsurface,
     plot, summary,
 };
-use steradian_bsdf::{Microfacet, NormalDistribution, Shadowing, fresnel, measured::AngleTable};
+use steradian_bsdf::{
+    Microfacet, NormalDistribution, Shadowing, fresnel,
+    measured::{AngleTable, synthetic::METAL},
+};
 use steradian_compile::{Options, compile};
 use steradian_core::Scene;
 use steradian_math::Vec3;
@@ -262,6 +265,28 @@ fn a_material_at_a_glance() {
     assert!(!matt.is_transmitting && matt.conserves_energy && (matt.largest_albedo - 0.8).abs() < 1e-4);
     let empirical = material("phong").with("form", "empirical").with("specular_reflectance", 0.9);
     assert!(!glance(empirical).conserves_energy);
+}
+
+/// Summary and laws tell the same of energy, at the same angles: a gain from 86° on is broken law in both.
+#[test]
+fn summary_and_laws_agree_on_energy() {
+    let grazing = std::env::temp_dir().join(format!("steradian-grazing-{}.txt", std::process::id()));
+    std::fs::write(&grazing, METAL.angles([15.0, 30.0], &[0.0]))
+        .expect("the folder for temporary files can be written");
+    for m in [
+        material("diffuse").with("reflectance", 0.8),
+        material("phong").with("form", "empirical").with("specular_reflectance", 0.9),
+        material("ward").with("form", "duer").with("alpha_u", 0.2).with("specular_reflectance", 1.0),
+        material("measured").with("file", grazing.clone()),
+    ] {
+        let (kind, scene) = (m.kind.clone(), scene(None, m));
+        let specimen = Specimen::new(&scene, 1);
+        let (glance, laws) = (summary::summary(&specimen, 1 << 14), laws::laws(&specimen, 1 << 14));
+        let energy = || laws.laws.iter().filter(|l| l.law.starts_with("energy") && l.angle.is_some_and(|a| a < 90.0));
+        assert_eq!(glance.conserves_energy, energy().all(|l| l.holds), "{kind}: {laws}");
+        assert_eq!(f64::from(glance.largest_albedo), energy().map(|l| l.found).fold(0.0, f64::max), "{kind}");
+    }
+    let _ = std::fs::remove_file(grazing);
 }
 
 /// The radius of a plot: what is a tenth of the largest is drawn at a quarter less by the logarithm over four decades;
