@@ -30,6 +30,8 @@ pub const SETTINGS: Settings = Settings {
     sigma_depth: 4.0,
     normal_power: 16,
     sigma_luminance: 3.0,
+    // A finished picture is balanced with its variance.
+    keeps_mean: false,
 };
 
 /// The largest numbers that are calculated with: squares stay finite.

@@ -124,6 +124,26 @@ fn moved(step: f32, ball_moves: bool) -> Arc<Scene> {
     scene(&path, (96, 96))
 }
 
+/// The filter keeps the light of each term: in a frame alone to rounding, and over frames that follow each other within
+/// noise.
+#[test]
+fn filtered_terms_have_the_light_of_the_noisy_ones() {
+    let light = |picture: &[[f64; 3]]| picture.iter().flatten().sum::<f64>();
+    let showcase = scene(&folder().join("showcase.pbrt"), (80, 50));
+    for term in ["direct", "indirect", "reflections", "transparency"] {
+        let of = |filter: bool| light(&frame(&showcase, &format!("show={term},filter={filter}"), 3, &mut None));
+        let (filtered, noisy) = (of(true), of(false));
+        assert!((filtered / noisy - 1.0).abs() < 1e-4, "{term}: {filtered} of {noisy}");
+    }
+    let (mut history, mut filtered, mut noisy) = (None, 0.0, 0.0);
+    for number in 0..12 {
+        let scene = moved(number as f32, false);
+        filtered += light(&frame(&scene, "points=1,show=indirect", number, &mut history));
+        noisy += light(&frame(&scene, "points=1,show=indirect,filter=false", number, &mut None));
+    }
+    assert!((filtered / noisy - 1.0).abs() < 0.02, "{filtered} of {noisy}");
+}
+
 /// The squared error of pictures relative to others.
 fn error(found: &[[f64; 3]], expected: &[[f64; 3]]) -> f64 {
     let of = |(a, b): (&[f64; 3], &[f64; 3])| (0..3).map(|c| (a[c] - b[c]).powi(2) / (b[c] * b[c] + 0.01)).sum::<f64>();

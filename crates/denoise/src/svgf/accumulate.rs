@@ -47,6 +47,20 @@ pub(super) fn accumulate(
     all
 }
 
+/// Makes histories of the colours of all terms, where there are any.
+pub(super) fn keep(colors: &[Image<Vec3>], accumulated: &mut Rows<Accumulated>) {
+    accumulated.par_rows().for_each(|(y, mut row)| {
+        for (term, colors) in colors.iter().enumerate() {
+            for x in 0..colors.width() {
+                let color = colors.at(x, y as u32);
+                if !color.is_nan() {
+                    row.get_mut(term, x as usize).color = color;
+                }
+            }
+        }
+    });
+}
+
 /// A pixel of a term.
 struct Pixel<'a> {
     term: &'a Term<'a>,

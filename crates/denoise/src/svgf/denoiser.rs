@@ -3,7 +3,7 @@
 use steradian_accel::Lanes;
 
 use super::{
-    accumulate::accumulate,
+    accumulate::{accumulate, keep},
     atrous::filter,
     estimates::Estimates,
     geometry::Geometry,
@@ -72,14 +72,19 @@ impl Denoiser {
         let before = self.history.as_ref();
         let mut accumulated = accumulate((terms, gbuffer), &surfaces, before, &self.settings, &mut estimates);
         variances(&accumulated, &mut estimates, &geometry, how);
+        // What the histories and this frame know: the mean that is kept.
+        let noisy = self.settings.keeps_mean.then(|| estimates.colors());
         for iteration in 0..self.settings.iterations {
             filter(&estimates, &mut filtered, &geometry, iteration, how);
             std::mem::swap(&mut estimates, &mut filtered);
             if iteration == 0 {
-                estimates.keep_colors(&mut accumulated);
+                keep(&estimates.balanced(noisy.as_deref()), &mut accumulated);
             }
         }
-        let result = (0..terms.len()).map(|i| terms[i].filtered(i, gbuffer, &estimates, &accumulated)).collect();
+        let balanced = estimates.balanced(noisy.as_deref());
+        let result = terms.iter().zip(&balanced).enumerate();
+        let result = result.map(|(i, (term, colors))| term.filtered(i, gbuffer, (colors, &estimates), &accumulated));
+        let result = result.collect();
         self.history = Some(History { surfaces, accumulated });
         self.estimates = Some([estimates, filtered]);
         Ok(result)

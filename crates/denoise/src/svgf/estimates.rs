@@ -1,10 +1,12 @@
 //! What is filtered, in columns.
 
-use rayon::prelude::*;
 use steradian_math::{Vec3, color::space::REC709};
 
-use super::accumulate::Accumulated;
-use crate::rows::{Row, Rows};
+use crate::{
+    balance::give_back,
+    image::Image,
+    rows::{Row, Rows},
+};
 
 /// Planes of a term: its colour, the luminance of that, which is NaN where there is no value, and the variance of
 /// luminance.
@@ -43,20 +45,32 @@ impl Estimates {
         Vec3::new(plane(RED), plane(GREEN), plane(BLUE))
     }
 
+    /// The colours of all terms; NaN where nothing is known.
+    pub fn colors(&self) -> Vec<Image<Vec3>> {
+        let [width, height] = self.rows.size();
+        let of_term = |term| {
+            Image::by_rows(width, height, |x, y| {
+                let (x, y) = (x as usize, y as usize);
+                let luminance = self.rows.at(term * PLANES + LUMINANCE, x, y);
+                if luminance.is_nan() { Vec3::NAN } else { self.color(term, x, y) }
+            })
+        };
+        (0..self.rows.planes() / PLANES).map(of_term).collect()
+    }
+
+    /// The same, with the light that filtering lost of `noisy` given back.
+    pub fn balanced(&self, noisy: Option<&[Image<Vec3>]>) -> Vec<Image<Vec3>> {
+        let mut all = self.colors();
+        for (colors, noisy) in all.iter_mut().zip(noisy.unwrap_or_default()) {
+            give_back(colors, noisy, None, |pixel| noisy.values()[pixel].is_finite());
+        }
+        all
+    }
+
     /// The variance of its luminance.
     #[inline]
     pub fn variance(&self, term: usize, x: usize, y: usize) -> f32 {
         self.rows.at(term * PLANES + VARIANCE, x, y)
-    }
-
-    /// Makes histories of colours.
-    pub fn keep_colors(&self, accumulated: &mut Rows<Accumulated>) {
-        let (width, terms) = (accumulated.width(), accumulated.planes());
-        accumulated.par_rows().for_each(|(y, mut row)| {
-            for (term, x) in (0..terms).flat_map(|term| (0..width).map(move |x| (term, x))) {
-                row.get_mut(term, x).color = self.color(term, x, y);
-            }
-        });
     }
 
     /// Sets a colour in a row, and its luminance, NaN where there is none.

@@ -23,6 +23,9 @@ pub struct Settings {
     pub normal_power: u32,
     /// σ_l, above 0: by how many standard deviations luminance may differ. Infinite where luminance has no say. 4.
     pub sigma_luminance: f32,
+    /// Whether the light that filtering loses is given back: weights by luminance leave rare bright samples out. The
+    /// mean is then that of the samples, and bounded gains are smooth across edges. False.
+    pub keeps_mean: bool,
 }
 
 impl Default for Settings {
@@ -35,6 +38,7 @@ impl Default for Settings {
             sigma_depth: 1.0,
             normal_power: 128,
             sigma_luminance: 4.0,
+            keeps_mean: false,
         }
     }
 }

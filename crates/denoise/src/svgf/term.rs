@@ -66,13 +66,14 @@ impl Term<'_> {
         &self,
         place: usize,
         gbuffer: &GBuffer,
-        estimates: &Estimates,
+        (colors, estimates): (&Image<Vec3>, &Estimates),
         accumulated: &Rows<Accumulated>,
     ) -> Filtered {
         let [width, height] = gbuffer.size();
         Filtered {
             radiance: Image::by_rows(width, height, |x, y| {
-                estimates.color(place, x as usize, y as usize) * self.factor(gbuffer, x, y)
+                let color = colors.at(x, y);
+                if color.is_nan() { Vec3::ZERO } else { color * self.factor(gbuffer, x, y) }
             }),
             variance: Image::by_rows(width, height, |x, y| estimates.variance(place, x as usize, y as usize)),
             history: Image::by_rows(width, height, |x, y| accumulated.at(place, x as usize, y as usize).length),

@@ -21,7 +21,9 @@ pub struct Filters {
 impl Filters {
     /// Before the first frame.
     pub fn new() -> Result<Self, Error> {
-        let new = || Denoiser::new(Settings::default()).map_err(|e| Error::Scene(e.to_string()));
+        let new = || {
+            Denoiser::new(Settings { keeps_mean: true, ..Settings::default() }).map_err(|e| Error::Scene(e.to_string()))
+        };
         Ok(Self { light: new()?, occlusion: new()? })
     }
 }

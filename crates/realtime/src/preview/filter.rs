@@ -17,6 +17,8 @@ const SETTINGS: Settings = Settings {
     sigma_depth: 2.0,
     normal_power: 24,
     sigma_luminance: 4.0,
+    // A preview is replaced within a second: quick before exact.
+    keeps_mean: false,
 };
 /// The object of pixels that show no surface.
 const NOTHING: u32 = u32::MAX;
