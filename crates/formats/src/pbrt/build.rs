@@ -46,6 +46,11 @@ impl<'a, 'o> Build<'a, 'o> {
         self.scene.report.error(span, message);
     }
 
+    /// Takes a parameter that has no effect on the picture, and notes why.
+    pub fn no_effect(&mut self, from: &'static str, ty: Type, why: &str) {
+        self.dict.no_effect(&mut self.scene.report, self.node.family.noun(), from, ty, why);
+    }
+
     /// A number; without a default it stays unset where the file does not give it.
     pub fn float(&mut self, from: &'static str, to: &str, default: impl Into<Option<f64>>) {
         match self.dict.float(&mut self.scene.report, from) {

@@ -45,11 +45,10 @@ pub(super) fn translate(scene: &mut Scene, dict: &Dict, state: &State, film: Opt
         "spherical" => {
             let mappings = [("equalarea", "equalarea"), ("equirectangular", "equirectangular")];
             b.choice("mapping", "mapping", &mappings, "equalarea");
-            // Read as pbrt does, but without effect on a camera that sees all directions.
-            for ignored in ["lensradius", "focaldistance", "frameaspectratio"] {
-                b.dict.float(&mut b.scene.report, ignored);
+            // pbrt reads these too, and follows none.
+            for name in ["lensradius", "focaldistance", "frameaspectratio", "screenwindow"] {
+                b.no_effect(name, Type::Float, "the camera sees all directions, and all distances sharply");
             }
-            b.dict.floats(&mut b.scene.report, "screenwindow", Type::Float);
         }
         _ => realistic(&mut b, film),
     }

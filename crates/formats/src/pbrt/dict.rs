@@ -180,7 +180,14 @@ impl Dict {
         }
     }
 
-    /// Takes every parameter as read, for directives that have no effect on the picture.
+    /// Takes a parameter that has no effect on the picture, and notes why.
+    pub fn no_effect(&self, report: &mut Report, family: &str, name: &'static str, ty: Type, why: &str) {
+        if self.find(report, name, &[ty]).is_some() {
+            report.no_effect(self.span_of(name), &format!("'{name}' of {family} '{}'", self.kind), why);
+        }
+    }
+
+    /// Takes every parameter as read, for directives of which a message says that they are left out.
     pub fn ignore_all(&self) {
         self.own.iter().for_each(|p| p.used.set(true));
     }

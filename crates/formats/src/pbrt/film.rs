@@ -40,9 +40,13 @@ pub(super) fn film(scene: &mut Scene, dict: &Dict, exposure: f64) -> Option<Node
         b.set("white_balance", 6500.0);
     }
     b.positive("maxcomponentvalue", "max_component", None);
-    // The size of the film matters to lens systems only, and is theirs; the precision to the file that is written.
-    b.dict.float(&mut b.scene.report, "diagonal");
-    b.dict.bool(&mut b.scene.report, "savefp16");
+    // A camera with a lens system reads the size of the film.
+    if b.scene.desc.cameras.iter().any(|c| b.scene.desc.node(*c).kind == "realistic") {
+        b.dict.float(&mut b.scene.report, "diagonal");
+    } else {
+        b.no_effect("diagonal", Type::Float, "it is the size of the film behind a 'realistic' camera");
+    }
+    b.no_effect("savefp16", Type::Bool, "the precision of a picture's file is set where it is written");
     if let Some(lost) = lost_channels(kind) {
         b.scene.report.dropped(dict.span, lost);
     }

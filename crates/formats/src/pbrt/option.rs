@@ -35,13 +35,13 @@ impl Reader<'_> {
                     report.approximated(span, format!("option '{name}' has no effect"));
                 }
             }
-            // These do not change the picture.
-            "pixelstats"
-            | "wavefront"
-            | "rendercoordsys"
-            | "msereferenceimage"
-            | "msereferenceout"
-            | "displacementedgescale" => {}
+            "displacementedgescale" => match value.parse::<f64>() {
+                Ok(scale) if scale > 0.0 && scale.is_finite() => self.scene.edge_scale = scale,
+                _ => report.error(value_span, format!("expected a number above 0, found '{value}'")),
+            },
+            "pixelstats" | "wavefront" | "rendercoordsys" | "msereferenceimage" | "msereferenceout" => {
+                report.no_effect(span, &format!("option '{name}'"), "it does not change the picture");
+            }
             _ => {
                 const KNOWN: [&str; 11] = [
                     "disablepixeljitter",

@@ -52,6 +52,14 @@ impl Report {
         }
     }
 
+    /// Notes a parameter that is understood but not followed, once for all places where the same message holds.
+    pub fn no_effect(&mut self, span: Span, what: &str, why: &str) {
+        let message = format!("{what} has no effect: {why}");
+        if self.first_time(&message) {
+            self.note(span, message);
+        }
+    }
+
     /// The help is looked for only where the message is kept.
     pub fn unused(&mut self, span: Span, message: String, help: impl FnOnce() -> Option<String>) {
         match self.others_fit() {

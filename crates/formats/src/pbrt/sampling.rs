@@ -3,6 +3,9 @@
 use super::{build::Build, dict::Dict, param::Type, scene::Scene};
 use steradian_scene::{Family, NodeId, names};
 
+/// Why a parameter has no effect that is about the means alone.
+const NOISE: &str = "it changes the noise only";
+
 const SAMPLERS: [&str; 7] = ["zsobol", "sobol", "paddedsobol", "halton", "pmj02bn", "independent", "stratified"];
 
 const INTEGRATORS: [&str; 11] = [
@@ -46,7 +49,7 @@ pub(super) fn sampler(scene: &mut Scene, dict: &Dict, seed: Option<i64>) -> Opti
         }
         if b.dict.bool(&mut b.scene.report, "jitter") == Some(false) {
             let span = b.dict.span_of("jitter");
-            b.scene.report.note(span, "samples are jittered all the same");
+            b.scene.report.note(span, "'jitter' has no effect: samples are jittered all the same");
         }
     } else {
         b.int("pixelsamples", "samples", if kind == "independent" { 4 } else { 16 });
@@ -54,7 +57,7 @@ pub(super) fn sampler(scene: &mut Scene, dict: &Dict, seed: Option<i64>) -> Opti
             b.error("pixelsamples", "the number of samples must be above 0");
         }
         if given != "independent" && given != "pmj02bn" {
-            b.dict.text(&mut b.scene.report, "randomization");
+            b.no_effect("randomization", Type::String, NOISE);
         }
     }
     b.int("seed", "seed", seed.unwrap_or(0));
@@ -160,30 +163,45 @@ fn settings(b: &mut Build, kind: &str) {
 fn without_effect(b: &mut Build, names: Others, same_light: bool) {
     let given = b.dict.kind.as_str();
     for &(name, ty) in names {
-        if same_light && b.dict.has(name, &[ty]) {
-            let message = format!("'{name}' of integrator '{given}' has no effect: it changes the noise only");
+        if same_light && !name.starts_with("visualize") {
+            b.no_effect(name, ty, NOISE);
+        } else if b.dict.find(&mut b.scene.report, name, &[ty]).is_some() {
             let span = b.dict.span_of(name);
-            let is_picture = name.starts_with("visualize") && b.dict.bool(&mut b.scene.report, name) == Some(true);
-            if is_picture {
-                b.scene.report.unused(
-                    span,
-                    format!("pictures of single strategies ('{name}') are not written"),
-                    || None,
-                );
-            } else if !name.starts_with("visualize") {
-                b.scene.report.note(span, message);
+            if !same_light {
+                b.scene.report.dropped(span, format!("'{name}' of integrator '{given}' is left out"));
+            } else if b.dict.bool(&mut b.scene.report, name) == Some(true) {
+                let message = format!("pictures of single strategies ('{name}') are not written");
+                b.scene.report.dropped(span, message);
             }
         }
-        b.dict.find(&mut b.scene.report, name, &[ty]);
     }
 }
 
-/// Any accelerator gives the same picture, so its parameters are taken as read.
+/// Accelerators of pbrt-v3 and v4 with their parameters.
+const ACCELERATORS: [(&str, &[(&str, Type)]); 2] = [
+    ("bvh", &[("maxnodeprims", Type::Integer), ("splitmethod", Type::String)]),
+    (
+        "kdtree",
+        &[
+            ("intersectcost", Type::Integer),
+            ("traversalcost", Type::Integer),
+            ("emptybonus", Type::Float),
+            ("maxprims", Type::Integer),
+            ("maxdepth", Type::Integer),
+        ],
+    ),
+];
+
+/// Any accelerator gives the same picture.
 pub(super) fn accelerator(scene: &mut Scene, dict: &Dict) {
-    const KINDS: [&str; 2] = ["bvh", "kdtree"];
-    dict.ignore_all();
-    if !KINDS.contains(&dict.kind.as_str()) {
+    let Some((_, parameters)) = ACCELERATORS.iter().find(|(kind, _)| *kind == dict.kind) else {
+        dict.ignore_all();
         let message = format!("unknown accelerator '{}'", dict.kind);
-        scene.report.unused(dict.span, message, || names::did_you_mean(&dict.kind, KINDS));
+        let help = || names::did_you_mean(&dict.kind, ACCELERATORS.map(|a| a.0));
+        return scene.report.unused(dict.span, message, help);
+    };
+    for &(name, ty) in *parameters {
+        dict.no_effect(&mut scene.report, "accelerator", name, ty, "it changes the speed only");
     }
+    dict.report_unused(&mut scene.report, "accelerator");
 }

@@ -53,6 +53,8 @@ pub(super) struct Scene<'o> {
     pub meshes: MeshFiles,
     /// When transforms that change begin and end to do so.
     pub transform_times: [f64; 2],
+    /// What `Option "displacementedgescale"` multiplies the lengths of edges by.
+    pub edge_scale: f64,
     /// Spectrum files that were read; `None` for faulty ones.
     pub spectra: HashMap<PathBuf, Option<SpectrumValue>>,
     textures: HashMap<(Values, String), Option<NodeId>>,
@@ -80,6 +82,7 @@ impl<'o> Scene<'o> {
             search,
             meshes: MeshFiles::default(),
             transform_times: [0.0, 1.0],
+            edge_scale: 1.0,
             spectra: HashMap::new(),
             textures: HashMap::new(),
             pending_textures: Vec::new(),

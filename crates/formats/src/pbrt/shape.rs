@@ -86,7 +86,7 @@ pub(super) fn translate(scene: &mut Scene, dict: &Dict) -> Option<(NodeId, Optio
             match given {
                 "loopsubdiv" => {
                     b.int("levels", "levels", 3);
-                    b.dict.text(&mut b.scene.report, "scheme");
+                    b.no_effect("scheme", Type::String, "Loop's scheme is the only one");
                 }
                 _ => b.set("flat", false),
             }
@@ -121,10 +121,11 @@ pub(super) fn translate(scene: &mut Scene, dict: &Dict) -> Option<(NodeId, Optio
 }
 
 fn ply(b: &mut Build) -> Option<usize> {
-    // Edges are split for displacement only.
-    let length = b.dict.float(&mut b.scene.report, "edgelength");
     if b.dict.has("displacement", &[Type::Texture, Type::Float]) {
-        b.set("edge_length", length.unwrap_or(1.0));
+        let length = b.dict.float_or(&mut b.scene.report, "edgelength", 1.0);
+        b.set("edge_length", length * b.scene.edge_scale);
+    } else {
+        b.no_effect("edgelength", Type::Float, "edges are split for a 'displacement' only");
     }
     let Some((name, span)) = b.dict.text(&mut b.scene.report, "filename") else {
         let span = b.span();
@@ -182,8 +183,7 @@ fn inline_mesh(b: &mut Build, given: &str) -> Option<Mesh> {
         mesh.normals = per_vertex(b, "N", Type::Normal, count).map_or(Vec::new(), triples);
         mesh.uvs = per_vertex(b, "uv", Type::Point2, count)
             .map_or(Vec::new(), |v| v.chunks_exact(2).map(|c| [c[0] as f32, c[1] as f32]).collect());
-        // Numbers of faces serve Ptex textures alone.
-        b.dict.ints(&mut b.scene.report, "faceIndices");
+        b.no_effect("faceIndices", Type::Integer, "numbers of faces serve Ptex textures only");
     }
     match given {
         "trianglemesh" => mesh.tangents = per_vertex(b, "S", Type::Vector3, count).map_or(Vec::new(), triples),

@@ -6,6 +6,7 @@ mod faults;
 mod models;
 mod published;
 mod robust;
+mod told;
 
 use super::*;
 use steradian_math::DVec3;

@@ -702,7 +702,7 @@ fn quadrics() {
 fn meshes_written_in_the_scene() {
     let d = world(
         "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 1 1 0 0 1 0] \"integer indices\" [0 1 2 0 2 3] \"normal N\" [0 0 1 0 0 1 0 0 1 0 0 1]
-        \"point2 uv\" [0 0 1 0 1 1 0 1] \"vector3 S\" [1 0 0 1 0 0 1 0 0 1 0 0] \"integer faceIndices\" [7 7]",
+        \"point2 uv\" [0 0 1 0 1 1 0 1] \"vector3 S\" [1 0 0 1 0 0 1 0 0 1 0 0]",
     );
     assert_eq!(shape(&d).kind, "mesh");
     let m = &d.meshes[d.shapes[0].mesh.unwrap()];
