@@ -4,8 +4,8 @@
 //! down, as does v. Radiometry: candela, lux and emitted radiance are taken as they stand for W/sr, W/m² and W/(m² sr).
 //!
 //! What is drawn by a stated rule: points are spheres and lines are cylinders of a radius of 1/500 of the scene's
-//! diagonal; back faces are drawn whether a material is double-sided or not; occlusion textures are ignored, since
-//! light is traced; `BLEND` lets rays pass by chance.
+//! diagonal; back faces are drawn whether a material is double-sided or not; occlusion textures are ignored, and a note
+//! says so, since light is traced; `BLEND` lets rays pass by chance.
 
 mod accessor;
 mod animation;
@@ -24,6 +24,7 @@ mod packed;
 #[cfg(test)]
 mod tests;
 mod texture;
+mod told;
 mod validate;
 
 use crate::{
@@ -199,6 +200,7 @@ impl Reader<'_> {
         if self.import.diagnostics.has_errors() {
             return;
         }
+        self.members_without_effect(&root);
         self.place_strokes();
         let Import { desc, diagnostics } = &mut self.import;
         if desc.shapes.is_empty() && desc.instances.is_empty() {

@@ -207,6 +207,19 @@ impl Reader<'_> {
             .collect()
     }
 
+    /// The planes between which a camera sees; without `zfar` there is no end.
+    fn clipping(&mut self, lens: &At<'_>, camera: &mut Node) {
+        let near = self.number(lens, "znear", 0.0, (0.0, 1e12));
+        let far = self.number(lens, "zfar", f64::INFINITY, (0.0, f64::INFINITY));
+        // Planes in another order are a broken rule, of which the check of the document warns.
+        if near < far {
+            camera.set("near", near, None);
+            if far.is_finite() {
+                camera.set("far", far, None);
+            }
+        }
+    }
+
     fn camera(&mut self, root: &At<'_>, node: &At<'_>, place: DMat4, end: Option<DMat4>) {
         let Some((_, camera)) = self.index(root, node, "camera", "cameras") else { return };
         let span = self.span(&camera);
@@ -218,15 +231,16 @@ impl Reader<'_> {
         };
         let kind = camera.text("type").unwrap_or_default();
         let mut aspect = 4.0 / 3.0;
-        let description = match (kind, camera.get(kind)) {
+        let lens = camera.get(kind);
+        let mut description = match (kind, &lens) {
             ("perspective", Some(p)) => {
-                let fov = self.number(&p, "yfov", 0.8, (1e-3, 3.1)).to_degrees();
-                aspect = self.number(&p, "aspectRatio", aspect, (1e-2, 1e2));
+                let fov = self.number(p, "yfov", 0.8, (1e-3, 3.1)).to_degrees();
+                aspect = self.number(p, "aspectRatio", aspect, (1e-2, 1e2));
                 Node::new(Family::Camera, "perspective", span).with("fov", fov).with("fov_axis", "y")
             }
             ("orthographic", Some(o)) => {
-                let x = self.number(&o, "xmag", 1.0, (-1e9, 1e9)).abs().max(1e-9);
-                let y = self.number(&o, "ymag", 1.0, (-1e9, 1e9)).abs().max(1e-9);
+                let x = self.number(o, "xmag", 1.0, (-1e9, 1e9)).abs().max(1e-9);
+                let y = self.number(o, "ymag", 1.0, (-1e9, 1e9)).abs().max(1e-9);
                 aspect = x / y;
                 Node::new(Family::Camera, "orthographic", span).with("screen_window", vec![-x, x, -y, y])
             }
@@ -235,7 +249,10 @@ impl Reader<'_> {
                 return;
             }
         };
-        let mut description = description.with("to_world", to_world(place));
+        if let Some(lens) = &lens {
+            self.clipping(lens, &mut description);
+        }
+        description.set("to_world", to_world(place), None);
         if let Some(end) = end {
             description.set("to_world_end", to_world(end), None);
         }

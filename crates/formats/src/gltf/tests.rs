@@ -244,6 +244,38 @@ fn losses_are_told() {
     assert!(wide[0].1.contains("outside of 0 to 1"), "{wide:?}");
 }
 
+/// Planes of cameras are followed; textures that tracing makes needless are told.
+#[test]
+fn planes_of_cameras_are_followed_and_needless_textures_told() {
+    let camera = |lens: &str| {
+        let root = format!(r#", "cameras": [{{ "type": {lens} }}]"#);
+        let desc = sound(triangle(&root, r#", "camera": 0"#, "", "")).desc;
+        let camera = desc.node(desc.cameras[0]);
+        (camera.float("near"), camera.float("far"))
+    };
+    let perspective = camera(r#""perspective", "perspective": { "yfov": 1, "znear": 0.5, "zfar": 7 }"#);
+    assert_eq!(perspective, (Some(0.5), Some(7.0)));
+    let endless = camera(r#""perspective", "perspective": { "yfov": 1, "znear": 0.5 }"#);
+    assert_eq!(endless, (Some(0.5), None));
+    let orthographic = camera(r#""orthographic", "orthographic": { "xmag": 1, "ymag": 1, "znear": 0, "zfar": 9 }"#);
+    assert_eq!(orthographic, (Some(0.0), Some(9.0)));
+
+    let textures = r#", "extensionsUsed": ["KHR_materials_volume"], "textures": [{ "source": 0 }],
+        "images": [{ "mimeType": "image/png", "uri": "data:image/png;base64,iVBORw0KGgo=" }]"#;
+    for (material, pointer) in [
+        (r#", "occlusionTexture": { "index": 0, "strength": 0.5 }"#, "/materials/0/occlusionTexture"),
+        (
+            r#", "extensions": { "KHR_materials_volume": { "thicknessTexture": { "index": 0 } } }"#,
+            "/materials/0/extensions/KHR_materials_volume/thicknessTexture",
+        ),
+    ] {
+        let import = sound(triangle(textures, "", "", material));
+        let said: Vec<String> = import.diagnostics.iter().map(|d| format!("{}: {}", d.kind(), d.message)).collect();
+        let note = format!("note: {pointer}: this texture has no effect");
+        assert_eq!(said.iter().filter(|s| s.starts_with(&note)).count(), 1, "{said:?}");
+    }
+}
+
 #[test]
 fn packed_pictures_are_used_where_there_is_no_other() {
     for (extension, kind) in [("EXT_texture_webp", "webp"), ("KHR_texture_basisu", "ktx2")] {
