@@ -13,7 +13,6 @@ impl Reader<'_> {
     pub(super) fn curves(&mut self, object: ObjectId) -> Option<Vec<Node>> {
         let path = self.needed_file(object, "filename")?;
         let span = self.value_span(object, "filename");
-        self.ignore(object, &["silhouette_sampling_weight"]);
         let bytes = files::read(&path, &self.options.limits).map_err(|e| self.error(span, e.to_string())).ok()?;
         self.desc.sources.note(&path);
         let curves = match parse(&String::from_utf8_lossy(&bytes)) {

@@ -7,8 +7,11 @@ impl Reader<'_> {
     pub(super) fn hair(&mut self, object: ObjectId) -> Node {
         let mut node = self.node(Family::Material, "hair", object);
         let pigments = [("eumelanin", 1.3), ("pheomelanin", 0.2)];
-        let scale = self.float(object, "scale").unwrap_or(1.0);
+        if !self.graph.has(object, "sigma_a") {
+            self.no_effect(object, &["scale"], "it multiplies 'sigma_a' only");
+        }
         if let Some((value, span)) = self.spectral(object, "sigma_a", Role::Unbounded) {
+            let scale = self.float(object, "scale").unwrap_or(1.0);
             for (name, _) in pigments {
                 if self.graph.has(object, name) {
                     self.error(self.value_span(object, name), format!("'sigma_a' excludes '{name}'"));

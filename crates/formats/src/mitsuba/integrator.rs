@@ -16,6 +16,7 @@
 use super::{
     graph::{Category, ObjectId},
     reader::Reader,
+    told::{NOISE, SPEED},
 };
 use steradian_scene::{Family, Node, NodeId};
 
@@ -39,9 +40,8 @@ impl Reader<'_> {
         let plugin = self.plugin(object).to_owned();
         let kind = match plugin.as_str() {
             "aov" | "moment" | "stokes" | "multichannel" | "adaptive" => {
-                let inner = self.graph.children(object, Category::Integrator);
-                self.graph.objects[object].props.iter_mut().for_each(|p| p.used = true);
-                if let Some(&(_, inner)) = inner.first() {
+                let inner = self.wrapped(object);
+                if let Some(inner) = inner {
                     self.note(
                         self.span(object),
                         format!("the outputs that '{plugin}' adds are asked for on the command line"),
@@ -99,19 +99,9 @@ impl Reader<'_> {
         }
         let hide = self.bool(object, "hide_emitters").unwrap_or(false);
         node.set("hide_emitters", hide, Some(self.value_span(object, "hide_emitters")));
-        self.ignore(
-            object,
-            &[
-                "timeout",
-                "block_size",
-                "samples_per_pass",
-                "emitter_samples",
-                "bsdf_samples",
-                "shading_samples",
-                "use_spectral_mis",
-                "strict_normals",
-            ],
-        );
+        self.means(object);
+        let why = "light meets surfaces by their shading normals, wherever these point";
+        self.left_out(object, "strict_normals", &["false"], why);
         match kind {
             "sppm" => {
                 if let Some(n) = self.int(object, "photon_count").filter(|n| *n > 0) {
@@ -134,12 +124,37 @@ impl Reader<'_> {
         Some(self.desc.add(node))
     }
 
+    /// The integrator inside one that only adds outputs. As in Mitsuba, it has its own settings, and those around it
+    /// that are not about outputs are none.
+    fn wrapped(&mut self, object: ObjectId) -> Option<ObjectId> {
+        let inner = self.graph.children(object, Category::Integrator);
+        self.no_effect(object, &["aovs"], "'--aov' asks for layers");
+        self.no_effect(object, &["meridian_align"], "Stokes vectors are not written");
+        self.no_effect(object, &["max_error", "p_value", "max_sample_factor"], NOISE);
+        if let Some(&(_, second)) = inner.get(1) {
+            let what = "the picture of a second integrator is left out: the first renders the scene";
+            self.dropped(self.span(second), what);
+        }
+        let &(_, first) = inner.first()?;
+        self.means(object);
+        self.no_effect(object, &["hide_emitters"], "the integrator inside has its own");
+        Some(first)
+    }
+
+    /// Notes the settings that are about time, memory and noise alone.
+    fn means(&mut self, object: ObjectId) {
+        self.no_effect(object, &["block_size", "samples_per_pass"], SPEED);
+        self.no_effect(object, &["timeout"], "'--time' ends a rendering early");
+        let samples = ["emitter_samples", "bsdf_samples", "shading_samples", "use_spectral_mis"];
+        self.no_effect(object, &samples, NOISE);
+    }
+
     /// Mitsuba 0.6's `ao`: its rays have by default half the radius of the scene's bounding sphere, and where the camera
     /// sees nothing it is white.
     fn ambient_occlusion(&mut self, object: ObjectId) -> NodeId {
         let span = self.span(object);
         let mut node = self.node(Family::Integrator, "ao", object);
-        self.ignore(object, &["shading_samples"]);
+        self.means(object);
         if let Some(length) = self.float(object, "ray_length").filter(|length| *length > 0.0) {
             node.set("distance", length, Some(self.value_span(object, "ray_length")));
         } else {

@@ -5,6 +5,7 @@ use super::{
     reader::Reader,
     sensor::mirrored_x,
     texture::{Role, rgb},
+    told::{NOISE, SPEED},
 };
 use steradian_math::{DVec3, Transform};
 use steradian_scene::{Family, Node, NodeId, Value};
@@ -32,7 +33,7 @@ impl Reader<'_> {
             if kind == "directional_area" {
                 r.note(r.span(object), "Mitsuba's 'path' finds no light of 'directionalarea'; here it shines");
             }
-            r.ignore(object, &["sampling_weight"]);
+            r.no_effect(object, &["sampling_weight"], NOISE);
             node.set("two_sided", false, None).set("scale", 1.0, None).set("normalize", false, None);
             Some(r.desc.add(node))
         })
@@ -64,7 +65,7 @@ impl Reader<'_> {
                 return None;
             }
         };
-        self.ignore(object, &["sampling_weight"]);
+        self.no_effect(object, &["sampling_weight"], NOISE);
         // Emitters inside media need no naming of the medium.
         self.graph.children(object, Category::Medium);
         Some(self.desc.add(node.with("normalize", false)))
@@ -124,7 +125,12 @@ impl Reader<'_> {
         let file = self.needed_file(object, "filename");
         let scale = self.float(object, "scale").unwrap_or(1.0);
         let to_world = self.transform(object, "to_world");
-        self.ignore(object, &["mis_compensation", "cache", "gamma"]);
+        self.no_effect(object, &["mis_compensation"], NOISE);
+        self.no_effect(object, &["cache"], SPEED);
+        let extension = file.as_ref().and_then(|f| f.extension()).map(|e| e.to_ascii_lowercase());
+        let is_linear = extension.is_some_and(|e| ["exr", "hdr", "pfm"].iter().any(|linear| e == *linear));
+        let harmless = if is_linear { &["-1", "1"][..] } else { &["-1"] };
+        self.left_out(object, "gamma", harmless, "the encoding is that of the file");
         node.set("file", file?, Some(self.value_span(object, "filename")));
         node.set("scale", scale, Some(self.value_span(object, "scale")));
         // Version 0.6 has texels at the middle of rows.

@@ -4,6 +4,7 @@ use super::{
     graph::{Category, ObjectId},
     reader::Reader,
     texture::Role,
+    told::NOISE,
 };
 use steradian_scene::{Family, Node, NodeId, SpectrumValue, Value};
 
@@ -58,7 +59,7 @@ impl Reader<'_> {
             "twosided" => {
                 let sides = self.nested(object, 1, 2)?;
                 let back = sides.get(1).or(sides.first()).copied()?;
-                self.ignore(object, &["allow_transmission"]);
+                self.no_effect(object, &["allow_transmission"], "materials inside may transmit light as they are");
                 self.node(Family::Material, "two_sided", object).with("front", *sides.first()?).with("back", back)
             }
             "mask" => {
@@ -75,7 +76,7 @@ impl Reader<'_> {
             }
             "measured" | "measured_polarized" => {
                 let file = self.needed_file(object, "filename")?;
-                self.ignore(object, &["alpha_sample"]);
+                self.no_effect(object, &["alpha_sample"], NOISE);
                 let span = Some(self.value_span(object, "filename"));
                 let mut node = self.node(Family::Material, "measured", object);
                 node.set("file", Value::Path(file), span);
@@ -228,7 +229,7 @@ impl Reader<'_> {
             node.set("alpha_u", value.clone(), span).set("alpha_v", value, span);
         }
         node.set("distribution", distribution, None).set("remap_roughness", false, None);
-        self.ignore(object, &["sample_visible"]);
+        self.no_effect(object, &["sample_visible"], NOISE);
         // Steradian's own choices.
         for name in ["shadowing", "compensation", "fresnel"] {
             if let Some(word) = self.string(object, name) {
@@ -253,7 +254,7 @@ impl Reader<'_> {
         let flips = self.bool(object, "flip_invalid_normals").unwrap_or(true);
         let shadows = self.bool(object, "use_shadowing_function").unwrap_or(true);
         let legacy = self.graph.objects[object].legacy;
-        let scale = self.float(object, "scale").unwrap_or(1.0);
+        let scale = if normals { 1.0 } else { self.float(object, "scale").unwrap_or(1.0) };
         let textures = self.graph.children(object, Category::Texture);
         let [(_, texture)] = textures[..] else {
             let message = format!("the BSDF '{}' needs one texture, not {}", self.plugin(object), textures.len());
@@ -262,7 +263,7 @@ impl Reader<'_> {
         };
         let role = if normals { Role::Unbounded } else { Role::Scalar };
         let mut map = self.texture(texture, role)?;
-        if !normals && scale != 1.0 {
+        if scale != 1.0 {
             map = Value::Node(self.scaled(object, map, scale));
         }
         let mut node = self.desc.node(inner).clone();

@@ -4,6 +4,7 @@ use super::{
     graph::{Category, ObjectId, Prop, Raw},
     reader::Reader,
     texture::Role,
+    told::NOISE,
 };
 use steradian_scene::{Family, NodeId, Span, Transform, Value};
 
@@ -27,10 +28,11 @@ impl Reader<'_> {
             self.put(&mut node, "sigma_s", object, "sigma_s", Role::Unbounded, 0.0);
             self.put(&mut node, "sigma_a", object, "sigma_a", Role::Unbounded, 0.0);
         } else {
-            let place = self.constant_volume_place(object);
+            let is_heterogeneous = self.plugin(object) == "heterogeneous";
+            let place = if is_heterogeneous { self.constant_volume_place(object) } else { None };
             self.put(&mut node, "sigma_t", object, "sigma_t", Role::Unbounded, 1.0);
             self.put(&mut node, "albedo", object, "albedo", Role::Reflectance, 0.75);
-            if self.plugin(object) == "heterogeneous" {
+            if is_heterogeneous {
                 node.kind = "heterogeneous".into();
                 if let Some((place, span)) = place {
                     node.set("to_world", place, Some(span));
@@ -44,7 +46,8 @@ impl Reader<'_> {
         }
         let scale = self.float(object, "scale").unwrap_or(1.0);
         node.set("scale", scale, None);
-        self.ignore(object, &["has_spectral_extinction", "sample_emitters", "to_world"]);
+        self.no_effect(object, &["has_spectral_extinction", "sample_emitters"], NOISE);
+        self.no_effect(object, &["to_world"], "a medium fills its shape; its volumes have their own places");
         let phases = self.graph.children(object, Category::Phase);
         if let Some((_, extra)) = phases.get(1) {
             self.error(self.span(*extra), "a medium has one phase function");

@@ -15,7 +15,7 @@ impl Reader<'_> {
             (Some(origin), Some(direction)) => {
                 let (origin, direction) = (DVec3::from(origin), DVec3::from(direction));
                 let up = if direction.x.abs() > direction.y.abs() { DVec3::Y } else { DVec3::X };
-                self.ignore(object, &["to_world"]);
+                self.left_out(object, "to_world", &[], "'origin' and 'direction' place the sensor");
                 let Some(place) = Transform::look_at(origin, origin + direction, up) else {
                     return self.error(span, "the 'direction' of a 'radiancemeter' must not be zero");
                 };

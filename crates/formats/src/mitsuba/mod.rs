@@ -31,6 +31,7 @@ mod sky;
 pub(crate) mod solids;
 mod spectrum;
 mod texture;
+mod told;
 mod transform;
 mod upgrade;
 mod values;

@@ -19,7 +19,8 @@ impl Reader<'_> {
     /// Polarisers let half of unpolarised light pass straight on, retarders all of it.
     pub(super) fn polarizing_filter(&mut self, object: ObjectId, is_retarder: bool) -> Node {
         self.unpolarized(object);
-        self.ignore(object, &["theta", "delta", "left_handed", "polarizing"]);
+        let why = "the filter acts as on unpolarised light";
+        self.no_effect(object, &["theta", "delta", "left_handed", "polarizing"], why);
         let (mut value, span) = match self.spectral(object, "transmittance", Role::Reflectance) {
             Some((value, span)) => (value, Some(span)),
             None => (Value::Float(1.0), None),

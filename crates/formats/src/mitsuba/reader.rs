@@ -49,6 +49,8 @@ pub(super) struct Reader<'a> {
     /// The curves beyond the first of the shape being translated.
     pub more_curves: Vec<NodeId>,
     pub depth: usize,
+    /// Messages about properties that are not followed, each of which is said once.
+    pub said: HashSet<String>,
     translated: HashMap<Use, Translated>,
 }
 
@@ -73,6 +75,7 @@ impl<'a> Reader<'a> {
             on_disk: false,
             more_curves: Vec::new(),
             depth: 0,
+            said: HashSet::new(),
             translated: HashMap::new(),
         }
     }
@@ -276,7 +279,7 @@ impl<'a> Reader<'a> {
         o.props.iter().find(|p| p.name == name).map_or(o.span, |p| p.value_span)
     }
 
-    /// Marks properties as used that change nothing in the picture.
+    /// Marks properties as used of which another message speaks.
     pub fn ignore(&mut self, object: ObjectId, names: &[&'static str]) {
         for name in names {
             self.graph.take(object, name);

@@ -3,6 +3,7 @@
 use super::{
     graph::{Category, ObjectId, Raw},
     reader::Reader,
+    told::NOISE,
     values,
 };
 use steradian_math::{DVec3, Transform};
@@ -110,10 +111,10 @@ impl Reader<'_> {
                 node.set(name, -offset, Some(self.value_span(object, property)));
             }
         }
-        let focus = self.float(object, "focus_distance");
         if self.plugin(object) != "thinlens" {
             return;
         }
+        let focus = self.float(object, "focus_distance");
         let (radius, span) = (self.float(object, "aperture_radius"), self.value_span(object, "aperture_radius"));
         match radius {
             Some(r) if r >= 0.0 => {
@@ -144,6 +145,9 @@ impl Reader<'_> {
                 (fov, axis, self.value_span(object, "fov"))
             }
             None => {
+                if self.graph.has(object, "fov_axis") {
+                    self.no_effect(object, &["fov_axis"], "a 'focal_length' is across the diagonal");
+                }
                 let millimetres = match focal_length {
                     None => Ok(50.0),
                     Some(Raw::String(text)) => values::number(text.trim().trim_end_matches("mm")),
@@ -176,7 +180,9 @@ impl Reader<'_> {
         }
         node.set("near", near, Some(self.value_span(object, "near_clip")));
         node.set("far", far, Some(self.value_span(object, "far_clip")));
-        self.ignore(object, &["focus_distance"]);
+        if self.plugin(object) != "thinlens" {
+            self.no_effect(object, &["focus_distance"], "without a lens all is in focus");
+        }
     }
 
     fn film(&mut self, object: Option<ObjectId>) {
@@ -201,35 +207,36 @@ impl Reader<'_> {
             value
         });
         self.crop(&mut node, object, size);
-        self.ignore(
-            object,
-            &[
-                "file_format",
-                "pixel_format",
-                "component_format",
-                "banner",
-                "compensate",
-                "high_quality_edges",
-                "sample_border",
-                "gamma",
-                "tonemap_method",
-                "exposure",
-                "key",
-                "burn",
-                "attach_log",
-                "has_variance",
-            ],
-        );
-        if let Some(format) = self.string(object, "pixel_format").filter(|f| f.ends_with('a')) {
-            let said = format!("the alpha channel of '{format}' is not written by itself; --transparent writes it");
-            self.note(self.value_span(object, "pixel_format"), said);
-        }
+        self.developed(object);
         if kind == "spectral" {
             self.bands(object);
         }
         let filters = self.graph.children(object, Category::Filter);
         self.desc.film = Some(self.desc.add(node));
         self.filter(filters.first().map(|f| f.1));
+    }
+
+    /// Says what comes of settings of a film that are about its file and its development.
+    fn developed(&mut self, object: ObjectId) {
+        let file = ["file_format", "component_format", "banner", "attach_log", "has_variance"];
+        self.no_effect(object, &file, "it is about the file, not the picture");
+        self.no_effect(object, &["compensate"], "sums are exact enough without");
+        self.no_effect(object, &["high_quality_edges", "sample_border"], "it is about the noise along the edges");
+        if let Some(format) = self.string(object, "pixel_format").filter(|f| !f.eq_ignore_ascii_case("rgb")) {
+            let span = self.value_span(object, "pixel_format");
+            if format.eq_ignore_ascii_case("rgba") {
+                let said = "the alpha channel of 'rgba' is not written by itself; --transparent writes it";
+                self.note(span, said);
+            } else {
+                self.dropped(span, format!("pictures have R, G and B; the 'pixel_format' '{format}' is left out"));
+            }
+        }
+        let why = "'--exposure' and '--tonemap' develop pictures";
+        self.left_out(object, "gamma", &["-1"], why);
+        self.left_out(object, "exposure", &["0"], why);
+        self.left_out(object, "tonemap_method", &["gamma"], why);
+        self.left_out(object, "key", &["0.18"], why);
+        self.left_out(object, "burn", &["0"], why);
     }
 
     /// Says which bands of a `specfilm`, which are spectra of any name, are left out.
@@ -325,7 +332,7 @@ impl Reader<'_> {
         if let Some(seed) = self.int(object, "seed") {
             node.set("seed", seed, Some(self.value_span(object, "seed")));
         }
-        self.ignore(object, &["jitter", "strength", "dimension", "scramble"]);
+        self.no_effect(object, &["jitter", "strength", "dimension", "scramble"], NOISE);
         self.desc.sampler = Some(self.desc.add(node));
     }
 }

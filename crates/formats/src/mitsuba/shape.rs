@@ -7,6 +7,7 @@ use super::{
     reader::Reader,
     solids,
     texture::{Role, rgb},
+    told::NOISE,
 };
 use steradian_math::{DVec3, Transform};
 use steradian_scene::{Family, Group, Instance, Mesh, Node, NodeId, Shape};
@@ -89,7 +90,7 @@ impl Reader<'_> {
             }
             shapes.extend(self.shapes(child));
         }
-        self.ignore(object, &["to_world"]);
+        self.left_out(object, "to_world", &[], "its instances place a shape group");
         self.desc.groups[index].shapes = shapes;
         index
     }
@@ -137,7 +138,7 @@ impl Reader<'_> {
                 _ => self.dropped(self.span(sensor), "a sensor on a shape is left out"),
             }
         }
-        self.ignore(object, &["silhouette_sampling_weight"]);
+        self.no_effect(object, &["silhouette_sampling_weight"], NOISE);
         let geometry = geometry?;
         let node = self.desc.add(geometry.node);
         Some(Shape {
@@ -230,7 +231,16 @@ impl Reader<'_> {
         if let Some(prop) = self.graph.take(object, "max_smooth_angle") {
             self.dropped(prop.span, "'max_smooth_angle' is left out: normals are smooth everywhere or nowhere");
         }
-        self.ignore(object, &["load_materials", "collapse", "srgb"]);
+        match format {
+            MeshFormat::Obj => {
+                self.left_out(object, "load_materials", &["false"], "materials are those of the scene");
+                self.no_effect(object, &["collapse"], "all parts of a file are one shape");
+            }
+            MeshFormat::Ply => {
+                self.left_out(object, "srgb", &["false"], "colours of vertices are taken as linear");
+            }
+            MeshFormat::Serialized(_) => {}
+        }
         let mut key = MeshKey::new(format, path?, &world_from_object);
         (key.face_normals, key.flip_uvs, key.flip_normals) = (face_normals, flip_uvs, flip_normals);
         let mesh = self.queue_mesh(key, self.value_span(object, "filename"));

@@ -4,6 +4,7 @@ use super::{
     graph::{Category, ObjectId},
     reader::Reader,
     texture::Role,
+    told::NOISE,
 };
 use steradian_math::{DVec3, Transform};
 use steradian_scene::{Family, Node, NodeId};
@@ -25,7 +26,9 @@ impl Reader<'_> {
         };
         let mut node = self.node(Family::Light, "sky", object);
         self.put_given(&mut node, "albedo", object, "albedo", Role::Reflectance);
-        for name in NUMBERS {
+        // One without the other has no scale for it.
+        let foreign = if with_sky { "sun_scale" } else { "sky_scale" };
+        for name in NUMBERS.into_iter().filter(|name| (with_sky && with_sun) || *name != foreign) {
             if let Some(v) = self.float(object, name) {
                 node.set(name, v, Some(self.value_span(object, name)));
             }
@@ -56,7 +59,7 @@ impl Reader<'_> {
             // Its own +x is south, +y west.
             Transform::scale(DVec3::new(-1.0, -1.0, 1.0))
         };
-        self.ignore(object, &["sampling_weight"]);
+        self.no_effect(object, &["sampling_weight"], NOISE);
         self.graph.children(object, Category::Medium);
         Some(self.desc.add(node.with("to_world", to_world * own)))
     }
@@ -78,7 +81,8 @@ impl Reader<'_> {
         if self.float(object, "stretch").is_some_and(|v| v != 1.0) {
             self.dropped(self.value_span(object, "stretch"), "'stretch' of a sky is left out: it ends at the horizon");
         }
-        self.ignore(object, &["resolution", "extend"]);
+        self.no_effect(object, &["resolution"], "the sky is not made of pixels");
+        self.left_out(object, "extend", &["false"], "a sky ends at the horizon");
         Transform::from_rows([0., 1., 0., 0., 0., 0., 1., 0., -1., 0., 0., 0., 0., 0., 0., 1.])
     }
 }

@@ -1,7 +1,7 @@
 //! Spectrum plugins: `<spectrum type="…">`.
 
 use super::{
-    graph::{Category, ObjectId, Raw},
+    graph::{Category, ObjectId, Prop, Raw},
     reader::Reader,
     texture::{Role, flat, rgb},
     values,
@@ -13,7 +13,11 @@ impl Reader<'_> {
     pub fn spectrum_plugin(&mut self, object: ObjectId, role: Role) -> Option<Value> {
         match self.plugin(object) {
             "uniform" | "rawconstant" => {
-                self.ignore(object, &["wavelength_min", "wavelength_max"]);
+                if self.plugin(object) == "uniform" {
+                    let why = "a uniform spectrum has no ends";
+                    self.left_out(object, "wavelength_min", &["360"], why);
+                    self.left_out(object, "wavelength_max", &["830"], why);
+                }
                 match self.graph.take(object, "value")?.value {
                     Raw::Rgb(c) | Raw::Vec3(c) => Some(rgb(c)),
                     _ => self.float(object, "value").map(|v| flat(v, role)),
@@ -47,13 +51,16 @@ impl Reader<'_> {
 
     /// `regular` (values over a range) and `irregular` (values at wavelengths).
     fn tabulated(&mut self, object: ObjectId) -> Result<SpectrumValue, String> {
-        if let Some(Raw::Spectrum(s)) = self.graph.take(object, "value").map(|p| p.value) {
+        let spectrum = |p: &Prop| p.name == "value" && matches!(p.value, Raw::Spectrum(_));
+        if self.graph.objects[object].props.iter().any(spectrum)
+            && let Some(Raw::Spectrum(s)) = self.graph.take(object, "value").map(|p| p.value)
+        {
             return Ok(s);
         }
-        let range = ["lambda_min", "lambda_max", "wavelength_min", "wavelength_max"].map(|n| self.float(object, n));
         let listed = self.string(object, "values").ok_or("a tabulated spectrum needs 'values'")?;
         let listed = values::numbers(&listed)?;
         let lambdas = if self.plugin(object) == "regular" {
+            let range = ["lambda_min", "lambda_max", "wavelength_min", "wavelength_max"].map(|n| self.float(object, n));
             let (low, high) = (range[0].or(range[2]), range[1].or(range[3]));
             let (low, high) = low.zip(high).ok_or("a regular spectrum needs 'wavelength_min' and 'wavelength_max'")?;
             let step = (high - low) / listed.len().saturating_sub(1).max(1) as f64;

@@ -3,6 +3,7 @@
 use super::{
     graph::{Category, ObjectId, Raw},
     reader::Reader,
+    told::SPEED,
 };
 use steradian_math::{DVec3, Transform};
 use steradian_scene::{ColorSpace, Family, Node, NodeId, Span, SpectrumValue, Value};
@@ -209,16 +210,21 @@ impl Reader<'_> {
             node.set("to_uv", to_uv, Some(self.value_span(object, "to_uv")));
         }
         // Both are of 0.6.
-        let most = self.float(object, "max_anisotropy").or(legacy.then_some(20.0));
-        if let Some(most) = most.filter(|_| filter == "ewa") {
-            node.set("max_anisotropy", Value::Float(most), Some(self.value_span(object, "max_anisotropy")));
+        if filter == "ewa" {
+            let most = self.float(object, "max_anisotropy").or(legacy.then_some(20.0));
+            if let Some(most) = most {
+                node.set("max_anisotropy", Value::Float(most), Some(self.value_span(object, "max_anisotropy")));
+            }
+        } else {
+            self.no_effect(object, &["max_anisotropy"], "only the filter 'ewa' has it");
         }
         if self.graph.has(object, "channel") {
             let channel = self.choice(object, "channel", &["all", "r", "g", "b", "a"]);
             let ours = if channel == "all" { "color" } else { channel };
             node.set("channel", ours, Some(self.value_span(object, "channel")));
         }
-        self.ignore(object, &["accel", "format", "cache"]);
+        self.no_effect(object, &["accel", "cache"], SPEED);
+        self.no_effect(object, &["format"], "pictures keep the precision of their files");
         node.set("file", file?, Some(self.value_span(object, "filename")));
         for (name, value) in [("filter", filter), ("wrap_u", wrap_u), ("wrap_v", wrap_v), ("origin", "top")] {
             node.set(name, value, None);
@@ -241,7 +247,8 @@ impl Reader<'_> {
                 None => self.error(span, "the transform of this volume cannot be inverted"),
             }
         }
-        self.ignore(object, &["raw", "accel", "max_value"]);
+        self.no_effect(object, &["raw"], "numbers on a grid are taken as they stand");
+        self.no_effect(object, &["accel", "max_value"], SPEED);
         node.set("file", file?, Some(self.value_span(object, "filename")));
         node.set("filter", filter, None).set("wrap", wrap, None).set("use_grid_bounds", use_bounds, None);
         Some(self.desc.add(node))
@@ -264,6 +271,13 @@ impl Reader<'_> {
         self.desc.add(node.with("texture", texture).with("scale", scale))
     }
 
+    /// Notes the place of a constant, unless a medium took it for its own.
+    fn constant_place(&mut self, object: ObjectId) {
+        if self.graph.objects[object].props.iter().any(|p| p.name == "to_world" && !p.used) {
+            self.no_effect(object, &["to_world"], "a constant is the same everywhere");
+        }
+    }
+
     /// A volume where a constant is needed: that of `constvolume`, else the volume under its own name.
     pub fn volume(&mut self, object: ObjectId, role: Role) -> Option<Value> {
         match self.plugin(object) {
@@ -272,7 +286,7 @@ impl Reader<'_> {
                     return None;
                 }
                 let value = self.spectral(object, "value", role).map(|(v, _)| v);
-                self.ignore(object, &["to_world"]);
+                self.constant_place(object);
                 self.leave();
                 value
             }

@@ -3,7 +3,7 @@
 use super::{build::Build, dict::Dict, param::Type, scene::Scene};
 use steradian_scene::{Family, NodeId, names};
 
-/// Why a parameter has no effect that is about the means alone.
+/// The reason that a parameter has no effect, where it is about the means alone.
 const NOISE: &str = "it changes the noise only";
 
 const SAMPLERS: [&str; 7] = ["zsobol", "sobol", "paddedsobol", "halton", "pmj02bn", "independent", "stratified"];

@@ -53,7 +53,7 @@ pub(super) struct Scene<'o> {
     pub meshes: MeshFiles,
     /// When transforms that change begin and end to do so.
     pub transform_times: [f64; 2],
-    /// What `Option "displacementedgescale"` multiplies the lengths of edges by.
+    /// The factor of `Option "displacementedgescale"` on the lengths of edges.
     pub edge_scale: f64,
     /// Spectrum files that were read; `None` for faulty ones.
     pub spectra: HashMap<PathBuf, Option<SpectrumValue>>,

@@ -513,7 +513,10 @@ fn textures() {
         );
         let import = import_text(&text, &folder.path().join("s.xml"), &Options::default());
         let said: Vec<String> = import.diagnostics.iter().map(|d| d.message.clone()).collect();
-        assert!(said.is_empty(), "{said:?}");
+        assert!(
+            said.iter().all(|s| s.starts_with("'max_anisotropy' of the texture 'bitmap' has no effect")),
+            "{said:?}"
+        );
         let desc = &import.desc;
         child(desc, desc.node(desc.shapes[0].material.unwrap()), "reflectance").clone()
     };

@@ -7,6 +7,7 @@ mod faults;
 mod language;
 mod real_scenes;
 mod shapes;
+mod told;
 
 use super::import_text;
 use crate::{Import, Options};
@@ -23,7 +24,7 @@ fn read(inside: &str) -> Import {
     import_text(&format!("<scene version=\"3.0.0\">{inside}</scene>"), Path::new("test.xml"), &Options::default())
 }
 
-/// The same for a scene that must be free of errors.
+/// A scene that must be free of errors.
 fn good(inside: &str) -> SceneDesc {
     let import = read(inside);
     assert_eq!(errors(&import), Vec::<String>::new(), "{inside}");

@@ -1,8 +1,8 @@
-//! What becomes of parameters that are not followed.
+//! Parameters that are not followed.
 
 use super::*;
 
-/// What messages say, each with its kind.
+/// Messages, each with its kind.
 fn said(text: &str) -> Vec<String> {
     load(text).diagnostics.iter().map(|d| format!("{}: {}", d.kind(), d.message)).collect()
 }
