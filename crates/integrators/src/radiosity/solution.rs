@@ -122,7 +122,7 @@ impl Solution {
 
     /// The patch on the side that a surface is seen from (`front`), or on the other, and the weights of its corners.
     fn patch(&self, i: &Interaction, front: bool) -> Option<(usize, [f32; 4])> {
-        let (piece, uv) = self.surfaces.locate(i)?;
+        let (piece, uv) = self.surfaces.locate(i).or_else(|| self.surfaces.nearest_on_plane(i))?;
         let cell = self.cells.find(piece, uv);
         let patch = self.of(cell, front);
         (patch != NONE).then(|| (patch as usize, self.cells.cells[cell as usize].weights(uv)))

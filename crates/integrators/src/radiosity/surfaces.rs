@@ -402,6 +402,18 @@ impl Surfaces {
         }
         (i.id.prim < block.count).then_some((block.first + i.id.prim, i.coordinates))
     }
+
+    /// The piece nearest to a point of an infinite plane that lies beyond all its pieces, and the parameters there.
+    pub fn nearest_on_plane(&self, i: &Interaction) -> Option<(u32, Vec2)> {
+        let start = if i.id.instance == WORLD { 0 } else { *self.placed.get(i.id.instance as usize)? };
+        let block = self.blocks.get((start + i.id.geom) as usize)?;
+        let p = i.surface.p.as_dvec3();
+        let on_plane = (block.first..block.first + block.count).filter(|k| self.pieces[*k as usize].id.prim == ON_PLANE);
+        let distance = |(k, uv): &(u32, Vec2)| self.pieces[*k as usize].point(*uv).distance_squared(p);
+        on_plane
+            .map(|k| (k, self.pieces[k as usize].nearest(i)))
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    }
 }
 
 impl Piece {
@@ -413,6 +425,17 @@ impl Piece {
         } else {
             vec![a, Vec2::new(b.x, a.y), b, Vec2::new(a.x, b.y)]
         }
+    }
+
+    /// The parameters of a flat piece that are nearest to those of a point of its plane.
+    fn nearest(&self, i: &Interaction) -> Vec2 {
+        let uv = self.parameters(i);
+        if self.is_triangle() && uv.min_element() >= 0.0 && uv.element_sum() > 1.0 {
+            let u = ((1.0 + uv.x - uv.y) / 2.0).clamp(0.0, 1.0);
+            return Vec2::new(u, 1.0 - u);
+        }
+        // Of a triangle one coordinate is zero then.
+        uv.clamp(Vec2::ZERO, Vec2::ONE)
     }
 
     /// Parameters in its middle.

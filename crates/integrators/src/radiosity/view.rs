@@ -3,7 +3,7 @@
 //! surface and the solution is looked up one bounce further on, where its patches are not seen.
 
 use super::{Settings, Solution, solve};
-use crate::{Depth, Integrator, Plan, Stop, dimension, nee};
+use crate::{Depth, Integrator, MAX_PASSES, Plan, Stop, dimension, nee};
 use std::{f32::consts::FRAC_1_PI, sync::Arc};
 use steradian_bsdf::{Bsdf, Lobe, TransportMode};
 use steradian_core::{Scene, light::LightContext, material::Scattering, scene::Interaction};
@@ -45,7 +45,8 @@ impl Integrator for View {
         let (mut beta, mut l) = (Spectrum::ONE, Spectrum::ZERO);
         let mut is_camera_ray = true;
         let most = self.depth.max.min(MOST_EVENTS);
-        for event in 0..=most {
+        let (mut event, mut passes) = (0, 0);
+        loop {
             let PathContext { sampler, lambda, counters, .. } = &mut *context;
             counters.rays += 1;
             let shows_lights = !(is_camera_ray && self.depth.hide_emitters);
@@ -63,6 +64,10 @@ impl Integrator for View {
             let passes_straight = is_camera_ray && self.depth.hides(scene, i.geometry, 0);
             let surface = if passes_straight { None } else { scene.scattering(&i, u, lambda) };
             let Some((s, frame)) = surface else {
+                passes += 1;
+                if passes > MAX_PASSES {
+                    break;
+                }
                 ray = i.rest(&ray);
                 continue;
             };
@@ -86,6 +91,7 @@ impl Integrator for View {
                 return l + beta * (solution.irradiance(&i, front, self.smooth, context.lambda) + sharp) * FRAC_1_PI;
             }
             ray = i.spawn(w);
+            event += 1;
         }
         l
     }
@@ -177,7 +183,7 @@ impl Seen<'_> {
         let Some(drawn) = surface.sample(wo, choice, u, TransportMode::Radiance) else { return l };
         let origin = Some((ctx, drawn.pdf));
         let mut ray = i.spawn(frame.to_world(drawn.wi));
-        for _ in 0..MOST_EVENTS {
+        for _ in 0..MAX_PASSES {
             counters.rays += 1;
             let Some(hit) = scene.intersect(&ray) else {
                 return l + drawn.weight * nee::background(scene, ray.origin, ray.direction, &origin, lambda);

@@ -441,3 +441,41 @@ fn a_limit_on_bounces_is_followed() {
         }
     }
 }
+
+/// Surfaces that scatter nothing take no part of the limit on bounces, for the camera's rays and those of the gather.
+#[test]
+fn interfaces_are_no_bounces() {
+    let open = room().scene();
+    let mut stage = room();
+    for y in [0.1, 0.15, 0.2] {
+        let pane = stage.add(material("interface"));
+        stage.place_mesh(rectangle([0.0, y, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0])).material = Some(pane);
+    }
+    let paned = stage.scene();
+    for (depth, gather) in [(0, 0), (1, 0), (2, 1)] {
+        let seen = |scene: &Scene| {
+            let bounces = Some(depth - gather);
+            let solution = solved(scene, &Settings { bounces, ..settings(Method::GaussSeidel, 300) });
+            picture_to(depth, scene, solution, gather, 16)
+        };
+        let (open, paned) = (seen(&open), seen(&paned));
+        assert!(relative(paned, open) < 0.01, "{depth} bounces: {paned:?}, {open:?}");
+    }
+}
+
+/// An infinite plane is lit up to the horizon, beyond the part of it that is cut into patches.
+#[test]
+fn planes_are_bright_up_to_the_horizon() {
+    let mut stage = Stage::new();
+    stage.solid(plane([0.0, 1.0, 0.0], 0.0), diffuse(0.5));
+    stage.solid(sphere([0.0, 1.0, 0.0], 0.5), diffuse(0.5));
+    stage.sky(1.0);
+    stage.film(16, 16);
+    stage.look([0.0, 2.0, 6.0], [0.0, 1.5, 0.0], 40.0);
+    let scene = stage.scene();
+    let expected = mean(&Shot::of("path", 256).take(&scene)).mean;
+    for gather in [0, 1] {
+        let seen = picture(&scene, solved(&scene, &settings(Method::GaussSeidel, 600)), gather, 32);
+        assert!(relative(seen, expected) < 0.01, "{gather} rays of a gather: {seen:?}, {expected:?}");
+    }
+}
