@@ -134,7 +134,7 @@ impl Opener<'_> {
     }
 
     fn ply(&mut self, bytes: &[u8]) {
-        let options = ply::PlyOptions { corner_uvs: true, ..ply::PlyOptions::default() };
+        let options = ply::PlyOptions { corner_uvs: true, recentre: true, ..ply::PlyOptions::default() };
         let file = match ply::read(bytes, &options) {
             Ok(file) => file,
             Err(e) => return self.fault(&e, bytes),
@@ -144,6 +144,7 @@ impl Opener<'_> {
             let Import { desc, diagnostics, .. } = &mut self.import;
             diagnostics.warn(&desc.sources, None, warning);
         }
+        self.report_move(file.origin);
         let mut mesh = file.mesh;
         let look = match self.pictured(&file.pictures, &mesh) {
             Some(look) => look,
@@ -171,6 +172,20 @@ impl Opener<'_> {
         Some(Look { material: Some(both), emission: None })
     }
 
+    /// Says so where a model was moved.
+    fn report_move(&mut self, origin: [f64; 3]) {
+        if origin == [0.0; 3] {
+            return;
+        }
+        let [x, y, z] = origin.map(|v| 0.0 - v);
+        let message = format!(
+            "the model is moved by ({x}, {y}, {z}) to the origin, since single precision has no room for its \
+             coordinates"
+        );
+        let Import { desc, diagnostics, .. } = &mut self.import;
+        diagnostics.note(&desc.sources, None, message);
+    }
+
     fn bpt(&mut self, bytes: &[u8]) {
         match bpt::read(bytes) {
             Ok(mesh) => {
@@ -189,16 +204,7 @@ impl Opener<'_> {
         // The text is kept for excerpts.
         let source = self.import.desc.sources.add(self.path, bytes);
         self.report_skipped(&file.skipped, source);
-        if file.origin != [0.0; 3] {
-            let [x, y, z] = file.origin;
-            let message = format!(
-                "the model is moved by ({}, {}, {}) to the origin, since single precision has no room for its \
-                  coordinates",
-                -x, -y, -z
-            );
-            let Import { desc, diagnostics, .. } = &mut self.import;
-            diagnostics.note(&desc.sources, None, message);
-        }
+        self.report_move(file.origin);
         for library in &file.libraries {
             let end = library.offset + "mtllib ".len() + library.name.len();
             self.library(&library.name, Span::new(source, library.offset, end));

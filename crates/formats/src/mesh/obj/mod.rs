@@ -103,13 +103,10 @@ pub struct ObjFile {
     pub libraries: Vec<Library>,
     /// What was passed over.
     pub skipped: Skipped,
-    /// What was taken from all positions; zero but for files whose first vertex is farther than [`FAR`] from the
-    /// origin.
+    /// What was taken from all positions; zero but where [`ObjOptions::recentre`] asks for it and the first vertex is
+    /// far from the origin.
     pub origin: [f64; 3],
 }
-
-/// Coordinates from here on have steps of 1/128 and more in single precision.
-pub const FAR: f64 = 65_536.0;
 
 /// Reads an OBJ file.
 ///

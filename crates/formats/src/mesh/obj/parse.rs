@@ -1,8 +1,8 @@
 //! The statements of an OBJ file.
 
-use super::{FAR, Library, ObjOptions, Skipped, lines::Lines};
+use super::{Library, ObjOptions, Skipped, lines::Lines};
 use crate::mesh::{
-    MeshError, MeshErrorKind as Kind,
+    MeshError, MeshErrorKind as Kind, recentre,
     text::{double, float, is_blank, shown, words},
 };
 use std::collections::{HashMap, HashSet};
@@ -189,9 +189,7 @@ impl Parser<'_> {
         let mut p = [x, y, z];
         if self.options.recentre {
             if self.out.positions.is_empty() {
-                // Whole numbers, so that what was taken away can be added again without an error.
-                let far = |v: f32| if f64::from(v).abs() >= FAR && v.is_finite() { f64::from(v).round() } else { 0.0 };
-                self.out.origin = p.map(far);
+                self.out.origin = recentre::origin(p.map(f64::from));
             }
             if self.out.origin != [0.0; 3] {
                 let words = rest.split(|b| is_blank(*b)).filter(|word| !word.is_empty());

@@ -25,6 +25,38 @@ pub(super) trait Stored: Copy {
     fn get(bytes: &[u8], at: usize, big: bool) -> Self;
     /// The value in single precision.
     fn f32(self) -> f32;
+    /// The value in double precision.
+    fn f64(self) -> f64;
+}
+
+/// A precision that numbers are read in.
+pub(super) trait Real: Copy {
+    /// A word of text as a number.
+    fn parsed(word: &[u8]) -> Option<Self>;
+    /// A number of a binary file.
+    fn of(stored: impl Stored) -> Self;
+}
+
+impl Real for f32 {
+    #[inline(always)]
+    fn parsed(word: &[u8]) -> Option<Self> {
+        float(word)
+    }
+
+    #[inline(always)]
+    fn of(stored: impl Stored) -> Self {
+        stored.f32()
+    }
+}
+
+impl Real for f64 {
+    fn parsed(word: &[u8]) -> Option<Self> {
+        double(word).or_else(|| float(word).map(Self::from))
+    }
+
+    fn of(stored: impl Stored) -> Self {
+        stored.f64()
+    }
 }
 
 macro_rules! stored {
@@ -41,12 +73,33 @@ macro_rules! stored {
             fn f32(self) -> f32 {
                 self as f32
             }
+            #[inline(always)]
+            #[allow(trivial_numeric_casts, clippy::unnecessary_cast, clippy::cast_lossless)]
+            fn f64(self) -> f64 {
+                self as f64
+            }
         }
     )*};
 }
 stored!(i8, u8, i16, u16, i32, u32, f32, f64);
 
+/// A number that lies in binary data at an offset.
+#[inline]
+pub(super) fn stored<R: Real>(t: Type, raw: &[u8], at: usize, big: bool) -> R {
+    match t {
+        Type::I8 => R::of(i8::get(raw, at, big)),
+        Type::U8 => R::of(u8::get(raw, at, big)),
+        Type::I16 => R::of(i16::get(raw, at, big)),
+        Type::U16 => R::of(u16::get(raw, at, big)),
+        Type::I32 => R::of(i32::get(raw, at, big)),
+        Type::U32 => R::of(u32::get(raw, at, big)),
+        Type::F32 => R::of(f32::get(raw, at, big)),
+        Type::F64 => R::of(f64::get(raw, at, big)),
+    }
+}
+
 /// A place in the data.
+#[derive(Clone)]
 pub(super) struct Cursor<'a> {
     pub(super) bytes: &'a [u8],
     pub(super) at: usize,
@@ -109,28 +162,19 @@ impl<'a> Cursor<'a> {
         self.fault(Kind::Syntax, self.at - word.len(), format!("{}: '{}' is not a number", what(), shown(word)))
     }
 
-    /// The next number in single precision; `what` says in messages what it belongs to.
+    /// The next number; `what` says in messages what it belongs to.
     #[inline]
-    pub(super) fn number(&mut self, t: Type, what: &dyn Fn() -> String) -> Result<f32, MeshError> {
+    pub(super) fn number<R: Real>(&mut self, t: Type, what: &dyn Fn() -> String) -> Result<R, MeshError> {
         if self.encoding == Encoding::Ascii {
             let word = self.word(what)?;
-            return match float(word) {
+            return match R::parsed(word) {
                 Some(v) => Ok(v),
                 None => Err(self.not_a_number(word, what)),
             };
         }
         let big = self.encoding == Encoding::Big;
         let raw = self.take(t.size(), what)?;
-        Ok(match t {
-            Type::I8 => i8::get(raw, 0, big).f32(),
-            Type::U8 => u8::get(raw, 0, big).f32(),
-            Type::I16 => i16::get(raw, 0, big).f32(),
-            Type::U16 => u16::get(raw, 0, big).f32(),
-            Type::I32 => i32::get(raw, 0, big).f32(),
-            Type::U32 => u32::get(raw, 0, big).f32(),
-            Type::F32 => f32::get(raw, 0, big),
-            Type::F64 => f64::get(raw, 0, big).f32(),
-        })
+        Ok(stored(t, raw, 0, big))
     }
 
     /// The next number, which must be whole.
@@ -216,11 +260,11 @@ impl<'a> Cursor<'a> {
     }
 
     /// Reads one record: its single numbers into `row` (one place per property), and the items of `lists`.
-    pub(super) fn record(
+    pub(super) fn record<R: Real>(
         &mut self,
         element: &Element,
         index: usize,
-        row: &mut [f32],
+        row: &mut [R],
         lists: &mut Lists,
     ) -> Result<(), MeshError> {
         lists.corners.clear();

@@ -102,7 +102,7 @@ fn general(
     options: &PlyOptions,
 ) -> Result<usize, MeshError> {
     let count = mesh.positions.len();
-    let mut row = vec![0.0; element.properties.len()];
+    let mut row = vec![0.0_f32; element.properties.len()];
     let uv_slot = options.corner_uvs.then(|| wedges::slot(element)).flatten();
     let mut lists = Lists { corner_slot: Some(list), uv_slot, ..Lists::default() };
     let (mut corners, mut left_out) = (Vec::new(), 0);
@@ -162,7 +162,7 @@ fn general(
 pub(super) fn read_strips(cursor: &mut Cursor<'_>, element: &Element, mesh: &mut Mesh) -> Result<(), MeshError> {
     let list = corner_list(element, cursor)?;
     let count = mesh.positions.len();
-    let mut row = vec![0.0; element.properties.len()];
+    let mut row = vec![0.0_f32; element.properties.len()];
     let mut lists = Lists { corner_slot: Some(list), ..Lists::default() };
     for strip in 0..element.count {
         let at = cursor.at;

@@ -22,6 +22,8 @@ pub struct PlyOptions {
     pub keep_quads: bool,
     /// Texture coordinates at the corners of faces are read, for which vertices are split.
     pub corner_uvs: bool,
+    /// Positions of georeferenced files are read in double precision and moved near the origin ([`PlyFile::origin`]).
+    pub recentre: bool,
 }
 
 /// What a PLY file holds.
@@ -39,6 +41,9 @@ pub struct PlyFile {
     pub bad_faces: usize,
     /// Names of the pictures that the mesh is textured with.
     pub pictures: Vec<String>,
+    /// What was taken from all positions; zero but where [`PlyOptions::recentre`] asks for it and the first vertex is
+    /// far from the origin.
+    pub origin: [f64; 3],
 }
 
 impl PlyFile {
@@ -85,7 +90,7 @@ pub fn read(bytes: &[u8], options: &PlyOptions) -> Result<PlyFile, MeshError> {
                 let message = format!("{} vertices, more than 32-bit indices can name", element.count);
                 return Err(MeshError::in_text(Kind::TooLarge, bytes, element.offset, message));
             }
-            mesh = Some(vertices::read(&mut cursor, element)?);
+            mesh = Some(vertices::read(&mut cursor, element, options.recentre)?);
             continue;
         }
         if meaningful(element) {

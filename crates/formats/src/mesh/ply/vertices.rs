@@ -2,31 +2,48 @@
 
 use super::{
     PlyFile,
-    cursor::{Cursor, Lists, Stored},
+    cursor::{Cursor, Lists, Real, Stored, stored},
     header::{Element, Encoding, Type},
     layout::{AttributeLayout, Scale, VertexLayout},
 };
-use crate::mesh::{MeshError, MeshErrorKind as Kind};
+use crate::mesh::{MeshError, MeshErrorKind as Kind, recentre};
 use steradian_scene::{Attribute, Domain, Mesh};
 
-/// Reads all vertices into a mesh without faces. The count has been checked against the bytes left.
-pub(super) fn read(cursor: &mut Cursor<'_>, element: &Element) -> Result<PlyFile, MeshError> {
+/// Reads all vertices into a mesh without faces; with `recentre` moved near the origin where the first is far from it.
+/// The count has been checked against the bytes left.
+pub(super) fn read(cursor: &mut Cursor<'_>, element: &Element, recentre: bool) -> Result<PlyFile, MeshError> {
     let layout = VertexLayout::new(element).map_err(|name| {
         cursor.fault(Kind::Missing, element.offset, format!("element 'vertex' has no property '{name}'"))
     })?;
     let start = cursor.at;
+    let origin = if recentre { origin(cursor.clone(), element, &layout) } else { [0.0; 3] };
     let mut mesh = match element.fixed_record(cursor.encoding) {
         Some(size) => {
             // The product cannot overflow: it was held against the length of the file.
             let block = &cursor.bytes[start..start + size * element.count];
             cursor.at += block.len();
-            columns(block, size, element, &layout, cursor.encoding == Encoding::Big)
+            columns(block, size, element, &layout, (cursor.encoding == Encoding::Big, origin))
         }
-        None => rows(cursor, element, &layout)?,
+        None if origin == [0.0; 3] => rows(cursor, element, &layout, |v: f32, _| v, |v| v)?,
+        None => rows(cursor, element, &layout, |v: f64, axis| (v - origin[axis]) as f32, |v| v as f32)?,
     };
     let bad_normals = leave_out_bad(&mut mesh.normals);
     let bad_uvs = leave_out_bad(&mut mesh.uvs);
-    Ok(PlyFile { mesh, bad_normals, bad_uvs, ..PlyFile::default() })
+    Ok(PlyFile { mesh, bad_normals, bad_uvs, origin, ..PlyFile::default() })
+}
+
+/// What is taken from all positions: by the first, where the file has more digits than single precision. Faults of its
+/// record are left to who reads it next.
+fn origin(mut cursor: Cursor<'_>, element: &Element, layout: &VertexLayout) -> [f64; 3] {
+    let is_wide = |slot: &usize| matches!(element.properties[*slot].item, Type::F64 | Type::I32 | Type::U32);
+    if element.count == 0 || cursor.encoding != Encoding::Ascii && !layout.position.iter().any(is_wide) {
+        return [0.0; 3];
+    }
+    let mut row = vec![0.0_f64; element.properties.len()];
+    match cursor.record(element, 0, &mut row, &mut Lists::default()) {
+        Ok(()) => recentre::origin(layout.position.map(|slot| row[slot])),
+        Err(_) => [0.0; 3],
+    }
 }
 
 /// Replaces values that are not finite by zero, and counts them.
@@ -41,7 +58,13 @@ pub(super) fn is_finite(values: &[f32]) -> bool {
 }
 
 /// Binary records of one size: each quantity is gathered in a loop of its own, made for its type.
-fn columns(block: &[u8], size: usize, element: &Element, layout: &VertexLayout, big: bool) -> Mesh {
+fn columns(
+    block: &[u8],
+    size: usize,
+    element: &Element,
+    layout: &VertexLayout,
+    (big, origin): (bool, [f64; 3]),
+) -> Mesh {
     let mut offsets = Vec::with_capacity(element.properties.len());
     let mut at = 0;
     for p in &element.properties {
@@ -56,7 +79,10 @@ fn columns(block: &[u8], size: usize, element: &Element, layout: &VertexLayout, 
         }
     }
     Mesh {
-        positions: table.gather(layout.position),
+        positions: match origin {
+            [0.0, 0.0, 0.0] => table.gather(layout.position),
+            _ => table.moved(layout.position, origin),
+        },
         normals: layout.normal.map_or_else(Vec::new, |slots| table.gather(slots)),
         uvs,
         attributes: layout.attributes.iter().map(|a| table.attribute(a)).collect(),
@@ -99,6 +125,16 @@ impl Table<'_> {
         }
     }
 
+    /// Three properties of every record, less an origin in double precision.
+    fn moved(&self, slots: [usize; 3], origin: [f64; 3]) -> Vec<[f32; 3]> {
+        let fields = slots.map(|s| self.offsets[s]);
+        let coordinate = |record: &[u8], axis: usize| {
+            let (at, t) = fields[axis];
+            (stored::<f64>(t, record, at, self.big) - origin[axis]) as f32
+        };
+        self.block.chunks_exact(self.size).map(|r| std::array::from_fn(|axis| coordinate(r, axis))).collect()
+    }
+
     fn typed<T: Stored, const N: usize>(&self, at: [usize; N]) -> Vec<[f32; N]> {
         let (width, first) = (size_of::<T>(), at[0]);
         let records = self.block.chunks_exact(self.size);
@@ -133,8 +169,15 @@ impl Table<'_> {
     }
 }
 
-/// Text, or records that hold lists: value by value.
-fn rows(cursor: &mut Cursor<'_>, element: &Element, layout: &VertexLayout) -> Result<Mesh, MeshError> {
+/// Text, or records that hold lists: value by value, in a precision of which `position` makes the coordinates of the
+/// three axes, and `single` all else.
+fn rows<R: Real + Default>(
+    cursor: &mut Cursor<'_>,
+    element: &Element,
+    layout: &VertexLayout,
+    position: impl Fn(R, usize) -> f32,
+    single: impl Fn(R) -> f32,
+) -> Result<Mesh, MeshError> {
     let count = element.count;
     let mut mesh = Mesh { positions: Vec::with_capacity(count), ..Mesh::default() };
     mesh.normals.reserve_exact(if layout.normal.is_some() { count } else { 0 });
@@ -146,19 +189,20 @@ fn rows(cursor: &mut Cursor<'_>, element: &Element, layout: &VertexLayout) -> Re
         data: Vec::with_capacity(count * a.slots.len()),
     };
     mesh.attributes = layout.attributes.iter().map(attribute).collect();
-    let mut row = vec![0.0; element.properties.len()];
+    let mut row = vec![R::default(); element.properties.len()];
     let mut unused = Lists::default();
     for index in 0..count {
         cursor.record(element, index, &mut row, &mut unused)?;
-        mesh.positions.push(layout.position.map(|s| row[s]));
+        mesh.positions.push(std::array::from_fn(|axis| position(row[layout.position[axis]], axis)));
+        let value = |slot: usize| single(row[slot]);
         if let Some(slots) = layout.normal {
-            mesh.normals.push(slots.map(|s| row[s]));
+            mesh.normals.push(slots.map(value));
         }
         if let Some([u, v]) = layout.uv {
-            mesh.uvs.push([layout.uv_scale[0].apply(row[u]), layout.uv_scale[1].apply(row[v])]);
+            mesh.uvs.push([layout.uv_scale[0].apply(value(u)), layout.uv_scale[1].apply(value(v))]);
         }
         for (a, l) in mesh.attributes.iter_mut().zip(&layout.attributes) {
-            a.data.extend(l.slots.iter().map(|&(s, scale)| scale.apply(row[s])));
+            a.data.extend(l.slots.iter().map(|&(s, scale)| scale.apply(value(s))));
         }
     }
     Ok(mesh)
