@@ -30,7 +30,7 @@ pub struct MeterArgs {
     pub scene: PathBuf,
     /// The point, in the world
     #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
-    pub at: [f32; 3],
+    pub at: [f64; 3],
     /// Irradiance and illuminance of a plane, on the side of this normal
     #[arg(long, value_name = "X,Y,Z", value_parser = values::direction, allow_hyphen_values = true)]
     #[arg(conflicts_with = "direction")]
@@ -80,7 +80,7 @@ pub enum Integrator {
 struct Answer<'a> {
     schema: u32,
     scene: &'a Path,
-    at: [f32; 3],
+    at: [f64; 3],
     normal: Option<[f32; 3]>,
     direction: Option<[f32; 3]>,
     /// Of the disc or ball.
@@ -119,7 +119,7 @@ pub fn run(args: &MeterArgs, terminal: Terminal) -> Outcome {
     let opened = open::open_unseen(&args.scene, &args.scene_options);
     let scene = opened.into_scene(&args.scene, args.scene_options.strict, terminal)?.scene;
     let unit = |v: [f32; 3]| Vec3::from(v).normalize();
-    let at = Vec3::from(args.at);
+    let at = scene.from_file(args.at.into());
     let receiver = match (args.normal, args.direction, args.flux) {
         (Some(n), _, Some(r)) => Receiver::Disc(at, unit(n), r),
         (Some(n), _, None) => Receiver::Plane(at, unit(n)),

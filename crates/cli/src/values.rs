@@ -121,9 +121,9 @@ pub fn definition(text: &str) -> Result<(String, String), String> {
     }
 }
 
-fn numbers<const N: usize>(text: &str) -> Option<[f32; N]> {
-    let list: Result<Vec<f32>, _> = text.split(',').map(|t| t.trim().parse()).collect();
-    list.ok()?.try_into().ok().filter(|v: &[f32; N]| v.iter().all(|v| v.is_finite()))
+fn numbers<T: FromStr + Copy + Into<f64>, const N: usize>(text: &str) -> Option<[T; N]> {
+    let list: Result<Vec<T>, _> = text.split(',').map(|t| t.trim().parse()).collect();
+    list.ok()?.try_into().ok().filter(|v: &[T; N]| v.iter().all(|v| (*v).into().is_finite()))
 }
 
 /// Two numbers.
@@ -132,7 +132,7 @@ pub fn pair(text: &str) -> Result<[f32; 2], String> {
 }
 
 /// A point.
-pub fn point(text: &str) -> Result<[f32; 3], String> {
+pub fn point(text: &str) -> Result<[f64; 3], String> {
     numbers(text).ok_or_else(|| "write it as X,Y,Z, such as 0,1.5,-2".into())
 }
 

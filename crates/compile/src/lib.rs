@@ -31,6 +31,7 @@ mod precision;
 mod principled;
 mod ranges;
 mod realistic;
+mod recentre;
 mod schedule;
 mod sensor;
 mod shapes;
@@ -60,7 +61,7 @@ use steradian_core::{
     medium::Medium,
     scene::{Geometry, Parts, Placement, Scene, Settings},
 };
-use steradian_math::spectra::ColorMode;
+use steradian_math::{DVec3, spectra::ColorMode};
 use steradian_scene::{Diagnostics, Format, NodeId, SceneDesc, Span};
 use steradian_texture::{FloatTexture, TextureId, Textures};
 
@@ -116,6 +117,8 @@ struct ResolvedMaterial {
 
 struct Compiler<'a> {
     desc: &'a SceneDesc,
+    /// The point of the file's world that is the origin of the description.
+    origin: DVec3,
     mode: ColorMode,
     options: &'a Options,
     diagnostics: Diagnostics,
@@ -167,7 +170,9 @@ fn compiled(desc: &SceneDesc, options: &Options, mut kept: Option<&mut Kept>) ->
         Format::Pbrt => ColorMode::Spectral,
         _ => ColorMode::Rgb,
     });
-    let mut c = Compiler::new(desc, mode, options);
+    let recentred = recentre::recentred(desc);
+    let (origin, desc) = recentred.as_ref().map_or((DVec3::ZERO, desc), |(origin, desc)| (*origin, desc));
+    let mut c = Compiler { origin, ..Compiler::new(desc, mode, options) };
     if let Some(kept) = kept.as_deref_mut() {
         kept.refresh(desc, options);
         if let Some(compiled) = kept.for_another_view(&c) {
@@ -193,6 +198,7 @@ impl<'a> Compiler<'a> {
     fn new(desc: &'a SceneDesc, mode: ColorMode, options: &'a Options) -> Self {
         Self {
             desc,
+            origin: DVec3::ZERO,
             mode,
             options,
             diagnostics: Diagnostics::default(),
@@ -294,7 +300,7 @@ impl Compiler<'_> {
             self.diagnostics.warn(&self.desc.sources, None, "the scene has no lights: the picture will be black");
         }
         let spp = self.options.spp.unwrap_or(settings.spp);
-        self.tell_coarse(world.len(), &placements);
+        self.tell_coarse();
         let mut parts = Parts {
             mode: self.mode,
             texture_pages: self.assets.pages.clone(),
@@ -312,6 +318,7 @@ impl Compiler<'_> {
             camera,
             film,
             settings,
+            origin: self.origin,
             spp,
         };
         if parts.has_media() {

@@ -3,7 +3,7 @@
 use super::Compiler;
 use std::sync::Arc;
 use steradian_math::{
-    Vec3,
+    DVec3, Vec3,
     color::{RgbSpace, space},
     spectra::{
         self, Blackbody, Curve, Spd,
@@ -75,9 +75,14 @@ impl Compiler<'_> {
 
     /// A point or vector in the range of `f32`, or the default where it is absent.
     pub(super) fn vec3(&mut self, node: &Node, name: &str, default: Vec3) -> Vec3 {
+        self.dvec3(node, name, default.as_dvec3()).as_vec3()
+    }
+
+    /// As [`Self::vec3`], with all digits.
+    pub(super) fn dvec3(&mut self, node: &Node, name: &str, default: DVec3) -> DVec3 {
         let Some(v) = self.typed(node, name, "three numbers", |n| n.vec3(name)) else { return default };
-        let v = Vec3::from(v.map(|v| v as f32));
-        if !v.is_finite() {
+        let v = DVec3::from(v);
+        if !v.as_vec3().is_finite() {
             self.too_large(node, name);
             return default;
         }

@@ -16,7 +16,7 @@ use steradian_core::{
         subdivision::loop_subdivide,
     },
 };
-use steradian_math::{Bounds3, Transform, Vec3, spectra::ColorMode, transform::Affine};
+use steradian_math::{Bounds3, DVec3, Transform, Vec3, spectra::ColorMode, transform::Affine};
 use steradian_scene::{Family, Mesh, Node, names};
 use steradian_texture::FloatTexture;
 
@@ -246,8 +246,8 @@ impl Compiler<'_> {
         let radius = self.positive(node, "radius", 1.0);
         let (z0, z1) = (self.float(node, "z_min", f64::from(-radius)), self.float(node, "z_max", f64::from(radius)));
         let (z_min, z_max) = (z0.min(z1).clamp(-radius, radius), z0.max(z1).clamp(-radius, radius));
-        let center = self.vec3(node, "center", Vec3::ZERO);
-        let Some(place) = (world_from_object * Transform::translate(center.as_dvec3())).affine() else {
+        let center = self.dvec3(node, "center", DVec3::ZERO);
+        let Some(place) = (world_from_object * Transform::translate(center)).affine() else {
             self.error(node.span, "the centre of this sphere is not finite");
             return Vec::new();
         };
@@ -262,8 +262,7 @@ impl Compiler<'_> {
         let phi = self.float(node, "phi_max", 360.0).clamp(0.0, 360.0);
         let (mut z0, mut z1) = (self.float(node, "z_min", -1.0), self.float(node, "z_max", 1.0));
         if node.get("p0").is_some() || node.get("p1").is_some() {
-            let (a, b) = (self.vec3(node, "p0", Vec3::ZERO), self.vec3(node, "p1", Vec3::Z));
-            let (a, b) = (a.as_dvec3(), b.as_dvec3());
+            let (a, b) = (self.dvec3(node, "p0", DVec3::ZERO), self.dvec3(node, "p1", DVec3::Z));
             let Some(axis) = (b - a).try_normalize() else {
                 self.error(node.span, "the two ends of this cylinder are the same point");
                 return Vec::new();

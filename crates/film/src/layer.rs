@@ -169,6 +169,14 @@ pub struct Names {
     pub materials: BTreeMap<u32, String>,
     /// Groups of lights, in the order of [`Film::by_light`].
     pub light_groups: Vec<String>,
+    /// The point of the world that positions are told from.
+    pub origin: [f64; 3],
+}
+
+/// A coordinate of a first hit in the world; zero where there is none.
+fn placed(hit: &FirstHit, names: &Names, axis: usize) -> f32 {
+    let origin = if hit.coverage > 0.0 { names.origin[axis] } else { 0.0 };
+    (f64::from(hit.position[axis]) + origin) as f32
 }
 
 /// The picture: linear Rec.709 in `R G B`, premultiplied by [`Layer::Alpha`] where the background was left out, and the
@@ -204,7 +212,7 @@ pub fn develop(film: &Film, layers: &[Layer], names: &Names) -> Image {
                 push(&mut image, &format!("Ng.{n}"), of(&|h| h.geometric_normal[c]));
             }),
             Layer::Position => ["X", "Y", "Z"].iter().enumerate().for_each(|(c, n)| {
-                push(&mut image, &format!("P.{n}"), of(&|h| h.position[c]));
+                push(&mut image, &format!("P.{n}"), of(&|h| placed(h, names, c)));
             }),
             Layer::Depth => {
                 push(&mut image, "Z", of(&|h| h.depth));

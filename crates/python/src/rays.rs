@@ -54,7 +54,7 @@ impl Found {
         let geometry = &scene.geometries()[i.geometry as usize];
         Self {
             t: hit.t / unit,
-            position: i.surface.p,
+            position: scene.to_file(i.surface.p).as_vec3(),
             geometric_normal: i.surface.n,
             normal: frame.map_or(i.surface.ns, |f| f.z),
             uv: i.surface.uv.to_array(),
@@ -68,6 +68,7 @@ impl Found {
 }
 
 fn rays(
+    scene: &steradian::Scene,
     origins: &PyReadonlyArray2<'_, f32>,
     directions: &PyReadonlyArray2<'_, f32>,
     ends: &PyReadonlyArray1<'_, f32>,
@@ -99,6 +100,7 @@ fn rays(
         }
         let unit = length as f32;
         let direction = (given.as_dvec3() / length).as_vec3();
+        let origin = scene.from_file(origin.as_dvec3());
         let ray = Ray { t_max: end * unit, time, ..Ray::new(origin, direction) };
         Ok(Measured { ray, unit })
     };
@@ -117,8 +119,8 @@ pub fn trace<'py>(
     max_distance: PyReadonlyArray1<'py, f32>,
     time: f32,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let rays = rays(&origins, &directions, &max_distance, time)?;
     let scene = scene.queried(py, None)?.scene;
+    let rays = rays(&scene, &origins, &directions, &max_distance, time)?;
     let found: Vec<Found> = py.detach(|| {
         let all = rays.par_iter().with_min_len(RAYS_AT_ONCE);
         all.map(|ray| Found::along(&scene, ray)).collect()
@@ -150,8 +152,8 @@ pub fn occluded<'py>(
     max_distance: PyReadonlyArray1<'py, f32>,
     time: f32,
 ) -> PyResult<Bound<'py, PyArray1<bool>>> {
-    let rays = rays(&origins, &directions, &max_distance, time)?;
     let scene = scene.queried(py, None)?.scene;
+    let rays = rays(&scene, &origins, &directions, &max_distance, time)?;
     let all = rays.par_iter().with_min_len(RAYS_AT_ONCE);
     let found: Vec<bool> = py.detach(|| all.map(|m| scene.occluded(&m.ray)).collect());
     Ok(found.into_pyarray(py))

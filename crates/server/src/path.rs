@@ -129,7 +129,7 @@ fn vertex(subject: &Subject, path: &TracedPath, k: usize) -> VertexTold {
     let direct = v.direct.map(|d| {
         let position = d.distance.is_finite().then(|| v.position + d.towards * d.distance);
         DirectTold {
-            position: position.map(|p| p.to_array()),
+            position: position.map(|p| scene.to_file(p).as_vec3().to_array()),
             place: position.and_then(place).map(|at| at.to_array()),
             onwards: onwards(d.towards),
             light: d.light.to_array(),
@@ -142,7 +142,7 @@ fn vertex(subject: &Subject, path: &TracedPath, k: usize) -> VertexTold {
             VertexKind::Medium => "medium",
             VertexKind::Escaped => "escaped",
         },
-        position: v.position.to_array(),
+        position: scene.to_file(v.position).as_vec3().to_array(),
         normal: v.normal.map(|n| n.to_array()),
         object,
         material,

@@ -143,9 +143,9 @@ pub fn environment_to_world(document: &Document, look: &Look, scene: &Scene) -> 
 fn upright(place: &Transform, scene: &Scene) -> Option<Viewpoint> {
     let ahead = Viewpoint::of(place, 1.0)?;
     let forward = (ahead.target - ahead.eye).normalize();
-    let ray = Ray::new(ahead.eye.as_vec3(), forward.as_vec3());
+    let ray = Ray::new(scene.from_file(ahead.eye), forward.as_vec3());
     let bounds = scene.bounds();
-    let to_middle = (bounds.center().as_dvec3() - ahead.eye).dot(forward);
+    let to_middle = (scene.to_file(bounds.center()) - ahead.eye).dot(forward);
     let across = f64::from(bounds.diagonal().length());
     let hit = scene.intersect(&ray).map(|hit| f64::from(hit.t)).filter(|t| *t > 1e-6 * across);
     let far = if to_middle > 1e-3 * across { to_middle } else { across };

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use steradian_core::camera::Projection;
 use steradian_film::Names;
 use steradian_image::{Image, Value};
+use steradian_math::DMat4;
 use steradian_schema::material::MATERIALS;
 
 /// The picture: linear Rec.709 in `R G B`, premultiplied by [`Layer::Alpha`] where the background was left out, and the
@@ -15,6 +16,7 @@ pub fn develop(scene: &Scene, film: &Film, layers: &[Layer]) -> Image {
         objects: scene.object_names().clone(),
         materials: material_names(scene.material_names()),
         light_groups: scene.light_groups().names.clone(),
+        origin: scene.origin().to_array(),
     };
     let mut image = steradian_film::develop(film, layers, &names);
     let world_from_camera = scene.camera().world_from_camera;
@@ -27,7 +29,8 @@ pub fn develop(scene: &Scene, film: &Film, layers: &[Layer]) -> Image {
         let white = scene.film().unit_luminance / f64::from(scene.film().imaging_ratio);
         image.metadata.set("whiteLuminance", Value::Float(white as f32));
     }
-    image.metadata.set("worldToCamera", Value::Matrix(world_from_camera.inv.to_cols_array()));
+    let camera_from_world = world_from_camera.inv.as_dmat4() * DMat4::from_translation(-scene.origin());
+    image.metadata.set("worldToCamera", Value::Matrix(camera_from_world.as_mat4().to_cols_array()));
     image
 }
 

@@ -39,6 +39,9 @@ impl Scene {
     /// How the point of a surface has moved since an earlier frame of the same animation; `None` where one of the two
     /// cameras does not see in its direction, or has no projection to a plane or sphere.
     pub fn moved_since(&self, earlier: &Self, i: &Interaction) -> Option<Moved> {
+        if self.origin() != earlier.origin() {
+            return None;
+        }
         let before = self.position_in(earlier, i);
         let [(at, depth), (at_before, depth_before)] = [(self, i.surface.p), (earlier, before)].map(|(scene, p)| {
             let camera = scene.camera();

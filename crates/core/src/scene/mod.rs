@@ -23,7 +23,7 @@ use std::{collections::BTreeMap, sync::Arc};
 use steradian_accel::{Accel, Steps, UserHit, UserPrimitives};
 pub use steradian_accel::{Hit, PrimId, WORLD};
 use steradian_math::{
-    Bounds3, Frame, Ray, Vec2, Vec3,
+    Bounds3, DVec3, Frame, Ray, Vec2, Vec3,
     ray::offset_ray_origin,
     spectra::{ColorMode, Wavelengths},
     transform::Affine,
@@ -131,6 +131,21 @@ impl Scene {
     #[inline]
     pub fn media(&self) -> &[Medium] {
         &self.parts.media
+    }
+
+    /// The point of the file's world that is the scene's origin.
+    pub fn origin(&self) -> DVec3 {
+        self.parts.origin
+    }
+
+    /// A point of the file's world in the scene's coordinates.
+    pub fn from_file(&self, p: DVec3) -> Vec3 {
+        (p - self.parts.origin).as_vec3()
+    }
+
+    /// A point of the scene in the file's world.
+    pub fn to_file(&self, p: Vec3) -> DVec3 {
+        p.as_dvec3() + self.parts.origin
     }
 
     /// Camera.

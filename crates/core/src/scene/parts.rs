@@ -11,7 +11,7 @@ use crate::{
 };
 use std::{collections::BTreeMap, sync::Arc};
 use steradian_accel::Accel;
-use steradian_math::{Motion, spectra::ColorMode, transform::Affine};
+use steradian_math::{DVec3, Motion, spectra::ColorMode, transform::Affine};
 use steradian_texture::{FloatTexture, Textures, pages::Pages};
 
 /// A shape with what is attached to it.
@@ -145,6 +145,8 @@ pub struct Parts {
     pub material_names: Vec<String>,
     /// Where textures wait that are not in memory, where these are limited.
     pub texture_pages: Option<Arc<Pages>>,
+    /// The point of the file's world that is the scene's origin: single precision has no room for details far away.
+    pub origin: DVec3,
     /// Samples per pixel by which footprints are as wide as they are.
     pub spp: u32,
 }

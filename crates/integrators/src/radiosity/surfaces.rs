@@ -408,11 +408,10 @@ impl Surfaces {
         let start = if i.id.instance == WORLD { 0 } else { *self.placed.get(i.id.instance as usize)? };
         let block = self.blocks.get((start + i.id.geom) as usize)?;
         let p = i.surface.p.as_dvec3();
-        let on_plane = (block.first..block.first + block.count).filter(|k| self.pieces[*k as usize].id.prim == ON_PLANE);
+        let on_plane =
+            (block.first..block.first + block.count).filter(|k| self.pieces[*k as usize].id.prim == ON_PLANE);
         let distance = |(k, uv): &(u32, Vec2)| self.pieces[*k as usize].point(*uv).distance_squared(p);
-        on_plane
-            .map(|k| (k, self.pieces[k as usize].nearest(i)))
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        on_plane.map(|k| (k, self.pieces[k as usize].nearest(i))).min_by(|a, b| distance(a).total_cmp(&distance(b)))
     }
 }
 

@@ -380,7 +380,8 @@ fn a_header_of_very_many_properties_is_refused() {
 /// whose numbers are in single precision, and all where nobody asks for it, stay where they are.
 #[test]
 fn georeferenced_files_are_moved_to_the_origin() {
-    let points: [[f64; 3]; 3] = [[448_262.25, 5_411_932.75, 35.5], [448_262.251, 5_411_932.75, 35.5], [448_262.25, 5_411_932.753, 35.5]];
+    let points: [[f64; 3]; 3] =
+        [[448_262.25, 5_411_932.75, 35.5], [448_262.251, 5_411_932.75, 35.5], [448_262.25, 5_411_932.753, 35.5]];
     let far = |encoding: &str, t: &str, extra: &str| {
         let mut out = format!(
             "ply\nformat {encoding} 1.0\nelement vertex 3\nproperty {t} x\nproperty {t} y\nproperty {t} z\n{extra}\
