@@ -104,7 +104,7 @@ impl Stage {
         shape
     }
 
-    /// The same for a mesh.
+    /// A mesh that emits as [`Self::lamp`].
     pub fn mesh_lamp(&mut self, mesh: Mesh, radiance: f64) -> &mut Shape {
         let (emission, black) = (self.add(light("area").with("radiance", white(radiance))), self.add(diffuse(0.0)));
         let shape = self.place_mesh(mesh);
