@@ -8,7 +8,6 @@ use crate::{
 use serde::Serialize;
 use std::fmt::Write;
 use steradian::{
-    OptionInfo,
     scene::{Family, names},
     schema::{self, FAMILIES, Parameter},
 };
@@ -49,13 +48,6 @@ impl Described {
     }
 }
 
-impl From<&OptionInfo> for Described {
-    fn from(o: &OptionInfo) -> Self {
-        let (values, description) = (o.values.to_owned(), o.meaning.to_owned());
-        Self { name: o.name, values, unit: "", range: [None; 2], default: o.default, description }
-    }
-}
-
 impl Entry {
     fn new(family: &str, name: &'static str, description: &'static str) -> Self {
         let family_of = FAMILIES.into_iter().find(|f| f.plural() == family);
@@ -65,15 +57,10 @@ impl Entry {
             name,
             description,
             source: model.map(|m| m.source).or(group.map(|g| g.source)),
-            parameters: match family {
-                "integrators" => steradian::all_integrators()
-                    .find(|i| i.name == name)
-                    .map(|i| i.options.iter().map(Described::from).collect()),
-                _ => model
-                    .map(|m| m.parameters)
-                    .or(group.map(|g| g.parameters))
-                    .map(|p| p.iter().map(Described::new).collect()),
-            },
+            parameters: model
+                .map(|m| m.parameters)
+                .or(group.map(|g| g.parameters))
+                .map(|p| p.iter().map(Described::new).collect()),
         }
     }
 }

@@ -179,12 +179,11 @@ pub fn roughness(text: &str) -> Result<f32, String> {
 /// An integrator with its options; the name is looked up now, so that a slip is not found out after a long load.
 pub fn integrator(text: &str) -> Result<String, String> {
     let name = text.split_once(':').map_or(text, |s| s.0);
-    let raster = steradian::raster::RASTER;
-    if name == raster.name {
+    if name == steradian::raster::RASTER {
         let options = text.split_once(':').map_or("", |(_, options)| options);
         return steradian::raster::Options::parse(options).map(|_| text.to_owned()).map_err(|e| e.to_string());
     }
-    known_name(name, "integrator", steradian::all_integrators().map(|i| i.name)).map(|_| text.to_owned())
+    known_name(name, "integrator", Family::Integrator.kinds()).map(|_| text.to_owned())
 }
 
 /// Samples per pixel: a whole number from 1 to [`MAX_SPP`], perhaps with a `k` for thousands.

@@ -13,8 +13,9 @@ use std::{
     sync::Arc,
 };
 use steradian::{
-    Control, Film, INTEGRATORS, Inputs, Layer, Quality, Scene,
+    Control, Film, Inputs, Layer, Quality, Scene,
     image::WriteOptions,
+    scene::Family,
     verify::{self, Difference, Verdict},
 };
 
@@ -70,7 +71,7 @@ pub fn run(args: &VerifyArgs, terminal: Terminal) -> Outcome {
         std::fs::create_dir_all(folder)
             .map_err(|e| Failure::failed(format!("cannot make the folder {}: {e}", folder.display())))?;
         // What is written has the names of integrators.
-        let paths: Vec<PathBuf> = INTEGRATORS.iter().flat_map(|i| files(folder, i.name)).collect();
+        let paths: Vec<PathBuf> = Family::Integrator.kinds().flat_map(|i| files(folder, i)).collect();
         output::claim(paths.iter().map(PathBuf::as_path), &ready.inputs)?;
     }
     let quality = Quality {

@@ -8,7 +8,7 @@ use steradian_core::{
     scene::Settings,
 };
 use steradian_math::Vec2;
-use steradian_scene::{Family, Format, Node, NodeId, names};
+use steradian_scene::{Family, Format, Node, NodeId, Value, names};
 
 impl Compiler<'_> {
     /// The frame: the user's size or the film's.
@@ -181,7 +181,7 @@ impl Compiler<'_> {
             // A size of the user's own makes pixel numbers of the file meaningless.
             (None, Some(_)) if self.options.size.is_some() => None,
             // In the description the two bounds of an axis stand side by side: x0 x1 y0 y1.
-            (None, Some(steradian_scene::Value::Ints(c))) if c.len() == 4 => Some([c[0], c[2], c[1], c[3]]),
+            (None, Some(Value::Ints(c))) if c.len() == 4 => Some([c[0], c[2], c[1], c[3]]),
             (None, Some(_)) => {
                 self.error(node.span, "a crop is four whole numbers x0 x1 y0 y1");
                 None
@@ -253,6 +253,33 @@ impl Compiler<'_> {
         filter
     }
 
+    /// The options of an integrator that it alone has, as `NAME:key=value` has them.
+    fn own_options(&mut self, node: &Node) -> Vec<(String, String)> {
+        const OF_ALL: [&str; 4] = ["max_depth", "rr_depth", "hide_emitters", "samples"];
+        let model = Family::Integrator.model(&node.kind);
+        let mut options = Vec::new();
+        for p in model.into_iter().flat_map(|m| m.all()).filter(|p| !OF_ALL.contains(&p.name)) {
+            let Some(given) = node.param(p.name) else { continue };
+            let text = match &given.value {
+                Value::Bool(v) => v.to_string(),
+                Value::Int(v) => v.to_string(),
+                Value::Float(v) => v.to_string(),
+                Value::String(v) => v.clone(),
+                Value::Path(v) => v.display().to_string(),
+                _ => String::new(),
+            };
+            if p.takes(&text) && !text.contains(',') {
+                options.push((p.name.to_owned(), text));
+            } else {
+                let wanted = if p.words().next().is_some() { "one of " } else { "" };
+                let what =
+                    format!("parameter '{}' of integrator '{}' must be {wanted}{}", p.name, node.kind, p.values());
+                self.error_help(given.span.or(node.span), what, names::did_you_mean(&text, p.words()));
+            }
+        }
+        options
+    }
+
     /// What the scene asks for.
     pub(super) fn settings(&mut self) -> Settings {
         let mut settings = Settings {
@@ -274,10 +301,11 @@ impl Compiler<'_> {
                 _ => u32::MAX,
             };
             settings.hide_emitters = self.bool(node, "hide_emitters", false);
-            let own = ["photons", "radius", "large_step", "distance", "from", "to", "bins", "unit"];
-            settings.options =
-                own.into_iter().filter_map(|name| Some((name.to_owned(), node.float(name)?.to_string()))).collect();
-            settings.options.extend(node.bool("camera").map(|is| ("camera".to_owned(), is.to_string())));
+            // As with samplers below: roulette changes the noise alone, and other programs' files have their defaults.
+            if let (Format::Native, Some(depth)) = (self.desc.format, self.int(node, "rr_depth")) {
+                settings.rr_depth = depth.clamp(0, i64::from(u32::MAX)) as u32;
+            }
+            settings.options = self.own_options(node);
         }
         if let Some(node) = self.desc.sampler.map(|s| self.desc.node(s)) {
             match SamplerKind::named(&node.kind) {

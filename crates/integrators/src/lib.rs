@@ -3,7 +3,6 @@
 
 pub mod ao;
 pub mod meter;
-pub mod options;
 pub mod passes;
 pub mod path;
 pub mod radiosity;
@@ -27,7 +26,6 @@ mod sizes_tests;
 #[cfg(test)]
 mod stop_tests;
 
-pub use options::INTEGRATORS;
 pub use precomputed::{PathEffort, Precomputed, VarianceReduction};
 pub use registry::IntegratorKind;
 pub use shared_path::SharedPath;

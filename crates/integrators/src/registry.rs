@@ -55,7 +55,7 @@ impl IntegratorKind {
         Some(missed_caustics(scene, &depth))
     }
 
-    /// By name; `None` for names that are not in [`INTEGRATORS`](crate::INTEGRATORS).
+    /// By name; `None` for other names and the graphics pipeline's.
     pub fn named(name: &str, depth: Depth, variance_reduction: VarianceReduction) -> Option<Self> {
         Some(match name {
             "path" => Self::Path(SharedPath { path: PathTracer { depth }, variance_reduction }),

@@ -1,7 +1,7 @@
 //! The families of models.
 
 use crate::{
-    camera, film, light, material, medium,
+    camera, film, integrator, light, material, medium,
     model::{Group, Model},
     parameter::Parameter,
     shape, texture,
@@ -65,7 +65,8 @@ impl Family {
             Self::Film => film::FILMS,
             Self::Filter => film::FILTERS,
             Self::Sampler => film::SAMPLERS,
-            Self::Integrator | Self::Accelerator => &[],
+            Self::Integrator => integrator::INTEGRATORS,
+            Self::Accelerator => &[],
         }
     }
 

@@ -3,6 +3,7 @@
 pub mod camera;
 mod family;
 pub mod film;
+pub mod integrator;
 pub mod light;
 pub mod material;
 pub mod medium;

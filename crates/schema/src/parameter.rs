@@ -246,6 +246,20 @@ impl Parameter {
         words.split(", ").filter(|w| !w.is_empty())
     }
 
+    /// Whether a text, as on a command line, is a value of it, within its range: of numbers, truth values, words, files
+    /// and texts.
+    pub fn takes(&self, text: &str) -> bool {
+        let is_inside = |v: f64| v.is_finite() && (self.range.0..=self.range.1).contains(&v);
+        match self.kind {
+            Type::Flag => text.parse::<bool>().is_ok(),
+            Type::Integer => text.parse::<i64>().is_ok_and(|v| is_inside(v as f64)),
+            Type::Number => text.parse::<f64>().is_ok_and(is_inside),
+            Type::Word(_) => self.words().any(|w| w == text),
+            Type::File | Type::Text => !text.is_empty(),
+            _ => false,
+        }
+    }
+
     /// The default without what is said of exceptions.
     pub fn usual_default(&self) -> &'static str {
         self.default.split(';').next().unwrap_or_default()

@@ -14,12 +14,12 @@ use std::{
     sync::{Arc, LazyLock},
 };
 use steradian::{
-    Layer, Scene, Viewpoint, all_integrators,
+    Layer, Scene, Viewpoint,
     image::tone::CURVES,
     load::suited_tone,
     math::{DVec3, Ray, Transform},
     registry,
-    scene::{Format, Node, Severity, Value},
+    scene::{Family, Format, Node, Severity, Value},
 };
 
 /// Messages that pages are told, at most.
@@ -173,7 +173,7 @@ fn choices() -> Choices {
             .collect(),
     };
     Choices {
-        integrators: all_integrators().map(|i| Named { name: i.name, doc: i.description }).collect(),
+        integrators: Family::Integrator.models().iter().map(|i| Named { name: i.kind, doc: i.doc }).collect(),
         samplers: family("samplers").into_iter().map(named).collect(),
         denoisers: denoiser::CHOICES,
         colors: COLORS,

@@ -53,10 +53,7 @@ pub use steradian_formats as formats;
 pub use steradian_image as image;
 pub use steradian_instruments as instruments;
 pub use steradian_integrators as integrators;
-pub use steradian_integrators::{
-    Control, Film, History, INTEGRATORS, Plan, Session, meter,
-    options::{IntegratorInfo, OptionInfo},
-};
+pub use steradian_integrators::{Control, Film, History, Plan, Session, meter};
 pub use steradian_math as math;
 pub use steradian_scene as scene;
 pub use steradian_schema as schema;
@@ -67,11 +64,6 @@ pub use viewpoint::Viewpoint;
 use std::sync::Arc;
 use steradian_scene::Family;
 
-/// All integrators: those of rays and photons, and the graphics pipeline.
-pub fn all_integrators() -> impl Iterator<Item = &'static IntegratorInfo> + Clone {
-    INTEGRATORS.iter().chain([&raster::RASTER])
-}
-
 /// Everything that has a name, family by family: plural name of the family, and name and description of each model and
 /// of what several models share.
 pub fn registry() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
@@ -80,7 +72,7 @@ pub fn registry() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
         (family.plural(), models.chain(family.groups().into_iter().map(|g| (g.name, g.doc))).collect())
     };
     vec![
-        ("integrators", all_integrators().map(|i| (i.name, i.description)).collect()),
+        of(Family::Integrator),
         of(Family::Material),
         of(Family::Texture),
         of(Family::Light),

@@ -1,7 +1,7 @@
 //! What the user decides about a render; what is left open follows the scene.
 
 use crate::{
-    Error, Layer, Method, Render, all_integrators, radiosity,
+    Error, Layer, Method, Render, radiosity,
     raster::{FrameKind, Options, RASTER},
 };
 use std::path::PathBuf;
@@ -15,7 +15,7 @@ use steradian_integrators::{
     passes::left_to_chance,
     radiosity::{Settings, View},
 };
-use steradian_scene::names::did_you_mean;
+use steradian_scene::{Family, names::did_you_mean};
 
 /// Most groups of lights that layers are made of: each takes memory for a picture.
 const MOST_LIGHT_GROUPS: usize = 64;
@@ -85,6 +85,8 @@ impl Quality {
     pub fn render(&self, scene: &Scene) -> Result<Render, Error> {
         let asked = self.integrator_or_scene(scene);
         let (name, options) = asked.split_once(':').unwrap_or((asked, ""));
+        check_options(name, options)?;
+        let of_scene = self.options_of_scene(name, scene);
         let depth = Depth {
             max: scene.settings().max_depth,
             roulette_after: scene.settings().rr_depth,
@@ -92,7 +94,7 @@ impl Quality {
         };
         if name == "radiosity" {
             let depth = Depth { max: self.max_depth.unwrap_or(depth.max), ..depth };
-            let asked = radiosity::options(options, depth)?;
+            let asked = radiosity::options(&(of_scene + options), depth)?;
             let settings = Settings { seed: self.seed.unwrap_or(scene.settings().seed), ..asked.view.settings };
             let view = View { settings, ..asked.view };
             radiosity::can_solve(scene, &view)?;
@@ -105,13 +107,18 @@ impl Quality {
             let hide = view.depth.hide_emitters;
             return self.plan_of(scene, Method::Rays(IntegratorKind::Radiosity(view)), spp, hide);
         }
-        if name == RASTER.name {
+        if name == RASTER {
             let by_light = self.layers.contains(&Layer::LightGroups);
             // What is asked without a word more is a first picture.
             let crop = scene.film().crop;
             let is_small = u64::from(crop.width()) * u64::from(crop.height()) <= LARGEST_PREVIEW;
-            let is_preview = options.is_empty() && self.spp.is_none() && !by_light && !self.transparent && is_small;
-            let mut options = Options::parse(options)?;
+            let is_preview = options.is_empty()
+                && of_scene.is_empty()
+                && self.spp.is_none()
+                && !by_light
+                && !self.transparent
+                && is_small;
+            let mut options = Options::parse(&(of_scene + options))?;
             if is_preview {
                 options.frame = FrameKind::Preview;
             }
@@ -123,17 +130,13 @@ impl Quality {
             return self.plan_of(scene, Method::Pipeline(options, depth), spp, depth.hide_emitters);
         }
         if name == "ao" {
-            let of_file = scene
-                .settings()
-                .options
-                .iter()
-                .find(|(key, _)| name == scene.settings().integrator && key == "distance");
-            let distance = of_file.and_then(|(_, value)| value.parse().ok()).unwrap_or(f32::INFINITY);
-            let integrator = IntegratorKind::AmbientOcclusion(ambient_occlusion(options, distance)?);
+            let integrator = IntegratorKind::AmbientOcclusion(ambient_occlusion(&(of_scene + options))?);
             let spp = self.spp.unwrap_or(scene.settings().spp);
             return self.plan_of(scene, Method::Rays(integrator), spp, false);
         }
-        let PathOptions { mut depth, mut variance_reduction, own } = PathOptions::parse(name, options, depth)?;
+        let options = of_scene + options;
+        let PathOptions { mut depth, mut variance_reduction, samples, own } =
+            PathOptions::parse(name, &options, depth)?;
         if self.independent {
             variance_reduction.reuse.get_or_insert(1);
         }
@@ -141,15 +144,9 @@ impl Quality {
         let mut integrator =
             IntegratorKind::named(name, depth, variance_reduction).ok_or_else(|| Error::UnknownIntegrator {
                 name: name.into(),
-                hint: did_you_mean(name, all_integrators().map(|i| i.name)),
-                known: all_integrators().map(|i| i.name).collect::<Vec<_>>().join(", "),
+                hint: did_you_mean(name, Family::Integrator.kinds()),
+                known: Family::Integrator.kinds().collect::<Vec<_>>().join(", "),
             })?;
-        if name == scene.settings().integrator {
-            for (key, value) in &scene.settings().options {
-                // What the file's format allows, and the integrator does not, is of no effect.
-                integrator.set(key, value);
-            }
-        }
         for (key, value, option) in own {
             if !integrator.set(key, value) {
                 return Err(unknown_option(name, option));
@@ -171,8 +168,15 @@ impl Quality {
                 return Err(Error::CannotRender { integrator: name.into(), what: what.into() });
             }
         }
-        let spp = self.spp.unwrap_or(scene.settings().spp);
+        let spp = self.spp.or(samples).unwrap_or(scene.settings().spp);
         self.plan_of(scene, Method::Rays(integrator), spp, depth.hide_emitters)
+    }
+
+    /// The scene's own options of an integrator, to stand before those that are asked for.
+    fn options_of_scene(&self, name: &str, scene: &Scene) -> String {
+        let settings = scene.settings();
+        let own = settings.options.iter().filter(|_| name == settings.integrator);
+        own.map(|(key, value)| format!("{key}={value},")).collect()
     }
 
     /// Makes paths fit for layers of groups of lights, which share nothing and take one light sample each.
@@ -285,7 +289,7 @@ impl Quality {
     /// compiling.)
     pub fn leaves_out(&self, scene: &Scene) -> Option<LeftOut> {
         let name = self.integrator_name(scene);
-        let is_raster = name == RASTER.name;
+        let is_raster = name == RASTER;
         let depth = Depth { max: 1, roulette_after: 1, hide_emitters: false };
         let passes = match IntegratorKind::named(name, depth, VarianceReduction::default()) {
             Some(IntegratorKind::Passes(kind)) => Some(kind),
@@ -331,26 +335,26 @@ impl Quality {
 struct PathOptions<'a> {
     depth: Depth,
     variance_reduction: VarianceReduction,
+    /// Samples per pixel, of methods that count their own.
+    samples: Option<u32>,
     /// Those of the integrator alone: key, value, and both as written.
     own: Vec<(&'a str, &'a str, &'a str)>,
 }
 
 impl<'a> PathOptions<'a> {
     fn parse(name: &str, options: &'a str, depth: Depth) -> Result<Self, Error> {
-        let known = all_integrators().find(|i| i.name == name).map_or(&[][..], |i| i.options);
-        let mut parsed = Self { depth, variance_reduction: VarianceReduction::default(), own: Vec::new() };
+        let variance_reduction = VarianceReduction::default();
+        let mut parsed = Self { depth, variance_reduction, samples: None, own: Vec::new() };
         for option in options.split(',').filter(|o| !o.is_empty()) {
             let fault = || unknown_option(name, option);
             let (key, value) = option.split_once('=').ok_or_else(fault)?;
-            if !known.iter().any(|option| option.name == key.trim()) {
-                return Err(fault());
-            }
             let reduction = &mut parsed.variance_reduction;
             match key.trim() {
                 "max_depth" if value == "-1" => parsed.depth.max = u32::MAX,
                 "max_depth" => parsed.depth.max = value.parse().map_err(|_| fault())?,
                 "rr_depth" => parsed.depth.roulette_after = value.parse().map_err(|_| fault())?,
                 "hide_emitters" => parsed.depth.hide_emitters = value.parse().map_err(|_| fault())?,
+                "samples" => parsed.samples = Some(value.parse().map_err(|_| fault())?),
                 "reuse" if value == "auto" => reduction.reuse = None,
                 "reuse" => {
                     let size: u32 = value.parse().map_err(|_| fault())?;
@@ -367,22 +371,36 @@ impl<'a> PathOptions<'a> {
     }
 }
 
+/// Holds options against the schema.
+fn check_options(integrator: &str, options: &str) -> Result<(), Error> {
+    // Names that are unknown are told where they are looked up.
+    let Some(model) = Family::Integrator.model(integrator) else { return Ok(()) };
+    let is_value = |option: &str| {
+        let (key, value) = option.split_once('=')?;
+        model.parameter(key.trim()).filter(|p| p.takes(value))
+    };
+    match options.split(',').map(str::trim).find(|o| !o.is_empty() && is_value(o).is_none()) {
+        Some(wrong) => Err(unknown_option(integrator, wrong)),
+        None => Ok(()),
+    }
+}
+
 /// An option that an integrator does not have, or not with that value.
 fn unknown_option(integrator: &str, option: &str) -> Error {
-    let known = all_integrators().find(|i| i.name == integrator).map_or(&[][..], |i| i.options);
-    let keys: Vec<String> = known.iter().map(|o| format!("{} ({})", o.name, o.values)).collect();
+    let known = Family::Integrator.model(integrator).map_or(&[][..], |i| i.parameters);
+    let keys: Vec<String> = known.iter().map(|o| format!("{} ({})", o.name, o.values())).collect();
     let keys = if keys.is_empty() { "none".to_owned() } else { keys.join("; ") };
     let key = option.split('=').next().unwrap_or(option).trim();
     let hint = match known.iter().find(|o| o.name == key) {
-        Some(o) => format!(" ('{key}' takes {})", o.values),
+        Some(o) => format!(" ('{key}' takes {})", o.values()),
         None => did_you_mean(key, known.iter().map(|o| o.name)).map(|h| format!(" ({h})")).unwrap_or_default(),
     };
     Error::IntegratorOption { option: option.into(), integrator: integrator.into(), hint, keys }
 }
 
 /// The options of ambient occlusion.
-fn ambient_occlusion(options: &str, distance: f32) -> Result<AmbientOcclusion, Error> {
-    let mut asked = AmbientOcclusion { distance };
+fn ambient_occlusion(options: &str) -> Result<AmbientOcclusion, Error> {
+    let mut asked = AmbientOcclusion { distance: f32::INFINITY };
     for option in options.split(',').filter(|o| !o.is_empty()) {
         let distance = option.trim().strip_prefix("distance=").and_then(|v| v.parse::<f32>().ok());
         asked.distance = distance.filter(|d| *d > 0.0).ok_or_else(|| Error::AmbientOcclusionOption(option.into()))?;
@@ -394,7 +412,8 @@ fn ambient_occlusion(options: &str, distance: f32) -> Result<AmbientOcclusion, E
 mod tests {
     use super::*;
     use steradian_compile::{Options, compile};
-    use steradian_scene::{Family, Node, SceneDesc};
+    use steradian_scene::{Node, SceneDesc};
+    use steradian_schema::{Type, integrator::INTEGRATORS};
 
     fn scene(integrator: Node) -> Scene {
         let mut desc = SceneDesc::default();
@@ -467,26 +486,34 @@ mod tests {
     fn options_are_those_that_are_listed() {
         let scene = compile(&crate::cornell::luminous_ceiling(), &Options::default()).scene.expect("a sound scene");
         let render = |text: &str| Quality { integrator: Some(text.into()), ..Quality::default() }.render(&scene);
-        let all: Vec<_> = all_integrators().flat_map(|i| i.options).map(|o| o.name).chain(["speed"]).collect();
-        for info in all_integrators() {
-            for option in info.options {
-                let value = match option.values {
-                    "a file" => "light",
-                    values if values.starts_with("whole number") || values.starts_with("number") => "1",
-                    values if values.contains("above 0") => "0.5",
-                    values if values.contains(" to ") => values.split(' ').next().unwrap_or(""),
-                    values => values.split(',').next().unwrap_or(""),
+        let all: Vec<_> = INTEGRATORS.iter().flat_map(|i| i.parameters).map(|o| o.name).chain(["speed"]).collect();
+        for info in INTEGRATORS {
+            for p in info.parameters {
+                let values: Vec<String> = match p.kind {
+                    Type::Word(_) => p.words().map(Into::into).collect(),
+                    Type::Flag => vec!["true".into(), "false".into()],
+                    Type::File => vec!["light".into()],
+                    _ => ["1", "0.5", p.usual_default()].map(Into::into).to_vec(),
                 };
-                let text = format!("{}:{}={value}", info.name, option.name);
-                assert!(render(&text).is_ok(), "{text}: {:?}", render(&text));
-                let is_value = option.default.parse::<f64>().is_ok() || option.values.contains(option.default);
-                let text = format!("{}:{}={}", info.name, option.name, option.default);
-                assert!(!is_value || render(&text).is_ok(), "{text}: {:?}", render(&text));
+                let values: Vec<_> = values.iter().filter(|value| p.takes(value)).collect();
+                assert!(!values.is_empty(), "{}", p.name);
+                for value in values {
+                    // Views of hybrid frames are of those.
+                    let of_hybrid = info.kind == "raster"
+                        && p.name == "show"
+                        && ["emission", "direct", "indirect", "reflections", "transparency", "occlusion", "graph"]
+                            .contains(&value.as_str());
+                    let frame = if of_hybrid { "frame=hybrid," } else { "" };
+                    let text = format!("{}:{frame}{}={value}", info.kind, p.name);
+                    assert!(render(&text).is_ok(), "{text}: {:?}", render(&text));
+                }
+                let text = format!("{}:{}=§", info.kind, p.name);
+                assert!(p.kind == Type::File || render(&text).is_err(), "{text}");
             }
-            for other in all.iter().filter(|name| info.options.iter().all(|o| o.name != **name)) {
-                let refusal = render(&format!("{}:{other}=1", info.name)).expect_err(other).to_string();
-                let has_all = info.options.iter().all(|o| refusal.contains(o.name));
-                assert!(refusal.contains(other) && has_all, "{}: {refusal}", info.name);
+            for other in all.iter().filter(|name| info.parameters.iter().all(|o| o.name != **name)) {
+                let refusal = render(&format!("{}:{other}=1", info.kind)).expect_err(other).to_string();
+                let has_all = info.parameters.iter().all(|o| refusal.contains(o.name));
+                assert!(refusal.contains(other) && has_all, "{}: {refusal}", info.kind);
             }
         }
     }
@@ -507,11 +534,11 @@ mod tests {
             let picture = crate::render(&scene, &quality).expect(name);
             picture.channel("G").expect("green").iter().sum::<f32>() / 16.0
         };
-        for info in all_integrators().filter(|i| i.options.iter().any(|o| o.name == "hide_emitters")) {
-            assert_eq!(seen(info.name, true), 0.0, "{} sees a hidden light", info.name);
+        for info in INTEGRATORS.iter().filter(|i| i.parameter("hide_emitters").is_some()) {
+            assert_eq!(seen(info.kind, true), 0.0, "{} sees a hidden light", info.kind);
             // S1 to S3 of light that is not polarised are black.
-            let is_black = info.name.starts_with("stokes-");
-            assert!(is_black || seen(info.name, false) > 3.0, "{}: {}", info.name, seen(info.name, false));
+            let is_black = info.kind.starts_with("stokes-");
+            assert!(is_black || seen(info.kind, false) > 3.0, "{}: {}", info.kind, seen(info.kind, false));
         }
     }
 
@@ -549,19 +576,19 @@ mod tests {
             let picture = crate::render(&wall, &Quality { seed: Some(seed), ..quality }).expect(name);
             f64::from(picture.channel("G").expect("green").iter().sum::<f32>()) / 16.0
         };
-        for info in all_integrators().filter(|i| i.options.iter().any(|o| o.name == "hide_emitters")) {
-            let right = match info.name {
+        for info in INTEGRATORS.iter().filter(|i| i.parameter("hide_emitters").is_some()) {
+            let right = match info.kind {
                 "raycast" => 0.5,
                 name if name.starts_with("stokes-") => 0.0,
                 _ => 0.5 * 40.0 * 0.25 / 4.0,
             };
-            let means: Vec<_> = (1..=4).map(|seed| mean(info.name, seed)).collect();
+            let means: Vec<_> = (1..=4).map(|seed| mean(info.kind, seed)).collect();
             let found = means.iter().sum::<f64>() / 4.0;
             let error = (means.iter().map(|m| (m - found).powi(2)).sum::<f64>() / 12.0).sqrt();
             assert!(
                 (found - right).abs() <= 4.0 * error + 0.05 * right,
                 "{}: {found} ± {error}, not {right}",
-                info.name
+                info.kind
             );
         }
         let (lamps, layers) = (scene(""), vec![Layer::Alpha, Layer::Depth]);

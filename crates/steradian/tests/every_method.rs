@@ -2,7 +2,7 @@
 //! path tracing, or refuses it, or says what it leaves out. Nothing is lost silently.
 
 use std::sync::Arc;
-use steradian::{ColorMode, CompileOptions, Quality, Scene, all_integrators, compile, formats::Options, load, render};
+use steradian::{ColorMode, CompileOptions, Quality, Scene, compile, formats::Options, load, render, scene::Family};
 
 /// Methods that compute other things than all light, by their definition; `direct` and `whitted` do with one bounce.
 /// `pssmlt` brings what `bdpt` does, with means too skewed for so few samples.
@@ -53,8 +53,9 @@ fn obey(what: &str, scene: &Arc<Scene>, reference: &str, leave_out: &[&str]) -> 
     let [right, error] = mean(scene, reference, 128).expect(reference);
     assert!(right > 0.0 && error < 0.05 * right, "{what}: {reference} gives {right} ± {error}");
     let mut faults = String::new();
-    for info in all_integrators().filter(|i| !OTHERS.contains(&i.name) && !leave_out.contains(&i.name)) {
-        let (name, spp) = match info.name {
+    for info in Family::Integrator.models().iter().filter(|i| !OTHERS.contains(&i.kind) && !leave_out.contains(&i.kind))
+    {
+        let (name, spp) = match info.kind {
             "light" => ("light", 256),
             "raster" => ("raster", 16),
             "radiosity" => ("radiosity:patches=600", 8),
@@ -66,7 +67,7 @@ fn obey(what: &str, scene: &Arc<Scene>, reference: &str, leave_out: &[&str]) -> 
             continue;
         }
         let [found, noise] = mean(scene, name, spp).unwrap_or_else(|e| panic!("{what} by {name}: {e}"));
-        let coarse = if info.name == "radiosity" { 0.12 } else { 0.06 };
+        let coarse = if info.kind == "radiosity" { 0.12 } else { 0.06 };
         if (found - right).abs() > 4.0 * error.hypot(noise) + coarse * right {
             faults += &format!("{what} by {name}: {found:.5} ± {noise:.5}, not {right:.5} ± {error:.5}\n");
         }

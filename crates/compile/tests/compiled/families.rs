@@ -159,6 +159,7 @@ fn stage(d: &mut SceneDesc, family: Family, kind: &str, node: NodeId) {
         Family::Film => d.film = Some(node),
         Family::Filter => d.filter = Some(node),
         Family::Sampler => d.sampler = Some(node),
+        Family::Integrator => d.integrator = Some(node),
         Family::Shape => {
             shape = Shape::new(node);
             if ["mesh", "loop_subdivision"].contains(&kind) {
@@ -166,7 +167,7 @@ fn stage(d: &mut SceneDesc, family: Family, kind: &str, node: NodeId) {
                 shape.mesh = Some(d.add_mesh(Mesh { positions, triangles: vec![[0, 1, 2]].into(), ..Mesh::default() }));
             }
         }
-        Family::Material | Family::Integrator | Family::Accelerator => panic!("{family:?}"),
+        Family::Material | Family::Accelerator => panic!("{family:?}"),
     }
     d.shapes.push(shape);
     let camera = camera.unwrap_or_else(|| d.add(of(Family::Camera, "perspective")));

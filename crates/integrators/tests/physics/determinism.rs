@@ -6,8 +6,9 @@ use crate::{
     stage::{Stage, diffuse, light, plane, rectangle, shape, sphere, white},
 };
 use steradian_core::{ColorMode, Scene, sampler::SAMPLERS};
-use steradian_integrators::{Control, INTEGRATORS};
+use steradian_integrators::Control;
 use steradian_math::{DVec3, Transform};
+use steradian_scene::Family;
 
 /// A ball of every material on a floor, lit by an area, a point and the sky; masks, mixtures and interfaces among them.
 pub fn collection(mode: ColorMode) -> Scene {
@@ -34,7 +35,7 @@ fn threads_do_not_change_a_bit() {
     for mode in [ColorMode::Rgb, ColorMode::Spectral] {
         let scene = collection(mode);
         // Radiosity has a test of its own, with fewer patches.
-        for integrator in INTEGRATORS.iter().map(|i| i.name).filter(|name| *name != "radiosity") {
+        for integrator in Family::Integrator.kinds().filter(|name| !["radiosity", "raster"].contains(name)) {
             let shot = Shot::of(integrator, 3).depth(8).reuse(16);
             let one = shot.take(&scene);
             for threads in [2, 3, 7] {

@@ -26,13 +26,14 @@ mod tests;
 
 pub use judge::{Difference, POWER, Verdict};
 
-use crate::{Control, Error, Film, INTEGRATORS, Plan, Quality, Scene, Session, missed};
+use crate::{Control, Error, Film, Plan, Quality, Scene, Session, missed};
 use picture::Picture;
 use std::sync::{Arc, atomic::Ordering};
 use steradian_integrators::{
     Depth, IntegratorKind,
     passes::{missed_caustics, specular_material},
 };
+use steradian_scene::Family;
 
 /// Rounds of the samples asked for that are spent on whatever is not decided.
 pub const BUDGET: u32 = 16;
@@ -43,7 +44,7 @@ const COARSE: u32 = 4;
 /// The part of the light that a reference may leave out.
 const COMPLETE: f64 = 1e-3;
 /// Integrators that are not compared by default: those that do not compute all light, and parts of polarised light.
-const OTHERS: &[&str] = &["ao", "direct", "whitted", "raycast", "stokes-s1", "stokes-s2", "stokes-s3"];
+const OTHERS: &[&str] = &["ao", "direct", "whitted", "raycast", "stokes-s1", "stokes-s2", "stokes-s3", "raster"];
 
 /// What came of an integrator.
 #[derive(Clone, Debug)]
@@ -152,7 +153,7 @@ fn verify_by(
     let (mut reference, has_caustics) = maker.reference(&mut told)?;
     let incomplete = reference.lacks(scene);
     let is_default = |name: &&str| !OTHERS.contains(name) && (*name != "volpath" || scene.has_media());
-    let default: Vec<String> = INTEGRATORS.iter().map(|i| i.name).filter(is_default).map(str::to_owned).collect();
+    let default: Vec<String> = Family::Integrator.kinds().filter(is_default).map(str::to_owned).collect();
     let mut verified = Vec::new();
     for (k, name) in (1..).zip(if named.is_empty() { &default } else { named }) {
         told(name);

@@ -3,7 +3,7 @@
 
 use crate::case::{Case, Expect::Picture};
 use steradian::{
-    INTEGRATORS, cornell,
+    cornell,
     scene::{Family, Format, Node, NodeId, SceneDesc, Shape},
 };
 
@@ -53,7 +53,7 @@ pub fn table() -> Vec<Case> {
     let mut cases = Vec::new();
     for (name, scene) in scenes {
         // The effort of radiosity is in its patches: no path of it is long.
-        for integrator in INTEGRATORS.iter().map(|i| i.name).filter(|name| *name != "radiosity") {
+        for integrator in Family::Integrator.kinds().filter(|name| !["radiosity", "raster"].contains(name)) {
             // A large number is no limit either; it reaches all integrators the same way.
             let depths: &[i64] = if integrator.starts_with("path") { &[-1, 1_000_000_000] } else { &[-1] };
             for &depth in depths {

@@ -13,9 +13,8 @@ use steradian::{
     schema::FAMILIES,
 };
 
-/// Of methods, which are no models: some of them, and the parameters that the compiler reads.
+/// Integrators that are tried: hostile options of others are tried by those of the command line.
 const METHODS: [&str; 4] = ["path", "volpath", "direct", "whitted"];
-const OF_METHODS: [&str; 4] = ["max_depth", "rr_depth", "hide_emitters", "distance"];
 
 /// Kinds of a family that have a parameter of the same name take turns with its values, at most so many of them: each
 /// value of each name is tried with a twelfth of the kinds at least.
@@ -31,9 +30,9 @@ struct Row {
 /// All kinds of all families.
 fn rows() -> Vec<Row> {
     let models = FAMILIES.into_iter().flat_map(|family| family.models().iter().map(move |m| (family, m)));
+    let models = models.filter(|(family, m)| *family != Family::Integrator || METHODS.contains(&m.kind));
     let models = models.map(|(family, m)| Row { family, kind: m.kind, parameters: m.all().map(|p| p.name).collect() });
-    let methods = METHODS.map(|kind| Row { family: Family::Integrator, kind, parameters: OF_METHODS.to_vec() });
-    models.chain(methods).collect()
+    models.collect()
 }
 
 /// Values of every type, none of which belongs in a scene. `own` is the node that gets them, `other` one of a family
