@@ -66,6 +66,7 @@ mod tests {
             (Family::Phase, include_str!("../../../docs/phases.md")),
             (Family::Film, include_str!("../../../docs/films.md")),
             (Family::Filter, include_str!("../../../docs/filters.md")),
+            (Family::Integrator, include_str!("../../../docs/integrators.md")),
         ];
         for (family, page) in pages {
             let list = family.plural();

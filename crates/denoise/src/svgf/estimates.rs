@@ -58,7 +58,7 @@ impl Estimates {
         (0..self.rows.planes() / PLANES).map(of_term).collect()
     }
 
-    /// The same, with the light that filtering lost of `noisy` given back.
+    /// Colours of all terms, with the light that filtering lost of `noisy` given back.
     pub fn balanced(&self, noisy: Option<&[Image<Vec3>]>) -> Vec<Image<Vec3>> {
         let mut all = self.colors();
         for (colors, noisy) in all.iter_mut().zip(noisy.unwrap_or_default()) {
