@@ -251,9 +251,10 @@ impl Reader<'_> {
     /// Bump and normal maps: the nested material with the map on it.
     fn mapped(&mut self, object: ObjectId, normals: bool) -> Option<NodeId> {
         let inner = *self.nested(object, 1, 1)?.first()?;
-        let flips = self.bool(object, "flip_invalid_normals").unwrap_or(true);
-        let shadows = self.bool(object, "use_shadowing_function").unwrap_or(true);
+        // Version 0.6 knows neither.
         let legacy = self.graph.objects[object].legacy;
+        let flips = !legacy && self.bool(object, "flip_invalid_normals").unwrap_or(true);
+        let shadows = !legacy && self.bool(object, "use_shadowing_function").unwrap_or(true);
         let scale = if normals { 1.0 } else { self.float(object, "scale").unwrap_or(1.0) };
         let textures = self.graph.children(object, Category::Texture);
         let [(_, texture)] = textures[..] else {
@@ -272,9 +273,8 @@ impl Reader<'_> {
             self.approximated(span, "of several nested bump and normal maps the outermost of each is used");
         }
         node.set(if normals { "normal_map" } else { "bump" }, map, Some(self.span(texture)));
-        // Version 0.6 knows neither.
-        node.set("detail_facing", if flips && !legacy { "turned" } else { "as_it_is" }, None);
-        node.set("detail_shadowing", shadows && !legacy, None);
+        node.set("detail_facing", if flips { "turned" } else { "as_it_is" }, None);
+        node.set("detail_shadowing", shadows, None);
         node.span = Some(self.span(object));
         Some(self.desc.add(node))
     }

@@ -3,7 +3,7 @@
 use super::{build::Build, dict::Dict, param::Type, scene::Scene};
 use steradian_scene::{Family, Mesh, NodeId, names};
 
-const KINDS: [&str; 12] = [
+pub(super) const KINDS: [&str; 12] = [
     "sphere",
     "disk",
     "cylinder",
@@ -189,7 +189,7 @@ fn inline_mesh(b: &mut Build, given: &str) -> Option<Mesh> {
         "trianglemesh" => mesh.tangents = per_vertex(b, "S", Type::Vector3, count).map_or(Vec::new(), triples),
         "bilinearmesh" => {
             if let Some((_, span)) = b.dict.text(&mut b.scene.report, "emissionfilename") {
-                b.scene.report.dropped(span, "the distribution of emission over the patch is left out");
+                b.scene.report.dropped(span, "'emissionfilename' is left out: the patch emits the same everywhere");
             }
         }
         _ => {}
@@ -258,7 +258,7 @@ fn curve(b: &mut Build) -> Option<()> {
     match normals {
         Some(_) if !ribbon => {
             let span = b.dict.span_of("N");
-            b.scene.report.warn(span, "only ribbons use normals");
+            b.scene.report.warn(span, "'N' has no effect: only ribbons use normals");
         }
         Some(n) if n.len() / 3 != segments + 1 => {
             let message =

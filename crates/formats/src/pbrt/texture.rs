@@ -26,7 +26,7 @@ impl Values {
     }
 }
 
-const CLASSES: [&str; 13] = [
+pub(super) const CLASSES: [&str; 13] = [
     "constant",
     "imagemap",
     "checkerboard",
@@ -179,6 +179,11 @@ fn encoding(b: &mut Build) {
             }
         },
         _ => b.set("encoding", "srgb"),
+    }
+    let own = if linear { "linear" } else { "sRGB" };
+    if let Some((_, span)) = asked.filter(|(word, _)| *word != own && extension.as_deref() != Some("png")) {
+        let why = format!("it counts for PNG files only, and others like this one are {own}");
+        b.scene.report.no_effect(span, "'encoding' of texture 'imagemap'", &why);
     }
 }
 

@@ -494,7 +494,8 @@ fn one_texture(values: &str, text: &str) -> Node {
         std::fs::write(dir.path().join(name), "").unwrap();
     }
     let i = load_in(dir.path(), &format!("WorldBegin Scale 2 2 2 Texture \"t\" \"{values}\" {text}"));
-    let messages: Vec<String> = i.diagnostics.iter().map(ToString::to_string).collect();
+    let is_told = |d: &&Diagnostic| d.message.starts_with("'encoding' of texture 'imagemap' has no effect");
+    let messages: Vec<String> = i.diagnostics.iter().filter(|d| !is_told(d)).map(ToString::to_string).collect();
     assert!(messages.is_empty(), "{}", messages.join("\n"));
     i.desc.nodes.iter().find(|n| n.name.as_deref() == Some("t")).unwrap().clone()
 }
