@@ -3,6 +3,8 @@
 mod beside;
 pub mod files;
 pub mod gltf;
+#[cfg(test)]
+mod law;
 mod limits;
 pub mod mesh;
 pub mod mitsuba;

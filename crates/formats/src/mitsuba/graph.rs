@@ -153,6 +153,8 @@ impl Graph {
     /// The property of this name; it counts as used from now on.
     pub fn take(&mut self, object: ObjectId, name: &'static str) -> Option<Prop> {
         let object = &mut self.objects[object];
+        #[cfg(test)]
+        crate::law::note(format!("{} {}", object.category.noun(), object.plugin), name, Vec::new());
         object.visited = true;
         if !object.asked.contains(&name) {
             object.asked.push(name);

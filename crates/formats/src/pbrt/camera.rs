@@ -3,7 +3,7 @@
 use super::{build::Build, dict::Dict, param::Type, scene::Scene, state::State};
 use steradian_scene::{Family, Movement, NodeId, names};
 
-const KINDS: [&str; 4] = ["perspective", "orthographic", "spherical", "realistic"];
+pub(super) const KINDS: [&str; 4] = ["perspective", "orthographic", "spherical", "realistic"];
 
 /// Shapes of a lens's stop that have names.
 const STOPS: [&str; 4] = ["gaussian", "square", "pentagon", "star"];

@@ -52,6 +52,8 @@ impl Dict {
     /// The parameter of that name with one of these types; the last one given counts, and inherited ones come after the
     /// directive's own. A parameter of that name with another type is an error.
     pub fn find(&self, report: &mut Report, name: &'static str, types: &[Type]) -> Option<&Param> {
+        #[cfg(test)]
+        crate::law::note(self.kind.clone(), name, types.iter().map(|t| t.name()).collect());
         self.asked.borrow_mut().push(name);
         let mut found = None;
         let mut mistyped = None;

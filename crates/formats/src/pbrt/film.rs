@@ -3,8 +3,8 @@
 use super::{build::Build, dict::Dict, param::Type, scene::Scene};
 use steradian_scene::{ColorSpace, Family, NodeId, names};
 
-const FILMS: [&str; 3] = ["rgb", "gbuffer", "spectral"];
-const FILTERS: [(&str, &str); 5] =
+pub(super) const FILMS: [&str; 3] = ["rgb", "gbuffer", "spectral"];
+pub(super) const FILTERS: [(&str, &str); 5] =
     [("box", "box"), ("triangle", "tent"), ("gaussian", "gaussian"), ("mitchell", "mitchell"), ("sinc", "lanczos")];
 
 /// Translates the film; `exposure` is how long the camera's shutter is open.

@@ -14,7 +14,7 @@ use super::{
 use steradian_math::{DVec3, spectra::photometry::photometric_from_y};
 use steradian_scene::{Family, NodeId, SpectrumValue, Transform, names};
 
-const KINDS: [&str; 6] = ["point", "spot", "distant", "infinite", "goniometric", "projection"];
+pub(super) const KINDS: [&str; 6] = ["point", "spot", "distant", "infinite", "goniometric", "projection"];
 
 /// Translates a light that stands alone; `ctm` takes its space to the world.
 pub(super) fn translate(scene: &mut Scene, dict: &Dict, ctm: Transform, medium: Option<&NameRef>) -> Option<NodeId> {

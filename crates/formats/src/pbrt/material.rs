@@ -10,7 +10,7 @@ use super::{
 use steradian_scene::{Family, Node, NodeId, SpectrumValue, Value, names};
 
 /// Kinds of pbrt-v4.
-const KINDS: [&str; 12] = [
+pub(super) const KINDS: [&str; 12] = [
     "diffuse",
     "conductor",
     "dielectric",

@@ -10,7 +10,7 @@ use super::{
 use steradian_math::spectra::cie::CIE_Y_INTEGRAL;
 use steradian_scene::{Family, Node, NodeId, SpectrumValue, Transform, names};
 
-const KINDS: [&str; 5] = ["homogeneous", "uniformgrid", "rgbgrid", "cloud", "nanovdb"];
+pub(super) const KINDS: [&str; 5] = ["homogeneous", "uniformgrid", "rgbgrid", "cloud", "nanovdb"];
 
 /// Translates a medium; `ctm` takes its space to the world.
 pub(super) fn translate(scene: &mut Scene, dict: &Dict, kind: &str, ctm: Transform) -> Option<NodeId> {

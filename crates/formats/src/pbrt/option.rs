@@ -3,6 +3,21 @@
 use super::reader::{Done, Reader};
 use steradian_scene::names;
 
+/// All options, without dashes and underscores.
+pub(super) const KNOWN: [&str; 11] = [
+    "disablepixeljitter",
+    "disabletexturefiltering",
+    "disablewavelengthjitter",
+    "displacementedgescale",
+    "forcediffuse",
+    "msereferenceimage",
+    "msereferenceout",
+    "pixelstats",
+    "rendercoordsys",
+    "seed",
+    "wavefront",
+];
+
 impl Reader<'_> {
     pub(super) fn option(&mut self) -> Done {
         let (name, span) = self.quoted()?;
@@ -43,19 +58,6 @@ impl Reader<'_> {
                 report.no_effect(span, &format!("option '{name}'"), "it does not change the picture");
             }
             _ => {
-                const KNOWN: [&str; 11] = [
-                    "disablepixeljitter",
-                    "disabletexturefiltering",
-                    "disablewavelengthjitter",
-                    "displacementedgescale",
-                    "forcediffuse",
-                    "msereferenceimage",
-                    "msereferenceout",
-                    "pixelstats",
-                    "rendercoordsys",
-                    "seed",
-                    "wavefront",
-                ];
                 let help = names::did_you_mean(&plain, KNOWN);
                 report.error_help(span, format!("unknown option '{name}'"), help);
             }

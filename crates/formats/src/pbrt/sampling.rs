@@ -6,9 +6,10 @@ use steradian_scene::{Family, NodeId, names};
 /// The reason that a parameter has no effect, where it is about the means alone.
 const NOISE: &str = "it changes the noise only";
 
-const SAMPLERS: [&str; 7] = ["zsobol", "sobol", "paddedsobol", "halton", "pmj02bn", "independent", "stratified"];
+pub(super) const SAMPLERS: [&str; 7] =
+    ["zsobol", "sobol", "paddedsobol", "halton", "pmj02bn", "independent", "stratified"];
 
-const INTEGRATORS: [&str; 11] = [
+pub(super) const INTEGRATORS: [&str; 11] = [
     "path",
     "volpath",
     "simplepath",
@@ -178,7 +179,7 @@ fn without_effect(b: &mut Build, names: Others, same_light: bool) {
 }
 
 /// Accelerators of pbrt-v3 and v4 with their parameters.
-const ACCELERATORS: [(&str, &[(&str, Type)]); 2] = [
+pub(super) const ACCELERATORS: [(&str, &[(&str, Type)]); 2] = [
     ("bvh", &[("maxnodeprims", Type::Integer), ("splitmethod", Type::String)]),
     (
         "kdtree",

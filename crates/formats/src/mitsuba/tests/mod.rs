@@ -5,6 +5,7 @@
 mod families;
 mod faults;
 mod language;
+mod law;
 mod real_scenes;
 mod shapes;
 mod told;

@@ -3,6 +3,7 @@
 
 mod directives;
 mod faults;
+mod law;
 mod models;
 mod published;
 mod robust;

@@ -1,6 +1,7 @@
 //! Documents that break one rule each.
 
 mod data;
+mod law;
 mod links;
 mod schema;
 
