@@ -1,15 +1,20 @@
 //! Scenes in coordinates of a country are seen as they are at the origin: single precision would lose their details.
 
 use std::sync::Arc;
-use steradian::{CompileOptions, Layer, Quality, Scene, compile, formats::Options, image::Image, load, render};
+use steradian::{CompileOptions, Layer, Loaded, Quality, Scene, compile, formats::Options, image::Image, load, render};
 
 /// A place in UTM coordinates, where single precision has steps of half a metre.
 const FAR: [f64; 3] = [448_262.3, 5_411_932.7, 35.1];
 const ORIGIN: [f64; 3] = [0.0; 3];
 
+/// Compiles a scene of texts, and gives what was said.
 fn scene(extension: &str, text: &str) -> (Arc<Scene>, String) {
     let name = format!("far.{extension}");
     let loaded = load::load_bytes(&name, text.as_bytes().to_vec(), Some(extension), &Options::default());
+    compiled(&loaded, text)
+}
+
+fn compiled(loaded: &Loaded, text: &str) -> (Arc<Scene>, String) {
     assert!(!loaded.diagnostics.has_errors(), "{:?} in {text}", loaded.diagnostics);
     let options = CompileOptions { size: Some((24, 24)), ..CompileOptions::default() };
     let compiled = compile(&loaded.desc, &options);
@@ -149,5 +154,59 @@ fn places_far_away_look_like_the_origin() {
         let far_x = b.channel("P.X").expect("positions")[12 * 24 + 12];
         let near_x = a.channel("P.X").expect("positions")[12 * 24 + 12];
         assert!((f64::from(far_x - near_x) - FAR[0]).abs() < 0.1, "{extension}: {far_x} {near_x}");
+    }
+}
+
+/// Mesh files in double precision keep their digits in scenes that name them.
+#[test]
+fn mesh_files_far_away_look_like_the_origin() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let stored = |place: [f64; 3], name: &str, is_ply: bool| {
+        let (points, triangles) = stairs();
+        let [points, triangles] = [points, triangles]
+            .map(|text| text.split_whitespace().map(|v| v.parse::<f64>().expect("a number")).collect::<Vec<_>>());
+        let vertices = points.chunks(3).map(|p| format!("{} {} {}", p[0] + place[0], p[1] + place[1], p[2] + place[2]));
+        let (lead, first) = if is_ply { ("", 0.0) } else { ("v ", 1.0) };
+        let mut out = vertices.map(|v| format!("{lead}{v}\n")).collect::<String>();
+        let lead = if is_ply { "3" } else { "f" };
+        for t in triangles.chunks(3) {
+            out += &format!("{lead} {} {} {}\n", t[0] + first, t[1] + first, t[2] + first);
+        }
+        let header = format!(
+            "ply\nformat ascii 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double z\n\
+             element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+            points.len() / 3,
+            triangles.len() / 3
+        );
+        let out = if is_ply { header + &out } else { out };
+        std::fs::write(folder.path().join(name), out).expect("written");
+    };
+    for (extension, kind) in [("pbrt", "ply"), ("xml", "ply"), ("xml", "obj")] {
+        let [(near, _), (far, said)] = [ORIGIN, FAR].map(|place| {
+            stored(place, &format!("stairs.{kind}"), kind == "ply");
+            let [x, y, z] = place;
+            let (ex, ey, ez) = (x - 1.0, y - 3.0, z + 2.0);
+            let text = match extension {
+                "pbrt" => format!(
+                    "LookAt {ex} {ey} {ez} {x} {y} {z} 0 0 1\nCamera \"perspective\" \"float fov\" [ 40 ]\nWorldBegin\n\
+                     LightSource \"distant\" \"point3 from\" [ -1 0 3 ] \"point3 to\" [ 0 0 0 ]\n\
+                     Shape \"plymesh\" \"string filename\" \"stairs.ply\""
+                ),
+                _ => format!(
+                    "<scene version=\"3.0.0\"><integrator type=\"path\"/><sensor type=\"perspective\">\
+                     <float name=\"fov\" value=\"40\"/><transform name=\"to_world\">\
+                     <lookat origin=\"{ex}, {ey}, {ez}\" target=\"{x}, {y}, {z}\" up=\"0, 0, 1\"/></transform></sensor>\
+                     <emitter type=\"directional\"><vector name=\"direction\" x=\"1\" y=\"0\" z=\"-3\"/></emitter>\
+                     <shape type=\"{kind}\"><string name=\"filename\" value=\"stairs.{kind}\"/></shape></scene>"
+                ),
+            };
+            let path = folder.path().join(format!("scene.{extension}"));
+            std::fs::write(&path, &text).expect("written");
+            compiled(&load(&path, &Options::default()), &text)
+        });
+        assert!(!said.contains("details are lost"), "{extension}, {kind}: {said}");
+        let [a, b] = [&near, &far].map(|scene| picture(scene, "path"));
+        let differs = difference(&a, &b, "G");
+        assert!(differs < 0.01, "{extension}, {kind}: {differs}");
     }
 }

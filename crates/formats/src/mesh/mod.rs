@@ -6,7 +6,7 @@
 
 mod error;
 mod polygon;
-mod recentre;
+pub(crate) mod recentre;
 pub(crate) mod text;
 
 #[cfg(test)]

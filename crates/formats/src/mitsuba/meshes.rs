@@ -70,13 +70,14 @@ impl Reader<'_> {
     pub fn read_meshes(&mut self) {
         let jobs = std::mem::take(&mut self.meshes.jobs);
         let limits = &self.options.limits;
-        let read: Vec<Result<(Mesh, Option<String>), String>> =
-            jobs.par_iter().map(|(key, ..)| load(key, limits)).collect();
+        let read: Vec<Result<Loaded, String>> = jobs.par_iter().map(|(key, ..)| load(key, limits)).collect();
+        let mut origins = Vec::new();
         for ((key, index, span), mesh) in jobs.into_iter().zip(read) {
             self.desc.sources.note(key.path);
             match mesh {
-                Ok((mesh, warning)) => {
+                Ok(Loaded { mesh, origin, warning }) => {
                     self.desc.meshes[index] = Arc::new(mesh);
+                    origins.push((index, origin));
                     if let Some(warning) = warning {
                         self.warn(span, warning);
                     }
@@ -84,25 +85,34 @@ impl Reader<'_> {
                 Err(message) => self.error(span, message),
             }
         }
+        mesh::recentre::put_back(&mut self.desc, &origins);
     }
 }
 
-/// Reads a mesh and makes of it what Mitsuba would; with what is to be said of the file.
-fn load(key: &MeshKey, limits: &Limits) -> Result<(Mesh, Option<String>), String> {
+/// A mesh, what was taken from its positions, and what is to be said of the file.
+struct Loaded {
+    mesh: Mesh,
+    origin: [f64; 3],
+    warning: Option<String>,
+}
+
+/// Reads a mesh and makes of it what Mitsuba would.
+fn load(key: &MeshKey, limits: &Limits) -> Result<Loaded, String> {
     let mut bytes = files::read(&key.path, limits).map_err(|e| e.to_string())?;
     let fault = |e: mesh::MeshError| format!("cannot read the mesh '{}': {e}", key.path.display());
     let mut flat = key.face_normals.unwrap_or(false);
-    let mut warning = None;
+    let (mut warning, mut origin) = (None, [0.0; 3]);
     let mut mesh = match key.format {
         MeshFormat::Ply => {
-            let read = mesh::ply::read(&bytes, &mesh::ply::PlyOptions::default()).map_err(fault)?;
-            warning = read.warning();
+            let options = mesh::ply::PlyOptions { recentre: true, ..Default::default() };
+            let read = mesh::ply::read(&bytes, &options).map_err(fault)?;
+            (warning, origin) = (read.warning(), read.origin);
             read.mesh
         }
         MeshFormat::Obj => {
-            let options = mesh::obj::ObjOptions { merge: true, flip_v: key.flip_uvs, ..Default::default() };
+            let options = mesh::obj::ObjOptions { merge: true, flip_v: key.flip_uvs, recentre: true };
             let read = mesh::obj::read(&mesh::text::to_utf8(std::mem::take(&mut bytes)), &options).map_err(fault)?;
-            warning = read.skipped.warning();
+            (warning, origin) = (read.skipped.warning(), read.origin);
             read.meshes.into_iter().next().unwrap_or_default().mesh
         }
         MeshFormat::Serialized(index) => {
@@ -123,5 +133,5 @@ fn load(key: &MeshKey, limits: &Limits) -> Result<(Mesh, Option<String>), String
     if key.flip_normals {
         normals::flip(&mut mesh);
     }
-    Ok((mesh, warning))
+    Ok(Loaded { mesh, origin, warning })
 }

@@ -3,7 +3,10 @@
 use super::report::Report;
 use crate::{
     Limits, files,
-    mesh::ply::{self, PlyFile, PlyOptions},
+    mesh::{
+        ply::{self, PlyFile, PlyOptions},
+        recentre,
+    },
 };
 use rayon::prelude::*;
 use std::{collections::HashMap, path::PathBuf, sync::Arc};
@@ -39,6 +42,7 @@ impl MeshFiles {
     pub fn read(&mut self, desc: &mut SceneDesc, report: &mut Report, limits: &Limits) {
         let jobs = std::mem::take(&mut self.jobs);
         let meshes: Vec<_> = jobs.par_iter().map(|job| read(job, limits)).collect();
+        let mut origins = Vec::new();
         for (job, mesh) in jobs.into_iter().zip(meshes) {
             report.sources.add(job.path, Vec::new());
             match mesh {
@@ -46,18 +50,20 @@ impl MeshFiles {
                     if let Some(warning) = file.warning() {
                         report.warn(job.span, warning);
                     }
+                    origins.push((job.mesh, file.origin));
                     desc.meshes[job.mesh] = Arc::new(file.mesh);
                 }
                 Err(message) => report.error(job.span, message),
             }
         }
+        recentre::put_back(desc, &origins);
     }
 }
 
 fn read(job: &Job, limits: &Limits) -> Result<PlyFile, String> {
     let bytes = files::read(&job.path, limits).map_err(|e| e.to_string())?;
     // pbrt renders faces of four corners as bilinear patches.
-    let file = ply::read(&bytes, &PlyOptions { keep_quads: true, ..PlyOptions::default() })
+    let file = ply::read(&bytes, &PlyOptions { keep_quads: true, recentre: true, ..PlyOptions::default() })
         .map_err(|e| format!("cannot read the mesh '{}': {e}", job.path.display()))?;
     match file.mesh.validate() {
         Ok(()) => Ok(file),
