@@ -1,6 +1,6 @@
 //! Light that enters layered surfaces (`openpbr`, `principled`) and leaves them elsewhere, and media inside glTF's.
 
-use crate::seen;
+use crate::subsurface::seen;
 use std::{path::Path, sync::Arc};
 use steradian::{
     CompileOptions, Quality, Scene, compile,
@@ -29,7 +29,7 @@ fn text(light: &str, material: &str) -> String {
         "shapes: [{{shape: sphere, radius: 1, material: {{{material}}}}}]
          lights: [{light}]"
     );
-    crate::text("path", &world)
+    crate::subsurface::text("path", &world)
 }
 
 fn loaded(path: &Path) -> SceneDesc {

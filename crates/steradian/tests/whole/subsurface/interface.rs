@@ -1,6 +1,6 @@
 //! Light that enters a surface and leaves it elsewhere.
 
-use crate::seen;
+use crate::subsurface::seen;
 use std::sync::Arc;
 use steradian::{CompileOptions, Quality, Scene, compile, formats::Options, load, render};
 
@@ -13,7 +13,7 @@ fn ball(material: &str) -> Arc<Scene> {
 }
 
 fn scene(world: &str) -> Arc<Scene> {
-    let text = crate::text("volpath", world);
+    let text = crate::subsurface::text("volpath", world);
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("scene.steradian");
     std::fs::write(&path, text).expect("written");

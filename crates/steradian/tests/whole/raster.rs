@@ -248,7 +248,7 @@ fn odd_scenes() {
 }
 
 /// A table, a box, a sheet and posts on a floor, in parallel light.
-const TABLE: &str = include_str!("../../../scenes/shadows.pbrt");
+const TABLE: &str = include_str!("../../../../scenes/shadows.pbrt");
 const PARALLEL: &str =
     "LightSource \"distant\" \"rgb L\" [1.6 1.5 1.3] \"point3 from\" [-3 -2 4] \"point3 to\" [0 0 0]";
 const POINT: &str = "LightSource \"point\" \"rgb I\" [30 28 24] \"point3 from\" [-2.2 -1.4 3.1]";

@@ -12,7 +12,7 @@ use steradian_rt::{
     context::{ClosestHitContext, RayGenerationContext},
 };
 
-#[path = "../../rt/examples/cornell_box/main.rs"]
+#[path = "../../../rt/examples/cornell_box/main.rs"]
 mod cornell_box;
 
 /// The box by the path tracer of the example and by `path`: pixel by pixel within the noise of both, and their means.

@@ -1,12 +1,12 @@
 //! Methods of a user's own, as the examples have them: they run in the engine's sessions, and their pictures are right.
 
-#[path = "../examples/own_integrator.rs"]
+#[path = "../../examples/own_integrator.rs"]
 #[allow(dead_code)]
 mod own_integrator;
-#[path = "../examples/own_pass.rs"]
+#[path = "../../examples/own_pass.rs"]
 #[allow(dead_code)]
 mod own_pass;
-#[path = "../examples/path_recursive.rs"]
+#[path = "../../examples/path_recursive.rs"]
 #[allow(dead_code)]
 mod path_recursive;
 

@@ -1,0 +1,29 @@
+//! Whole scenes through the library, one program: each file is about one thing that its head names.
+
+mod colours;
+mod denoising;
+mod edits;
+mod estimate;
+mod every_method;
+mod exchange;
+mod far_away;
+mod fluorescence;
+mod gallery;
+mod halves;
+mod hybrid;
+mod media_plugins;
+mod meter;
+mod motion;
+mod own_language;
+mod own_methods;
+mod phosphorescence;
+mod preview;
+mod raster;
+mod ray_pipeline;
+mod references;
+mod single_sided;
+mod subsurface;
+mod texture_plugins;
+mod transient;
+mod volumes;
+mod waves;
