@@ -216,8 +216,8 @@ fn what_cannot_be_is_refused() {
     let plain = "{material: diffuse}";
     for (scene, options, expected) in [
         (of("", plain), "from=3,to=3", "'to' must be more than 'from'"),
-        (of("", plain), "bins=0", "1 to 1024"),
-        (of("", plain), "bins=1025", "1 to 1024"),
+        (of("", plain), "bins=0", "in [1, 1024]"),
+        (of("", plain), "bins=1025", "in [1, 1024]"),
         (of("", plain), "unit=0", "above 0"),
         (of("", plain), "to=far", "'to'"),
         (of(", off: 1", plain), "bins=2", "go on and off"),
