@@ -28,7 +28,7 @@ static LOOK: extern "C" fn() = {
 /// Nothing where standard output was open at the start.
 ///
 /// # Errors
-/// What the system says of writing to what is closed.
+/// The system's error of a closed descriptor (EBADF).
 pub fn check() -> Result<()> {
     const BAD_DESCRIPTOR: i32 = 9;
     if CLOSED.load(Ordering::Relaxed) { Err(Error::from_raw_os_error(BAD_DESCRIPTOR)) } else { Ok(()) }

@@ -30,7 +30,7 @@ impl Albedo {
         self.reflectance.iter().zip(&self.transmittance).map(|(r, t)| r + t).fold(0.0, f32::max)
     }
 
-    /// Whether no lane gains energy, beyond four standard errors.
+    /// No lane gains energy, beyond four standard errors.
     pub fn conserves_energy(&self) -> bool {
         self.total() <= 1.0 + ROUNDING + 4.0 * self.error
     }

@@ -10,7 +10,9 @@ use steradian_bsdf::Lobe;
 use steradian_math::Spectrum;
 
 /// Angles from the normal at which white light is told, degrees.
-pub const ANGLES: [f64; 3] = [0.0, 45.0, 80.0];
+pub const ANGLES: [f64; 3] = [WATCHED[TOLD[0]], WATCHED[TOLD[1]], WATCHED[TOLD[2]]];
+/// Their places among the watched angles: 0°, 45° and 80°.
+const TOLD: [usize; 3] = [0, 3, 6];
 /// Draws that look for lobes, at each angle.
 const DRAWS: u32 = 4096;
 
@@ -54,8 +56,8 @@ pub fn summary(specimen: &Specimen<'_>, samples: u32) -> Summary {
     let lobes = lobes(specimen);
     let watched = WATCHED.map(|theta| albedo(specimen, theta, samples));
     Summary {
-        white: ANGLES.map(|theta| {
-            let a = watched.iter().find(|a| a.theta == theta).expect("white light is told at watched angles");
+        white: TOLD.map(|k| {
+            let a = &watched[k];
             let [reflectance, transmittance] = [&a.reflectance, &a.transmittance].map(|v| specimen.luminance(value(v)));
             White { theta: a.theta, reflectance, transmittance }
         }),

@@ -246,8 +246,8 @@ impl Parameter {
         words.split(", ").filter(|w| !w.is_empty())
     }
 
-    /// Whether a text, as on a command line, is a value of it, within its range: of numbers, truth values, words, files
-    /// and texts.
+    /// True if a text, as on a command line, is a value of its type within its range. False for types that no text
+    /// gives: textures, materials, lists.
     pub fn takes(&self, text: &str) -> bool {
         let is_inside = |v: f64| v.is_finite() && (self.range.0..=self.range.1).contains(&v);
         match self.kind {

@@ -119,14 +119,14 @@ const ACCEPTANCE: f32 = 1e-6;
 /// The view between the planes at [`Camera::near`] and [`Camera::far`].
 #[derive(Clone, Copy, Debug)]
 struct View {
-    /// How far it reaches along the axis.
+    /// Distance from plane to plane; infinite without a far plane.
     depth: f32,
-    /// How much further along the axis of camera space is what is further in the world.
+    /// Gradient of depth in camera space over positions in the world.
     axis: Vec3,
 }
 
 impl View {
-    /// Where a ray in a unit direction leaves it.
+    /// Ray parameter at the far plane, for a ray from the near plane in a unit direction.
     #[inline(always)]
     fn end(&self, direction: Vec3) -> f32 {
         let advance = self.axis.dot(direction);
@@ -135,7 +135,7 @@ impl View {
 }
 
 impl Pinhole {
-    /// Where a ray in a unit direction ends, with the bits of [`Camera::ray`].
+    /// `t_max` of a ray in a unit direction, with the bits of [`Camera::ray`].
     #[inline(always)]
     pub fn end(&self, direction: Vec3) -> f32 {
         self.view.end(direction)
@@ -199,9 +199,10 @@ impl Camera {
         Ray { t_max: self.view().end(d), ..Ray::new(self.world_from_camera.point(origin), d) }
     }
 
-    /// What lies between the planes that cut the view.
+    /// The part of space between near and far plane.
+    #[inline]
     fn view(&self) -> View {
-        View { depth: self.far - self.near.max(0.0), axis: self.world_from_camera.inv.transpose().z_axis.truncate() }
+        View { depth: self.far - self.near.max(0.0), axis: self.world_from_camera.inv.row(2).truncate() }
     }
 
     /// [`Self::ray`] at a moment of the exposure.

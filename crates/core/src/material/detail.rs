@@ -28,13 +28,13 @@ pub struct NormalMap {
 /// What is done with a shading normal that detail has turned away from the viewer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Facing {
-    /// Of opaque materials it is bent so far that the mirror direction leaves the surface. Of those that transmit it is
-    /// mirrored about the geometric normal, and what they send to the wrong side is folded back ([`Fold`]): bent
-    /// normals would make total reflection grazing, again and again, and hold light in a body for ever.
+    /// Opaque materials: bent until the mirror direction leaves the surface. Materials that transmit: mirrored about
+    /// the geometric normal, and directions on the wrong side are folded back ([`Fold`]); bent normals would make total
+    /// internal reflection grazing, again and again, and trap light in a body.
     #[default]
     Bent,
-    /// Of opaque materials as [`Facing::Bent`]; of those that transmit it stays, and what they send to the wrong side
-    /// goes there, as with pbrt.
+    /// Opaque materials: as [`Facing::Bent`]. Materials that transmit: unchanged, and directions on the wrong side leak
+    /// through the surface, as with pbrt.
     Leaking,
     /// It is mirrored about the normal without detail, and what arrives from below the surface does not count (Mitsuba
     /// 3; Schüßler et al., "Microfacet-based normal mapping for robust Monte Carlo path tracing", 2017).
@@ -91,8 +91,8 @@ impl SurfaceDetail {
         self.facing != Facing::AsItIs && (self.normal_map.is_some() || self.bump.is_some())
     }
 
-    /// The shading normal with the detail, unit length, for a viewer in `wo`; `transmits` is whether the material lets
-    /// light through.
+    /// The shading normal with the detail, unit length, for a viewer in `wo`. `transmits`: the material lets light
+    /// through.
     pub fn shading_normal(
         &self,
         textures: &Textures,
@@ -124,13 +124,13 @@ impl SurfaceDetail {
         }
     }
 
-    /// Whether normals turned away from the viewer are bent, as a rule.
+    /// Normals turned away from the viewer are bent, on opaque materials.
     fn bends(&self) -> bool {
         matches!(self.facing, Facing::Bent | Facing::Leaking)
     }
 
-    /// What the surface without detail does to light, in the shading frame with it; `transmits` is whether the
-    /// material lets light through.
+    /// The effect of the surface without detail on directions, in the shading frame with it. `transmits`: the material
+    /// lets light through.
     pub fn ground(&self, base: &Base, frame: &Frame, flipped: bool, transmits: bool) -> Option<Ground> {
         if self.normal_map.is_none() && self.bump.is_none() {
             return None;

@@ -218,7 +218,7 @@ pub struct Material {
     pub detail: Option<SurfaceDetail>,
 }
 
-/// The surface below bump and normal maps.
+/// The surface below bump and normal maps, by its effect on the directions of a [`Scattering`].
 #[derive(Clone, Copy, Debug)]
 pub enum Ground {
     /// It hides and shades directions.
@@ -236,7 +236,7 @@ pub struct Scattering<'a> {
     pub flipped: bool,
     /// What changes the shading normal.
     pub detail: Option<&'a SurfaceDetail>,
-    /// What the surface without its detail does to light.
+    /// Effect of the surface without its detail on directions.
     pub ground: Option<Ground>,
     /// For how long matter holds back the light that it scatters, in the mean, s.
     pub lifetime: f32,
@@ -260,7 +260,7 @@ impl<'a> Scattering<'a> {
         Self { bsdf, flipped: false, detail: None, ground: None, lifetime: 0.0, below: None }
     }
 
-    /// [`Bsdf::eval`] on its ground, for a viewer in `wo`.
+    /// [`Bsdf::eval`] with the effect of the ground, for a viewer in `wo`.
     #[inline]
     pub fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
         match &self.ground {
@@ -285,7 +285,7 @@ impl<'a> Scattering<'a> {
         }
     }
 
-    /// [`Bsdf::sample`] on its ground.
+    /// [`Bsdf::sample`] with the effect of the ground.
     #[inline]
     pub fn sample(&self, wo: Vec3, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
         // Nothing is between the model and who asks for the sample: it is large, and not copied on the way.

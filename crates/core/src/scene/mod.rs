@@ -771,7 +771,7 @@ impl Scene {
             lambda,
         )?;
         // Curves face each ray: they have no side.
-        let transmits = s.bsdf.has_transmission() && !geometry.shape.faces_rays();
+        let transmits = s.detail.is_some() && s.bsdf.has_transmission() && !geometry.shape.faces_rays();
         let mut base = None;
         let (ns, tangent) = match s.detail {
             None => (i.surface.ns, i.surface.dpdu),

@@ -72,7 +72,7 @@ impl Denoiser {
         let before = self.history.as_ref();
         let mut accumulated = accumulate((terms, gbuffer), &surfaces, before, &self.settings, &mut estimates);
         variances(&accumulated, &mut estimates, &geometry, how);
-        // What the histories and this frame know: the mean that is kept.
+        // Means of histories and this frame, before filtering: their mean over the picture is kept.
         let noisy = self.settings.keeps_mean.then(|| estimates.colors());
         for iteration in 0..self.settings.iterations {
             filter(&estimates, &mut filtered, &geometry, iteration, how);

@@ -23,8 +23,8 @@ pub struct Settings {
     pub normal_power: u32,
     /// σ_l, above 0: by how many standard deviations luminance may differ. Infinite where luminance has no say. 4.
     pub sigma_luminance: f32,
-    /// Whether the light that filtering loses is given back: weights by luminance leave rare bright samples out. The
-    /// mean is then that of the samples, and bounded gains are smooth across edges. False.
+    /// Gives back the light that filtering loses: weights by luminance leave rare bright samples out. The mean is then
+    /// that of the samples; gains are bounded, and smooth across edges. False.
     pub keeps_mean: bool,
 }
 

@@ -169,7 +169,7 @@ impl<'s> Vertex<'s> {
         }
     }
 
-    /// What shading normals change for importance, `|wo·ns| |wi·ng| / (|wo·ng| |wi·ns|)` (Veach 1997, eq. 5.19), with
+    /// Correction of importance for shading normals, `|wo·ns| |wi·ng| / (|wo·ng| |wi·ns|)` (Veach 1997, eq. 5.19), with
     /// `wo·ns` of the direction that the model is asked for.
     #[inline]
     fn adjoint(&self, frame: &Frame, cos_o: f32, wi: Vec3) -> f32 {
@@ -232,7 +232,7 @@ impl<'s> Vertex<'s> {
         }
     }
 
-    /// What the model draws in its own frame, on its ground.
+    /// A sample of the model in its own frame, with the effect of the ground.
     #[inline]
     fn drawn(&self, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
         let (s, wo) = (&self.scattering, self.frame.to_local(self.i.wo));

@@ -9,13 +9,18 @@ use crate::{
 use steradian_bsdf::{Bsdf, TransportMode};
 use steradian_core::{ColorMode, Scene, scene::Interaction};
 use steradian_math::{Frame, Vec2, Vec3, hash::ONE_MINUS_EPSILON, spectra::Wavelengths};
-use steradian_scene::{Family, Node};
+use steradian_scene::{Family, Node, NodeId};
 use steradian_testkit::integrate_sphere;
 
 /// A convex body of a material in the furnace, seen whole.
 fn furnace(case: &Case, closed_mesh: bool) -> Stage {
     let mut stage = Stage::new();
     let made_of = (case.make)(&mut stage.desc);
+    with_body(stage, made_of, closed_mesh)
+}
+
+/// The stage with the body.
+fn with_body(mut stage: Stage, made_of: NodeId, closed_mesh: bool) -> Stage {
     let body = if closed_mesh {
         stage.place_mesh(icosphere([0.1, -0.2, 0.3], 1.0, 2))
     } else {
@@ -65,14 +70,8 @@ fn tilted_normals_lose_no_light() {
                 _ => made_of,
             };
             let made_of = stage.add(made_of);
-            let body = if closed_mesh {
-                stage.place_mesh(icosphere([0.1, -0.2, 0.3], 1.0, 2))
-            } else {
-                stage.place(sphere([0.1, -0.2, 0.3], 1.0))
-            };
-            body.material = Some(made_of);
-            stage.sky(1.0).film(24, 24).look([0.3, 1.0, -5.0], [0.1, -0.2, 0.3], 26.0);
-            let film = Shot::of("path", 24).depth(400).roulette_after(64).take(&stage.scene());
+            let scene = with_body(stage, made_of, closed_mesh).scene();
+            let film = Shot::of("path", 24).depth(400).roulette_after(64).take(&scene);
             mean(&film).is_near_grey(&format!("{kind}, {tilt:?}, mesh: {closed_mesh}"), 1.0, 4e-3);
         }
     }
