@@ -48,7 +48,7 @@ impl<'a> Beside<'a> {
         name
     }
 
-    /// What is written beside the document.
+    /// Takes the files to be written beside the document: relative path and contents.
     pub fn take_files(&mut self) -> Vec<(PathBuf, Vec<u8>)> {
         std::mem::take(&mut self.files).into_iter().collect()
     }

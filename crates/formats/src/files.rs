@@ -35,7 +35,7 @@ pub enum FileError {
     Io {
         /// Which file.
         path: PathBuf,
-        /// What the system said.
+        /// Error reported by the operating system.
         cause: std::io::Error,
     },
     /// A compressed file that is nearly empty.
@@ -77,7 +77,7 @@ pub enum FileError {
     },
 }
 
-/// Where the files that a scene names are looked for.
+/// Search folders for the files that a scene names.
 #[derive(Clone, Debug, Default)]
 pub struct SearchPath {
     /// Folders in order.

@@ -17,7 +17,7 @@ use std::{collections::BTreeMap, path::PathBuf};
 use steradian_math::DVec3;
 use steradian_scene::{Diagnostics, SceneDesc};
 
-/// How to read a scene.
+/// Options of the scene readers.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     /// Bounds on what a file may ask for.
@@ -33,11 +33,11 @@ pub struct Options {
     pub framing: Option<[DVec3; 2]>,
 }
 
-/// What reading gave: a description that is complete where there are no errors among the diagnostics.
+/// Result of reading a scene: a description that is complete where there are no errors among the diagnostics.
 #[derive(Debug, Default)]
 pub struct Import {
     /// The scene.
     pub desc: SceneDesc,
-    /// What the reader has to say.
+    /// Errors, warnings and notes of the reader.
     pub diagnostics: Diagnostics,
 }

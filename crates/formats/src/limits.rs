@@ -1,6 +1,6 @@
-//! What files may ask for.
+//! Limits on the contents of files.
 
-/// What a reader may use.
+/// Resource limits of a reader.
 #[derive(Clone, Debug)]
 pub struct Limits {
     /// Largest file read, in bytes (after gzip too).

@@ -5,7 +5,7 @@ use super::{Reader, container::Bytes, json::At, meshopt};
 /// Most values of an accessor without data, all zero.
 const MOST_ZEROS: usize = 1 << 24;
 
-/// How numbers are stored.
+/// Component type of an accessor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Component {
     I8,

@@ -5,11 +5,11 @@ use super::{Reader, json::At};
 use serde_json::{Value, json};
 use steradian_scene::Animation;
 
-/// What a channel sets, as a JSON pointer, and its value.
+/// Property set by an animation channel: its JSON pointer and value.
 type Change = (String, Value);
 
-/// Replaces animated values by those at the moment that `-D at=SECONDS` names, or `later`, seconds; without it the scene
-/// stays as it stands in the document.
+/// Replaces animated values by those at the moment that `-D at=SECONDS` names, or `later`, seconds; without it the
+/// scene stays as it stands in the document.
 pub(super) fn pose(reader: &mut Reader<'_>, root: &mut Value, later: f64) {
     let at = At::root(root);
     let Some(time) = seconds(reader, &at, "at") else { return };
@@ -61,7 +61,7 @@ pub(super) fn list(reader: &mut Reader<'_>, root: &At<'_>) -> Vec<Animation> {
     animations
 }
 
-/// How long the shutter is open, as `-D shutter=SECONDS` says.
+/// Exposure time in seconds, from `-D shutter=SECONDS`.
 pub(super) fn shutter(reader: &mut Reader<'_>, root: &At<'_>) -> Option<f64> {
     let shutter = seconds(reader, root, "shutter")?;
     if reader.options.defines.contains_key("at") && shutter >= 0.0 {
@@ -84,7 +84,7 @@ fn seconds(reader: &mut Reader<'_>, root: &At<'_>, name: &str) -> Option<f64> {
     time
 }
 
-/// What a channel changes; `None` where it targets nothing, or after a fault was reported.
+/// Property and value set by a channel; `None` where it targets nothing, or after a fault was reported.
 fn change(reader: &mut Reader<'_>, root: &At<'_>, animation: &At<'_>, channel: &At<'_>, time: f64) -> Option<Change> {
     let target = channel.get("target")?;
     let path = target.text("path")?;

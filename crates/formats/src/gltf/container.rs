@@ -33,12 +33,12 @@ impl Bytes {
     }
 }
 
-/// Where the parts of a file are.
+/// Byte ranges of the chunks of a .glb file.
 #[derive(Debug)]
 pub(super) struct Parts {
     pub json: Range<usize>,
     pub bin: Option<Range<usize>>,
-    /// What breaks the rules of the container, but does not hinder reading.
+    /// Violations of the container format that do not hinder reading.
     pub faults: Vec<String>,
 }
 
@@ -111,7 +111,7 @@ pub(super) fn split(bytes: &[u8]) -> Result<Parts, String> {
     Ok(Parts { json, bin, faults })
 }
 
-/// What a URI stands for.
+/// Target of a URI.
 pub(super) enum Uri {
     /// The bytes of a `data:` URI.
     Data(Vec<u8>),
@@ -190,8 +190,8 @@ impl Reader<'_> {
         }
     }
 
-    /// Whether a buffer stands for what packed views unpack to, and need not be there: it says so, or it has no data
-    /// and nothing but such views.
+    /// Tests for a fallback buffer, which only represents the unpacked data of compressed views and need not be
+    /// present: it is marked as such, or it has no data and nothing but such views.
     fn is_stand_in(&self, root: &At<'_>, index: usize, buffer: &At<'_>) -> bool {
         let is_empty = buffer.text("uri").is_none() && (index > 0 || self.bin.is_none());
         meshopt::of(buffer).is_some_and(|e| e.value["fallback"] == true)

@@ -49,7 +49,7 @@ impl<'r> At<'r> {
         self.get(name).into_iter().flat_map(|list| list.items())
     }
 
-    /// How many items the array called `name` has.
+    /// Length of the array called `name`; 0 where there is none.
     pub fn count(&self, name: &str) -> usize {
         self.value.get(name).and_then(Value::as_array).map_or(0, Vec::len)
     }

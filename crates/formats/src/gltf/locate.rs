@@ -1,5 +1,4 @@
-//! Where the value of a JSON pointer stands in the text. The text has been parsed before, so only its structure is
-//! followed.
+//! Position of a JSON pointer's value in the text. The text has been parsed before, so only its structure is followed.
 
 /// First byte and end of the value that `pointer` leads to; `None` where it leads nowhere.
 pub(super) fn value(text: &[u8], pointer: &str) -> Option<(usize, usize)> {

@@ -8,18 +8,18 @@ use super::{
 };
 use steradian_scene::{ColorSpace, Family, Node, NodeId, SpectrumValue, Value};
 
-/// What tells looks apart: the material, and what vertices say of colour and opacity.
+/// Key of a translated material: index of the material, and presence of vertex colours and of vertex opacities.
 pub(super) type Key = (Option<usize>, bool, bool);
 
-/// What a primitive's surface is made of.
+/// Translated material of a primitive.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Look {
     pub material: Option<NodeId>,
     pub emission: Option<NodeId>,
     pub interior: Option<NodeId>,
-    /// Whether it has a normal map or is anisotropic.
+    /// True if it has a normal map or is anisotropic.
     pub uses_tangents: bool,
-    /// Whether it is not there from behind: not `doubleSided`, and no light passes it.
+    /// True if back faces are culled: not `doubleSided`, and opaque.
     pub is_single_sided: bool,
 }
 

@@ -26,7 +26,7 @@ pub(super) struct Data {
     corners: [DVec3; 2],
 }
 
-/// What a primitive has beside positions.
+/// Optional vertex attributes of a primitive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub(super) struct Channels {
     /// Colours of vertices, attribute `color`.

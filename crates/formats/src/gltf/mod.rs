@@ -42,7 +42,8 @@ use steradian_scene::{FileId, Format, Span};
 /// Opens a .gltf or .glb file. What the file is decides, not what it is called.
 ///
 /// `-D scene=N` chooses another scene than the default one, `-D variant=NAME` a variant of the materials,
-/// `-D at=SECONDS` the moment of the animations (0), `-D shutter=SECONDS` how long after it the shutter closes, and `-D animation=NAME` one of them (all).
+/// `-D at=SECONDS` the moment of the animations (0), `-D shutter=SECONDS` how long after it the shutter closes, and
+/// `-D animation=NAME` one of them (all).
 pub fn import(path: &Path, options: &Options) -> Import {
     match files::read(path, &options.limits) {
         Ok(bytes) => import_bytes(path, bytes, options),
@@ -157,13 +158,13 @@ struct Reader<'a> {
     /// Mesh data by mesh and primitive, where it is the same for all nodes.
     meshes: HashMap<(usize, usize), Option<mesh::Data>>,
     uses_lights: bool,
-    /// Whether the camera is one that frames the box below.
+    /// True if the document has no camera of its own: the default camera then frames `bounds`.
     is_framed: bool,
-    /// Of all vertices that are drawn, in the world.
+    /// World-space bounding box of all drawn vertices.
     bounds: [DVec3; 2],
-    /// Where nodes are as the shutter closes, where `-D shutter` opens it for a while.
+    /// World transforms of nodes at shutter close, where `-D shutter` gives an exposure time.
     ends: HashMap<usize, DMat4>,
-    /// How the node that is being placed moves: what brings its place to that as the shutter closes.
+    /// Motion of the current node: the transform from its placement at shutter open to that at shutter close.
     moved: Option<DMat4>,
     /// Points and lines, until their radius is known.
     strokes: Vec<mesh::Strokes>,
@@ -224,7 +225,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Where a value stands in the file.
+    /// Source span of a value in the file.
     fn span(&self, at: &At<'_>) -> Option<Span> {
         self.span_of(&at.pointer)
     }

@@ -48,7 +48,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Where the nodes of the chosen scene are in the world.
+    /// World transforms of the nodes of the chosen scene.
     pub(super) fn places(&mut self, root: &At<'_>) -> HashMap<usize, DMat4> {
         let roots = self.roots(root);
         self.world_transforms(root, &roots)
@@ -89,7 +89,8 @@ impl Reader<'_> {
         roots
     }
 
-    /// Where nodes are in the world. A node that is met twice (in a cycle, or under two parents) is an error.
+    /// World transforms of the nodes below `roots`. A node that is met twice (in a cycle, or under two parents) is an
+    /// error.
     fn world_transforms(&mut self, root: &At<'_>, roots: &[usize]) -> HashMap<usize, DMat4> {
         let mut world = HashMap::new();
         let mut open: Vec<(usize, DMat4)> = roots.iter().map(|r| (*r, DMat4::IDENTITY)).collect();

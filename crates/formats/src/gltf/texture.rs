@@ -4,7 +4,7 @@ use super::{Reader, container, json::At};
 use std::path::PathBuf;
 use steradian_scene::{Family, Node, NodeId, Value};
 
-/// What a picture holds.
+/// Contents of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Holds {
     /// Colours, encoded as sRGB.

@@ -1,4 +1,4 @@
-//! What is wrong with a mesh file, and where.
+//! Errors of mesh files, and their position.
 
 use std::fmt;
 
@@ -22,7 +22,7 @@ pub enum MeshErrorKind {
     Unsupported,
 }
 
-/// Where a fault lies.
+/// Position of a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
     /// A line of text, from 1.
@@ -47,11 +47,11 @@ impl fmt::Display for Place {
 pub struct MeshError {
     /// The sort of fault.
     pub kind: MeshErrorKind,
-    /// Where, as a reader would look it up.
+    /// Position as a reader would look it up: line or byte.
     pub place: Place,
-    /// Where, in bytes from the start.
+    /// Position in bytes from the start.
     pub offset: usize,
-    /// What, in one sentence that names the element.
+    /// Description of the fault, in one sentence that names the element.
     pub message: String,
 }
 

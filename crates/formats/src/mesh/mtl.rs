@@ -26,7 +26,7 @@ pub struct Map {
     pub channel: Option<char>,
     /// Offset of the statement in the library.
     pub position: usize,
-    /// Where that is, once the library is one of the sources of a scene.
+    /// Source span of the statement, once the library is one of the sources of a scene.
     pub span: Option<Span>,
 }
 
@@ -37,7 +37,7 @@ pub struct Material {
     pub name: String,
     /// Offset of the `newmtl` in the library.
     pub position: usize,
-    /// Where that is, once the library is one of the sources of a scene.
+    /// Source span of the `newmtl`, once the library is one of the sources of a scene.
     pub span: Option<Span>,
     /// `Ka`: ambient reflectance.
     pub ambient: Option<[f32; 3]>,
@@ -124,7 +124,7 @@ impl Material {
 pub struct Remark {
     /// Offset of the statement in the library.
     pub position: usize,
-    /// What is the matter.
+    /// Description of the fault.
     pub message: String,
 }
 
@@ -133,7 +133,7 @@ pub struct Remark {
 pub struct MtlFile {
     /// In order. Of several with one name the first counts.
     pub materials: Vec<Material>,
-    /// What was not understood, at most a hundred remarks.
+    /// Remarks on statements that were not understood, at most a hundred.
     pub remarks: Vec<Remark>,
 }
 

@@ -161,7 +161,7 @@ impl Triangulator {
         }));
     }
 
-    /// Whether the corner can be cut off: it is convex, and no reflex corner lies in its triangle.
+    /// Tests for an ear, a corner that can be cut off: it is convex, and no reflex corner lies in its triangle.
     fn is_ear(&mut self, i: usize) -> Result<bool, TooComplex> {
         let (before, after) = (self.previous[i] as usize, self.next[i] as usize);
         let (a, b, c) = (self.flat[before], self.flat[i], self.flat[after]);

@@ -19,7 +19,7 @@ pub(crate) fn is_blank(b: u8) -> bool {
     matches!(b, b' ' | b'\t' | b'\r' | 0x0b | 0x0c)
 }
 
-/// What separates values where lines do not matter.
+/// White space between values where lines do not matter.
 #[inline]
 pub(crate) fn is_space(b: u8) -> bool {
     is_blank(b) || b == b'\n'

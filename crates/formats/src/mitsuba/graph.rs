@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use steradian_scene::{Span, SpectrumValue, Transform};
 
-/// What kind of thing an XML element declares.
+/// Category of the object that an XML element declares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Category {
     Scene,
@@ -104,11 +104,11 @@ pub(super) struct Prop {
     /// Empty for nested objects that the file leaves unnamed.
     pub name: String,
     pub value: Raw,
-    /// Where to point for the property as a whole (its name).
+    /// Source span of the property as a whole (its name).
     pub span: Span,
-    /// Where to point for its value.
+    /// Source span of its value.
     pub value_span: Span,
-    /// Whether a translator asked for it.
+    /// Set once a translator asks for it.
     pub used: bool,
 }
 
@@ -119,12 +119,12 @@ pub(super) struct Object {
     /// The `type` attribute.
     pub plugin: String,
     pub id: Option<String>,
-    /// Where to point for it: the `type` attribute's value, else the element's name.
+    /// Source span: the `type` attribute's value, else the element's name.
     pub span: Span,
-    /// Whether the file is of a version before 2.
+    /// True if the file is of a version before 2.
     pub legacy: bool,
     pub props: Vec<Prop>,
-    /// Whether a translator read it, so that what it did not ask for is unused.
+    /// Set once a translator reads it; properties never asked for then count as unused.
     pub visited: bool,
     /// Names that a translator asked for: what a misspelt name may have meant.
     pub asked: Vec<&'static str>,
@@ -164,7 +164,7 @@ impl Graph {
         Some(prop.clone())
     }
 
-    /// Whether there is such a property, without asking for its value.
+    /// Tests for a property of that name, without marking it as used.
     pub fn has(&self, object: ObjectId, name: &str) -> bool {
         self.objects[object].props.iter().any(|p| p.name == name)
     }

@@ -60,7 +60,7 @@ impl Reader<'_> {
         Some(self.desc.add(node))
     }
 
-    /// Where the unit cube of a `constvolume` of extinction is, which bounds a heterogeneous medium.
+    /// Transform of the unit cube of a `constvolume` of extinction, which bounds a heterogeneous medium.
     fn constant_volume_place(&mut self, medium: ObjectId) -> Option<(Transform, Span)> {
         let Raw::Object(volume) = self.graph.take(medium, "sigma_t")?.value else { return None };
         if self.plugin(volume) != "constvolume" {

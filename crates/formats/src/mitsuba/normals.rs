@@ -1,4 +1,4 @@
-//! What Mitsuba does to a mesh after reading it: vertex normals, orientation, texture coordinates.
+//! Mitsuba's processing of a mesh after reading: vertex normals, orientation, texture coordinates.
 
 use std::collections::HashMap;
 use steradian_math::{DVec3, Transform};
@@ -40,7 +40,7 @@ fn welded(positions: &[[f32; 3]]) -> Vec<u32> {
     positions.iter().zip(0..).map(|(p, i)| *first.entry(p.map(f32::to_bits)).or_insert(i)).collect()
 }
 
-/// Whether a transform keeps angles, so that normals computed in object space are right in the world.
+/// Tests for a conformal transform, under which normals computed in object space are right in the world.
 pub(super) fn keeps_angles(t: &Transform) -> bool {
     let axes = [t.matrix.x_axis, t.matrix.y_axis, t.matrix.z_axis].map(|c| c.truncate());
     let size = axes[0].length_squared();

@@ -27,7 +27,7 @@ pub(super) enum Fault {
 }
 
 impl Parameters {
-    /// What the caller defines.
+    /// Parameters defined by the caller.
     pub fn new(defines: &BTreeMap<String, String>) -> Self {
         let mut parameters = Self { by_name: BTreeMap::new(), lengths: BTreeSet::new(), bytes: 0 };
         for (name, value) in defines {

@@ -58,11 +58,11 @@ pub(super) struct File {
     pub folder: PathBuf,
     /// Before version 2: other spellings and a few other elements.
     pub legacy: bool,
-    /// How many includes it is away from the scene file.
+    /// Include depth below the scene file.
     pub depth: usize,
 }
 
-/// Where an include puts what it reads.
+/// Parent of the objects of an included file.
 pub(super) struct Host<'a> {
     pub parent: ObjectId,
     /// The name for what is not a whole scene.
@@ -76,7 +76,7 @@ pub(super) struct Parser<'a> {
     pub graph: Graph,
     pub sources: Sources,
     pub diagnostics: Diagnostics,
-    /// Where files are searched: `<path>` elements, latest first, then the scene's folder, then [`Options::search`].
+    /// Search folders of files: `<path>` elements, latest first, then the scene's folder, then [`Options::search`].
     pub search: SearchPath,
     pub options: &'a Options,
     pub parameters: Parameters,
@@ -169,7 +169,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Whether a file is of a version before 2, by its root's `version`.
+    /// True if a file is of a version before 2, by its root's `version`.
     fn is_legacy(&mut self, root: Node<'_, '_>, file: &File, attributes: &Attributes<'_>) -> bool {
         let Some(version) = attributes.get("version") else {
             let message = format!("the element <{}> needs the attribute 'version'", root.tag_name().name());
@@ -301,7 +301,7 @@ impl<'a> Parser<'a> {
         self.graph.objects[parent].props.push(prop);
     }
 
-    /// Whether a property is set that is about to be; from now on it is.
+    /// True if a property of that name is set already; marks it as set.
     fn is_set(&mut self, object: ObjectId, name: &str) -> bool {
         let props = &self.graph.objects[object].props;
         if props.len() <= FEW_PROPERTIES {
@@ -400,7 +400,7 @@ impl<'a> Parser<'a> {
     }
 }
 
-/// Where an element's name stands.
+/// Source span of an element's name.
 pub(super) fn tag_span(node: Node<'_, '_>, file: &File) -> Span {
     let start = node.range().start + 1;
     Span::new(file.id, start, start + node.tag_name().name().len())

@@ -1,4 +1,4 @@
-//! What all translators share: typed access to properties, messages, and the memory of what is translated already.
+//! State shared by all translators: typed access to properties, messages, and a cache of translated objects.
 
 use super::{
     graph::{Category, Graph, Object, ObjectId, Prop, Raw},
@@ -20,7 +20,7 @@ const NESTING: usize = 64;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Use {
     pub object: ObjectId,
-    /// What a texture is for.
+    /// Role of a texture.
     pub role: Role,
     /// On a disk, whose texture coordinates Mitsuba lays out differently.
     pub disk: bool,
@@ -44,7 +44,7 @@ pub(super) struct Reader<'a> {
     pub groups: HashMap<ObjectId, usize>,
     /// Merged shapes that were translated.
     pub merged: HashSet<ObjectId>,
-    /// Whether the shape being translated is a disk.
+    /// True while the shape being translated is a disk.
     pub on_disk: bool,
     /// The curves beyond the first of the shape being translated.
     pub more_curves: Vec<NodeId>,
@@ -151,7 +151,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Whether Mitsuba (of any version) has this plugin.
+    /// True if Mitsuba (of any version) has this plugin.
     pub fn is_known(&self, object: ObjectId) -> bool {
         plugins::known(self.graph.objects[object].category).contains(&self.plugin(object))
     }
@@ -273,7 +273,7 @@ impl<'a> Reader<'a> {
         self.search.find(name).map_err(|e| self.error(span, e.to_string())).ok()
     }
 
-    /// Where the value of a property stands; the object where there is none.
+    /// Source span of a property's value; of the object where it has no such property.
     pub fn value_span(&self, object: ObjectId, name: &str) -> Span {
         let o = &self.graph.objects[object];
         o.props.iter().find(|p| p.name == name).map_or(o.span, |p| p.value_span)
@@ -362,7 +362,7 @@ impl<'a> Reader<'a> {
         Some(self.desc.add(node))
     }
 
-    /// What an unnamed nested object is called: after what it is, numbered from the second on.
+    /// Name of an unnamed nested object: the noun of its family, numbered from the second on.
     fn free_name(&self, node: &Node, value: &Value) -> String {
         let noun = match value {
             Value::Node(n) if self.desc.node(*n).family == Family::Phase => "phase",

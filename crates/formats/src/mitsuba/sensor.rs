@@ -95,7 +95,7 @@ impl Reader<'_> {
         }
     }
 
-    /// What the scene has when no sensor says otherwise.
+    /// Default film and sampler of a scene without a sensor.
     pub fn default_recording(&mut self) {
         self.film(None);
         self.sampler(None);

@@ -64,7 +64,7 @@ impl Reader<'_> {
         Some(self.desc.add(node.with("to_world", to_world * own)))
     }
 
-    /// What version 0.6 has otherwise: other defaults, +y up, −z north, and the sun of Preetham et al.
+    /// Conventions of version 0.6: other defaults, +y up, −z north, and the sun of Preetham et al.
     fn legacy_sky(&mut self, node: &mut Node, object: ObjectId) -> Transform {
         if node.get("albedo").is_none() {
             node.set("albedo", 0.15, None);

@@ -8,7 +8,7 @@ use super::{
 use steradian_math::{DVec3, Transform};
 use steradian_scene::{ColorSpace, Family, Node, NodeId, Span, SpectrumValue, Value};
 
-/// What a parameter means, which decides how Mitsuba reads a colour in it.
+/// Role of a parameter, which decides how Mitsuba reads a colour in it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Role {
     /// Between 0 and 1.
@@ -21,7 +21,7 @@ pub(super) enum Role {
     Scalar,
 }
 
-/// What happens to texture coordinates outside 0…1; `zero` and `one` are of version 0.6.
+/// Wrap modes for texture coordinates outside 0…1; `zero` and `one` are of version 0.6.
 const WRAPS: [&str; 5] = ["repeat", "mirror", "clamp", "zero", "one"];
 
 /// Linear sRGB components as a value.

@@ -25,7 +25,7 @@ pub(super) fn vector(attributes: &Attributes<'_>, missing: f64) -> Result<[f64; 
     }
 }
 
-/// Whether the axis of a `<rotate>` is, to Mitsuba 3, something else than a direction to turn around.
+/// Tests for a `<rotate>` of Mitsuba 3 that is no pure rotation: its axis is not of unit length.
 pub(super) fn stretches(tag: &str, attributes: &Attributes<'_>, legacy: bool) -> bool {
     let axis = vector(attributes, 0.0).map_or(DVec3::Z, DVec3::from);
     tag == "rotate" && !legacy && (axis.length() - 1.0).abs() > 1e-3

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-/// What is wrong with an XML text, and where.
+/// Fault of an XML text: byte range and message.
 #[derive(Debug, PartialEq)]
 pub(super) struct Fault {
     pub at: Range<usize>,

@@ -45,7 +45,7 @@ pub fn import(path: &Path, options: &Options) -> Import {
     }
 }
 
-/// What a document in memory may name that is in memory, too.
+/// Meshes and files in memory that a document in memory may name.
 #[derive(Debug, Default)]
 pub struct Given {
     /// Meshes by the names that shapes have for them.
@@ -129,7 +129,7 @@ pub fn set(
     }
 }
 
-/// What is wrong with the name of a parameter that a node does not have, and the nearest that its kind has.
+/// Message for a parameter that a node does not have, and the nearest name that its kind has.
 fn unknown(node: &Node, parameter: &str) -> Option<(String, Option<String>)> {
     let known: Vec<&str> = node.family.parameters(&node.kind)?.map(|p| p.name).collect();
     if known.contains(&parameter) || node.get(parameter).is_some() {

@@ -46,7 +46,7 @@ impl Kind {
     }
 }
 
-/// What is wrong, and where.
+/// Fault of a document: message and source span.
 pub(super) struct Fault {
     pub message: String,
     pub span: Span,
@@ -78,7 +78,7 @@ pub(super) fn value(text: &[u8], file: FileId) -> Result<Item, Fault> {
     if p.peek().is_some() { Err(p.fault("nothing may follow the value")) } else { Ok(item) }
 }
 
-/// Whether a word of these bytes needs no quotes.
+/// True if a word of these bytes needs no quotes.
 pub(super) fn is_word(bytes: &[u8]) -> bool {
     bytes.first().is_some_and(|b| starts_word(*b)) && bytes.iter().all(|b| goes_on(*b))
 }

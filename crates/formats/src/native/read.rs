@@ -63,7 +63,7 @@ const SECTIONS: [&str; 17] = [
     "integrator",
 ];
 
-/// What is attached to the node of a shape.
+/// Attachments to the node of a shape.
 const SLOTS: [&str; 9] =
     ["node", "mesh", "to_world", "material", "emission", "interior", "exterior", "boundary", "reversed"];
 

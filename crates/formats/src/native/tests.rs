@@ -15,7 +15,7 @@ fn sound(text: &str) -> SceneDesc {
     import.desc
 }
 
-/// What is said of a text, as one string.
+/// Diagnostics of a text, as one string.
 fn said(text: &str) -> String {
     read(text).diagnostics.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
 }

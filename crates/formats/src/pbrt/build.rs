@@ -255,7 +255,7 @@ impl Build<'_, '_> {
         }
     }
 
-    /// Where the directive names its model.
+    /// Source span of the model's name in the directive.
     pub fn span(&self) -> Span {
         self.dict.span
     }

@@ -10,7 +10,7 @@ use steradian_scene::{ColorSpace, Span, names};
 /// Parameters set for all directives of a block by `Attribute`.
 pub(super) type Inherited = Rc<Vec<Rc<Param>>>;
 
-/// What a directive is given: the name of a model and parameters.
+/// Arguments of a directive: the name of a model and parameters.
 ///
 /// Every question is remembered, so that parameters which nobody asked for can be reported with the nearest name that
 /// would have been heard.
@@ -18,7 +18,7 @@ pub(super) type Inherited = Rc<Vec<Rc<Param>>>;
 pub(super) struct Dict {
     /// The model, such as `perspective`.
     pub kind: String,
-    /// Where the model is named.
+    /// Source span of the model's name.
     pub span: Span,
     /// In force where the directive stands.
     pub space: ColorSpace,
@@ -78,13 +78,13 @@ impl Dict {
         found
     }
 
-    /// Whether a parameter of that name is given with one of these types.
+    /// Tests for a parameter of that name with one of these types.
     pub fn has(&self, name: &str, types: &[Type]) -> bool {
         let is = |p: &Param| &*p.name == name && types.contains(&p.ty);
         self.own.iter().any(is) || self.inherited.iter().any(|p| is(p))
     }
 
-    /// Where a parameter stands, or the directive.
+    /// Source span of a parameter's value, or of the directive.
     pub fn span_of(&self, name: &str) -> Span {
         self.own.iter().rev().find(|p| &*p.name == name).map_or(self.span, |p| p.value_span)
     }
@@ -195,7 +195,7 @@ impl Dict {
     }
 }
 
-/// Whether a parameter holds exactly one value; an error if not.
+/// True if a parameter holds as many numbers as one value takes; an error if not.
 fn single(report: &mut Report, p: &Param, found: usize, wanted: usize) -> bool {
     if found != wanted {
         let s = if wanted == 1 { "" } else { "s" };
@@ -204,7 +204,7 @@ fn single(report: &mut Report, p: &Param, found: usize, wanted: usize) -> bool {
     found == wanted
 }
 
-/// Whether a parameter holds whole values; an error if not.
+/// True if a parameter holds whole values, a multiple of its type's arity; an error if not.
 fn whole(report: &mut Report, p: &Param, found: usize) -> bool {
     let n = p.ty.arity();
     if !found.is_multiple_of(n) {

@@ -6,7 +6,7 @@
 use std::{borrow::Cow, ops::Range, sync::Arc};
 use steradian_scene::{FileId, Span};
 
-/// What a token is.
+/// Kind of a token.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// A directive, a number or a bare truth value.
@@ -54,7 +54,7 @@ fn is_space(b: u8) -> bool {
     matches!(b, b' ' | b'\n' | b'\t' | b'\r')
 }
 
-/// What ends a word or a number.
+/// Tests for a byte that ends a word or a number.
 fn is_delimiter(b: u8) -> bool {
     is_space(b) || matches!(b, b'"' | b'[' | b']')
 }
@@ -235,7 +235,7 @@ impl Lexer {
         }
     }
 
-    /// Whether a token can only be a directive: a capitalised word.
+    /// True if a token can only be a directive: a capitalised word.
     pub fn starts_statement(&self, t: Token) -> bool {
         t.kind == Kind::Word && self.text[t.start].is_ascii_uppercase()
     }

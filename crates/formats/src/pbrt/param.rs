@@ -67,7 +67,7 @@ impl Type {
     }
 }
 
-/// What a parameter holds.
+/// Values of a parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Values {
     Bools(Vec<bool>),
@@ -99,7 +99,7 @@ pub(super) struct Param {
     pub value_span: Span,
     /// The space of its `rgb` values.
     pub space: ColorSpace,
-    /// Whether something asked for it.
+    /// Set once a translator asks for it.
     pub used: Cell<bool>,
 }
 
@@ -201,7 +201,7 @@ fn read_values(lexer: &mut Lexer, ty: Type) -> Result<Values, Fault> {
     })
 }
 
-/// Whether the value ahead is a string.
+/// True if the value ahead is a string.
 fn holds_text(lexer: &mut Lexer) -> Result<bool, Fault> {
     let first = lexer.next()?;
     let text = match first.kind {

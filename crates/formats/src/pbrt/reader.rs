@@ -35,7 +35,7 @@ pub(super) struct Frame {
     pub import: Option<Import>,
 }
 
-/// What an import must not touch.
+/// State that an import must not change, restored at its end.
 pub(super) struct Import {
     pub saved: State,
     pub blocks: usize,
@@ -71,7 +71,7 @@ pub(super) struct Reader<'o> {
 /// A fault that ends a directive; already reported.
 pub(super) struct Given;
 
-/// What carrying out a directive gives.
+/// Result of carrying out a directive.
 pub(super) type Done = Result<(), Given>;
 
 impl<'o> Reader<'o> {

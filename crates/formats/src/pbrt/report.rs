@@ -16,7 +16,7 @@ pub(super) struct Report {
 }
 
 impl Report {
-    /// Whether reading should stop.
+    /// True if reading should stop.
     pub fn is_full(&self) -> bool {
         self.diagnostics.is_full()
     }
@@ -84,7 +84,7 @@ impl Report {
         }
     }
 
-    /// Whether this is said for the first time; for messages that would otherwise repeat all over a file.
+    /// True the first time that this message is given; for messages that would otherwise repeat all over a file.
     pub fn first_time(&mut self, message: &str) -> bool {
         self.said.len() < Diagnostics::MAX_OTHERS && self.said.insert(message.to_string())
     }

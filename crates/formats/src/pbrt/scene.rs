@@ -1,4 +1,4 @@
-//! What directives describe, on its way into a [`SceneDesc`].
+//! Objects described by directives, on their way into a [`SceneDesc`].
 //!
 //! Shapes, lights and media are translated where they stand. Textures and materials wait until everything is read, as
 //! in pbrt: their order of making is what decides which names they may use. References to them are settled last.
@@ -30,7 +30,7 @@ struct PendingTexture {
     ctm: Transform,
 }
 
-/// What a shape refers to by name.
+/// Named references of a shape.
 struct Attached {
     material: MaterialRef,
     media: Option<(Option<NameRef>, Option<NameRef>)>,
@@ -215,7 +215,7 @@ impl<'o> Scene<'o> {
         self.desc.groups.len() - 1
     }
 
-    /// How something moves under a state.
+    /// Motion of an object under a graphics state; `None` where the transform is not animated.
     pub fn movement(&self, state: &State) -> Option<Movement> {
         state.is_animated().then(|| Movement { end: state.ctm[1], times: self.transform_times })
     }
@@ -430,7 +430,7 @@ impl<'o> Scene<'o> {
     }
 }
 
-/// What the references of a shape turned out to be.
+/// Resolved references of a shape.
 struct Resolved {
     material: Option<NodeId>,
     interior: Option<NodeId>,

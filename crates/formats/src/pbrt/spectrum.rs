@@ -9,7 +9,7 @@ use crate::files;
 use steradian_math::spectra;
 use steradian_scene::{ColorSpace, Span, SpectrumValue, names};
 
-/// What a spectrum stands for, which bounds its values.
+/// Role of a spectrum, which bounds its values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
     /// A reflectance or a transmittance: in [0, 1].

@@ -11,7 +11,7 @@ pub(super) struct NameRef {
     pub span: Span,
 }
 
-/// What shapes are made of.
+/// Material of shapes.
 #[derive(Clone, Debug)]
 pub(super) enum MaterialRef {
     /// pbrt's default, a diffuse surface that reflects one half.
@@ -35,7 +35,7 @@ pub(super) enum Target {
     Texture,
 }
 
-/// What is said of things that cannot move.
+/// Message about objects that cannot move.
 pub(super) const STANDS_STILL: &str = "this is rendered as it stands at the beginning of its motion; cameras, shapes and \
      instances move, lights that are no shapes do not";
 

@@ -10,7 +10,7 @@ use super::{
 use std::path::Path;
 use steradian_scene::{Family, NodeId, SpectrumValue, Transform, names};
 
-/// What a texture's values are.
+/// Type of a texture's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Values {
     Float,
@@ -203,7 +203,7 @@ fn parse_encoding(word: &str) -> Option<Encoding> {
     }
 }
 
-/// Where a two-dimensional texture is looked up.
+/// Mapping of a two-dimensional texture.
 fn mapping(b: &mut Build, ctm: Transform) {
     let mappings = [("uv", "uv"), ("spherical", "spherical"), ("cylindrical", "cylindrical"), ("planar", "planar")];
     b.choice("mapping", "mapping", &mappings, "uv");
@@ -224,7 +224,7 @@ fn mapping(b: &mut Build, ctm: Transform) {
     }
 }
 
-/// Where a three-dimensional texture is looked up.
+/// Mapping of a three-dimensional texture.
 fn solid(b: &mut Build, ctm: Transform) {
     texture_from_world(b, ctm);
 }

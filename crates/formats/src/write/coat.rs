@@ -16,7 +16,7 @@ pub(crate) struct Coat {
 
 #[derive(Clone, Copy, Debug)]
 enum Series {
-    /// Of at most so many orders.
+    /// At most so many orders.
     Orders(i32),
     /// The base tints the sum once.
     Once,
@@ -41,7 +41,7 @@ impl Coat {
         Self { back: internal(eta, 0.0), passed: 1.0, series }
     }
 
-    /// What leaves a base of that albedo, of what came in.
+    /// Share of incident light that leaves the coated base of albedo `rho`: passed · Σ ρ (ρK)ⁿ.
     fn leaving(&self, rho: f64) -> f64 {
         let k = self.back;
         let sum = match self.series {

@@ -1,5 +1,5 @@
-//! What all writers share: values of nodes as formats can hold them, light in absolute numbers, names, and the report
-//! of losses.
+//! State shared by all writers: values of nodes as formats can hold them, light in absolute numbers, names, and the
+//! report of losses.
 
 use super::colour::Colour;
 use crate::beside::Beside;
@@ -24,7 +24,7 @@ pub(crate) struct Exchange<'a> {
     pub desc: &'a SceneDesc,
     pub beside: Beside<'a>,
     pub diagnostics: Diagnostics,
-    /// What emission is multiplied by in place of the film's exposure.
+    /// Factor on emission in place of the film's exposure.
     pub gain: f64,
     taken: HashSet<String>,
     /// Pictures that were made, by what they show.
@@ -119,7 +119,7 @@ impl<'a> Exchange<'a> {
         name
     }
 
-    /// What a parameter holds; textures of constants are constants.
+    /// Value or texture of a parameter; textures of constants are constants.
     pub fn source(&self, node: &Node, name: &str) -> Option<Source> {
         node.get(name).map(|v| self.source_of(v, 0))
     }
@@ -184,7 +184,7 @@ impl<'a> Exchange<'a> {
         }
     }
 
-    /// What stands for a texture that a format lacks: the mean of what it leads between.
+    /// Substitute colour for a texture that a format lacks: the mean of the two ends of its range.
     pub fn stand_in(&mut self, id: NodeId) -> Colour {
         let node = self.node(id);
         let ends = [("a", 0.0), ("b", 1.0)].map(|(name, default)| match self.source_or(node, name, default) {
@@ -213,8 +213,8 @@ impl<'a> Exchange<'a> {
         }
     }
 
-    /// What the numbers of a light are multiplied by: its scale, its normalisation, the exposure, and the factor that
-    /// reaches its power, where `flux` is that of one unit.
+    /// Factor on the emission of a light: its scale, its normalisation, the exposure, and the factor that reaches its
+    /// power, where `flux` is that of one unit.
     pub fn light_scale(&mut self, light: &Node, quantity: &str, target: &str, flux: f64) -> f64 {
         if ["on", "off", "period"].iter().any(|name| light.get(name).is_some()) {
             self.dropped(light, "when a light goes on and off is left out: it always shines");
@@ -233,8 +233,8 @@ impl<'a> Exchange<'a> {
         k
     }
 
-    /// What the flux or illuminance `target` of a light, in lm or lx, comes to in units of the scene's radiance, over
-    /// that of one unit of its emission `quantity`; of white where the light is normalised.
+    /// Ratio of the flux or illuminance `target` of a light (lm or lx, converted to units of the scene's radiance) to
+    /// that of one unit of its emission `quantity`; to that of white where the light is normalised.
     pub fn luminous_target(&self, light: &Node, quantity: &str, target: &str) -> Option<f64> {
         let unit = if self.desc.format == Format::Gltf { 1.0 } else { photometric_from_y(1.0) };
         let power = light.float(target).filter(|p| *p > 0.0)? / unit;
@@ -251,7 +251,7 @@ impl<'a> Exchange<'a> {
     }
 }
 
-/// Whether a value changes nothing: it is what counts where the parameter is absent.
+/// True if a value equals the default of an absent parameter.
 fn is_default(name: &str, value: &Value) -> bool {
     let number = match value {
         Value::Float(v) => Some(*v),

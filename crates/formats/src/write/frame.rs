@@ -1,4 +1,4 @@
-//! What cameras see, as a window on the plane at distance one or across parallel rays.
+//! Field of view of cameras, as a window on the plane at distance one or across parallel rays.
 
 use steradian_scene::{Format, Node, SceneDesc, Value};
 

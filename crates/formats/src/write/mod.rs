@@ -25,7 +25,7 @@ pub struct Written {
     pub bytes: Vec<u8>,
     /// Meshes and pictures by their names relative to the document.
     pub files: Vec<(PathBuf, Vec<u8>)>,
-    /// What was approximated or left out, with places in the files that were read.
+    /// Approximations and omissions, with positions in the files that were read.
     pub diagnostics: Diagnostics,
 }
 

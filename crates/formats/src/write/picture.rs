@@ -28,7 +28,7 @@ impl Exchange<'_> {
         Some(texels)
     }
 
-    /// Whether a format that decodes pictures by their kind reads an image texture as it is meant.
+    /// True if a format that chooses the encoding by file type decodes an image texture as it is meant.
     pub fn is_plain(&self, node: &Node) -> bool {
         let plain_encoding = match node.get("encoding") {
             None => true,
@@ -81,7 +81,7 @@ impl Exchange<'_> {
         Image::from_rgb(texels.width, texels.height, &pixels).ok()
     }
 
-    /// That picture as an OpenEXR file beside the document; its name there.
+    /// Writes that picture as an OpenEXR file beside the document; returns its name there.
     pub fn baked(&mut self, node: &Node, factor: [f64; 3]) -> Option<String> {
         let key = format!("{:?} {:?} {factor:?}", node.path("file"), node.params);
         if let Some(name) = self.made.get(&key) {
@@ -175,7 +175,7 @@ impl Exchange<'_> {
     }
 }
 
-/// Whether a picture's kind has bytes, which are sRGB by custom.
+/// True unless a picture's file type is a floating-point one (OpenEXR, HDR, PFM): integers are sRGB by custom.
 pub(super) fn is_byte_file(node: &Node) -> bool {
     let extension = node.path("file").and_then(Path::extension).map(|e| e.to_string_lossy().to_ascii_lowercase());
     !matches!(extension.as_deref(), Some("exr" | "hdr" | "pfm"))

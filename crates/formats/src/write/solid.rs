@@ -59,7 +59,7 @@ impl Quadric {
         })
     }
 
-    /// Whether nothing is cut away.
+    /// True if the shape is complete, with no part cut away.
     pub fn is_whole(&self) -> bool {
         match *self {
             Self::Sphere { radius, z, phi } => phi >= 360.0 && z == [-radius, radius],

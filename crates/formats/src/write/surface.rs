@@ -64,7 +64,7 @@ fn triangulated(mesh: &Mesh) -> Mesh {
     out
 }
 
-/// Whether all patches are flat, so that triangles are the same surface.
+/// True if some bilinear patch is not flat, so that triangles are not the same surface.
 pub(crate) fn has_curved_patches(mesh: &Mesh) -> bool {
     let at = |i: u32| DVec3::from(mesh.positions[i as usize].map(f64::from));
     mesh.patches.iter().any(|&[a, b, c, d]| {

@@ -1,5 +1,5 @@
-//! What turns unpacked attributes into those that accessors see (appendix B). Values outside of the valid ranges give
-//! some number of their type.
+//! Decoding filters, which turn unpacked attributes into the values of accessors (appendix B). Inputs outside of the
+//! valid ranges give some number of their type.
 
 /// Four components, of one byte or two, as numbers and back; `step` gets and gives signed ones.
 fn each_four(bytes: &mut [u8], stride: usize, step: impl Fn([i32; 4], f32) -> [i32; 4]) {

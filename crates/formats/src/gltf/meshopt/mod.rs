@@ -19,7 +19,7 @@ pub(super) fn of<'r>(at: &At<'r>) -> Option<At<'r>> {
     NAMES.iter().find_map(|name| at.extension(name))
 }
 
-/// What follows byte by byte.
+/// Byte stream: the bytes not yet read.
 struct Stream<'a> {
     left: &'a [u8],
 }
@@ -62,7 +62,7 @@ fn unzigzag(v: u32) -> u32 {
     if v & 1 == 1 { !(v >> 1) } else { v >> 1 }
 }
 
-/// What a view says of its packed data.
+/// Compression parameters of a buffer view.
 struct Packing<'r> {
     mode: &'r str,
     filter: &'r str,

@@ -34,7 +34,7 @@ fn cases() -> Vec<Case> {
     include_str!("../packed/streams.txt").lines().map(case).collect()
 }
 
-/// How far two lists of signed numbers of one or two bytes are apart, in units of the last place.
+/// Largest difference between two lists of signed integers of one or two bytes, in units of the last place.
 fn apart(a: &[u8], b: &[u8], size: usize) -> i32 {
     let number = |b: &[u8]| if size == 1 { i32::from(b[0] as i8) } else { i32::from(i16::from_le_bytes([b[0], b[1]])) };
     a.chunks(size).zip(b.chunks(size)).map(|(a, b)| (number(a) - number(b)).abs()).max().unwrap_or(0)

@@ -59,7 +59,7 @@ fn is_spline(sampler: &Value) -> bool {
     sampler["interpolation"] == "CUBICSPLINE"
 }
 
-/// What a channel moves.
+/// Identity of a channel's target: node and path, or an animation pointer.
 fn key(target: &Value) -> Option<(u64, &str)> {
     match target.pointer("/extensions/KHR_animation_pointer/pointer").and_then(Value::as_str) {
         Some(pointer) => Some((u64::MAX, pointer)),

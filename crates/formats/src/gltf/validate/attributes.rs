@@ -5,13 +5,13 @@ use super::{
     document::{Accessor, Document, wrong_format},
 };
 
-/// What the name of an attribute says.
+/// Attribute semantic, parsed from its name.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Semantic<'a> {
     Single(&'a str),
     /// With a number after it.
     Indexed(&'a str, u64),
-    /// Of an application.
+    /// Application-specific; its name begins with an underscore.
     Own,
 }
 

@@ -1,4 +1,4 @@
-//! What the numbers of accessors must satisfy: their declared bounds, and what their use asks of them.
+//! Checks of accessor values: their declared bounds, and the constraints of each use.
 
 use super::{
     Issues,
@@ -9,7 +9,7 @@ use super::{
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// What a use asks of each element.
+/// Constraint of a use on each element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Role {
     /// Vectors of unit length.

@@ -5,7 +5,7 @@ use crate::gltf::draco;
 use serde_json::Value;
 use std::collections::HashSet;
 
-/// What the checks of references and data share.
+/// State shared by the checks of references and of data.
 pub(super) struct Document<'a> {
     pub root: &'a Value,
     pub accessors: Vec<Accessor<'a>>,
@@ -70,12 +70,12 @@ impl Accessor<'_> {
         format!("{} of{normalized} {}", self.kind, component_name(self.component))
     }
 
-    /// Whether it has this type and one of these components; each is a code and whether it is normalised.
+    /// Tests for one of the given types and component types; each component type is a code and its `normalized` flag.
     pub fn is(&self, kinds: &[&str], components: &[(u64, bool)]) -> bool {
         kinds.contains(&self.kind) && components.contains(&(self.component, self.is_normalized))
     }
 
-    /// Whether its format is known at all: else the schema says what is wrong.
+    /// True if the format is a known one: otherwise the schema reports the fault.
     pub fn is_known(&self) -> bool {
         self.element() > 0
     }

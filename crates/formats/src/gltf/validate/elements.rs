@@ -9,7 +9,7 @@ use serde_json::Value;
 
 /// Bytes that may be looked at in any file.
 const ALWAYS: u64 = 1 << 20;
-/// How often each byte of the buffers may be looked at.
+/// Most times that each byte of the buffers may be read.
 const PASSES: u64 = 8;
 
 /// The loaded buffers, and how much of them may still be looked at.
@@ -85,7 +85,7 @@ impl<'a> Data<'a> {
         Some(())
     }
 
-    /// What a sparse accessor replaces; its places increase.
+    /// Replaced elements of a sparse accessor; `None` unless their indices increase.
     fn changes(&mut self, document: &Document<'_>, accessor: &Accessor<'_>, sparse: &Value) -> Option<Changes<'a>> {
         let count = usize::try_from(number(sparse, "count")).ok()?;
         let places = self.places(document, sparse)?;

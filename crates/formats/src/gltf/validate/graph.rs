@@ -10,7 +10,7 @@ use serde_json::Value;
 use std::collections::HashSet;
 use steradian_math::DMat4;
 
-/// How far rotations may be from unit length: what 8-bit numbers can store.
+/// Tolerance of the length of unit quaternions: the quantisation error of 8-bit components.
 pub(super) const UNIT_TOLERANCE: f64 = 0.007;
 /// Most scenes that are asked for the joints of a node.
 const MOST_SCENES: usize = 16;

@@ -14,7 +14,7 @@ use crate::{
 use serde_json::Value;
 use std::io::Read;
 
-/// How much of a picture is looked at.
+/// Bytes read from the beginning of an image.
 const HEAD: u64 = 1 << 16;
 
 pub(super) fn check(document: &Document<'_>, data: &Data<'_>, search: &SearchPath, issues: &mut Issues) {

@@ -1,4 +1,4 @@
-//! What a document breaks: a bounded list of places with messages.
+//! Broken rules of a document: a bounded list of JSON pointers with messages.
 
 use std::collections::HashMap;
 
@@ -19,7 +19,7 @@ pub(in crate::gltf) struct Issue {
 #[derive(Debug, Default)]
 pub(in crate::gltf) struct Issues {
     kept: Vec<Issue>,
-    /// How often each kind of message arose, and its first place.
+    /// Count and first index of each kind of message.
     alike: HashMap<String, (usize, usize)>,
     left_out: usize,
 }

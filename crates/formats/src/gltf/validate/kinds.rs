@@ -1,6 +1,6 @@
 //! The terms in which the schema is written.
 
-/// What a value must be.
+/// Type required of a JSON value.
 #[derive(Debug)]
 pub(super) enum Kind {
     Bool,

@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Most sets of coordinates of a material that are looked for.
 const MOST_SETS: usize = 16;
 
-/// What materials need of the primitives that use them.
+/// Vertex attributes that a material requires of its primitives.
 struct Needs {
     /// Sets of texture coordinates, and the member of the material that needs each.
     sets: BTreeMap<u64, String>,
@@ -44,7 +44,7 @@ pub(super) fn check(document: &Document<'_>, uses: &mut Uses, issues: &mut Issue
     }
 }
 
-/// How many morph targets a mesh has.
+/// Number of morph targets of a mesh.
 pub(super) fn targets(mesh: &Value) -> usize {
     list(mesh, "primitives").first().map_or(0, |p| list(p, "targets").len())
 }

@@ -1,4 +1,5 @@
-//! Holds documents against the rules of the glTF 2.0 specification: its schema, what its objects refer to, and the data.
+//! Holds documents against the rules of the glTF 2.0 specification: its schema, what its objects refer to, and the
+//! data.
 //!
 //! A broken rule is a warning. What cannot be read is an error of the reader, and is not told twice.
 
@@ -32,7 +33,7 @@ use steradian_scene::{Fidelity, Severity};
 use usage::{Use, Uses};
 
 impl Reader<'_> {
-    /// What breaks the rules in the document and the data of its loaded buffers.
+    /// Broken rules in the document and in the data of its loaded buffers.
     pub(super) fn issues(&self, root: &Value) -> Issues {
         let mut issues = Issues::default();
         walk::check(root, &mut issues);

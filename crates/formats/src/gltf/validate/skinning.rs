@@ -7,7 +7,7 @@ use super::{
 };
 use std::collections::{BTreeMap, HashSet};
 
-/// How far weights may be from a sum of 1.
+/// Tolerance of the sum of joint weights, which should be 1.
 const SUM_TOLERANCE: f64 = 1e-5;
 /// Most sets that are looked at.
 const MOST_SETS: usize = 4;

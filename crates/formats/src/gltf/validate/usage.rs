@@ -3,7 +3,7 @@
 use super::{Issues, document::Document};
 use std::collections::HashMap;
 
-/// What data is used for.
+/// Use of a buffer view or accessor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Use {
     Attribute,
@@ -26,7 +26,7 @@ impl Use {
         }
     }
 
-    /// What counts as one use of a buffer view: animations have one for both.
+    /// Use of the buffer view that holds such an accessor: inputs and outputs of animations are one.
     fn of_view(self) -> Self {
         if self == Self::AnimationInput { Self::AnimationOutput } else { self }
     }

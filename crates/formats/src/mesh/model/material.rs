@@ -25,7 +25,7 @@ fn is_black(c: [f32; 3]) -> bool {
     c.iter().all(|&v| v <= 0.0)
 }
 
-/// What an image stands for.
+/// Contents of an image.
 #[derive(Clone, Copy, PartialEq)]
 enum Holds {
     Colors,

@@ -2,7 +2,7 @@
 
 /// Columns of the picture; it has half as many rows.
 const COLUMNS: usize = 512;
-/// Where the sun stands, not of unit length: over the left shoulder of the camera.
+/// Direction to the sun, not of unit length: over the left shoulder of the camera.
 pub(super) const SUN: [f64; 3] = [-0.45, 0.85, 0.65];
 /// Angles from the centre of the sun, in degrees, within which it has full radiance and beyond which it has none. It is
 /// wider than the real one, so that shadows are soft.

@@ -17,7 +17,7 @@ const WIDTH: i64 = 1024;
 const HEIGHT: i64 = 768;
 /// Room around the model, as a factor on the distance.
 const MARGIN: f64 = 1.08;
-/// Where the viewer stands, unless told otherwise: to the right of the front and above, in degrees.
+/// Default view direction: azimuth to the right of the front, and elevation above the horizon, in degrees.
 const AZIMUTH: f64 = 28.810_793_742_973_065;
 const ELEVATION: f64 = 19.314_867_909_262_31;
 /// Places of the corners of a box that turns.
@@ -52,15 +52,15 @@ fn usual_sun() -> [f64; 2] {
     [x.atan2(z), y.atan2(x.hypot(z))]
 }
 
-/// What the user says of a model's surroundings.
+/// User options of a model's surroundings.
 struct StageOptions {
     ground: bool,
-    /// Where the viewer stands: degrees from the front to the right, and above the horizon.
+    /// Azimuth of the viewer from the front to the right, and elevation above the horizon, in degrees.
     azimuth: f64,
     elevation: f64,
-    /// Whether the user says from which side: the distance is then the one for all sides.
+    /// True if the user gave an azimuth: the distance is then the one for all sides.
     is_turned: bool,
-    /// What is around.
+    /// Sky around the model.
     sky: Option<Sky>,
     /// From the model's axes to those of the world, where +y is up and +z is the front.
     axes: DMat3,

@@ -140,7 +140,7 @@ fn malformed_models_are_errors_with_a_place() {
     assert!(gone.diagnostics.has_errors());
 }
 
-/// What an exporter on Windows writes: UTF-16 with a byte order mark, in model and library. Places are those of the
+/// UTF-16 with a byte order mark, as exporters on Windows write it, in model and library. Positions are those of the
 /// text.
 #[test]
 fn utf_16_models_open() {
@@ -247,7 +247,7 @@ fn pictures_of_ply_files_are_shown() {
     assert!(texture == "mesh_attribute" && said.contains("has no texture coordinates"), "{texture} {said}");
 }
 
-/// What makes a model invisible or grey in a way that its author hardly meant is told.
+/// Warnings for materials that are invisible or grey in a way that their author hardly meant.
 #[test]
 fn doubtful_materials_are_told() {
     for line in ["Tr 1", "d 0"] {
@@ -284,7 +284,7 @@ fn the_ground_can_be_left_out() {
     assert!(messages(&with("maybe")).contains("'ground' is 'true' or 'false', not 'maybe'"));
 }
 
-/// Where the viewer stands and which way is up, by the user's words; words that are none are refused.
+/// View direction and up axis follow the user's options; malformed options are refused.
 #[test]
 fn models_are_seen_as_the_user_says() {
     let needle = b"v -1 0 0\nv 1 0 0\nv 0 0 8\nf 1 2 3\n";

@@ -143,7 +143,7 @@ fn newell(points: impl Iterator<Item = [f32; 3]> + Clone) -> [f32; 3] {
 /// many variants go to a hash table, so that no file makes the chains long.
 #[derive(Default)]
 struct Sharing {
-    /// Of each position in the file: its first vertex in this mesh.
+    /// First vertex in this mesh for each position in the file.
     first: Vec<u32>,
     /// The corners, and the next vertex of the same position.
     vertices: Vec<(Corner, u32)>,

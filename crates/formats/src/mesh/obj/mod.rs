@@ -9,7 +9,7 @@ use super::{MeshError, text::trim};
 pub(super) use lines::Lines;
 use steradian_scene::Mesh;
 
-/// How to read an OBJ file.
+/// Options of the OBJ reader.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ObjOptions {
     /// All faces become one mesh, whatever objects, groups and materials there are (Mitsuba's meaning).
@@ -53,7 +53,7 @@ pub(super) fn name(text: &[u8]) -> String {
     String::from_utf8_lossy(&text[..text.len().min(LONGEST)]).into_owned()
 }
 
-/// What was passed over.
+/// Counts of skipped or repaired elements.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Skipped {
     /// Statements `p`.
@@ -80,7 +80,7 @@ pub struct Skipped {
 }
 
 impl Skipped {
-    /// What there is to say of faces and colours that were mended.
+    /// Warning about repaired faces and colours; `None` where there are none.
     pub fn warning(&self) -> Option<String> {
         let parts = [
             (self.references, "texture coordinates and normals that faces name and the file has not"),
@@ -101,10 +101,10 @@ pub struct ObjFile {
     pub meshes: Vec<ObjMesh>,
     /// Material libraries in order, each once.
     pub libraries: Vec<Library>,
-    /// What was passed over.
+    /// Counts of skipped or repaired elements.
     pub skipped: Skipped,
-    /// What was taken from all positions; zero but where [`ObjOptions::recentre`] asks for it and the first vertex is
-    /// far from the origin.
+    /// Offset subtracted from all positions; zero but where [`ObjOptions::recentre`] asks for it and the first vertex
+    /// is far from the origin.
     pub origin: [f64; 3],
 }
 

@@ -22,11 +22,11 @@ pub(super) struct Part {
     pub(super) material_offset: usize,
     /// Corners of all faces.
     pub(super) corners: Vec<Corner>,
-    /// Of each face: where its corners end, and its offset in the file.
+    /// Per face: end of its range in `corners`, and its offset in the file.
     pub(super) faces: Vec<(usize, usize)>,
 }
 
-/// What a file holds, before corners are shared.
+/// Contents of a file, before corners are shared.
 #[derive(Default)]
 pub(super) struct Parsed {
     pub(super) positions: Vec<[f32; 3]>,
@@ -40,7 +40,7 @@ pub(super) struct Parsed {
     pub(super) origin: [f64; 3],
 }
 
-/// What later faces belong to.
+/// Object, group and material of the faces that follow.
 #[derive(Clone, Default, PartialEq, Eq, Hash)]
 struct Names {
     object: String,

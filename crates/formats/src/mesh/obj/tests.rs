@@ -224,7 +224,8 @@ fn truncations_and_mutants_neither_panic_nor_swell() {
     }
 }
 
-/// What is quadratic somewhere takes minutes here, and is seen in the time of all tests: no verdict depends on a clock.
+/// Hostile files are read in full. A quadratic algorithm takes minutes here, and is seen in the time of all tests: no
+/// verdict depends on a clock.
 #[test]
 fn hostile_files_are_read_whole() {
     let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";

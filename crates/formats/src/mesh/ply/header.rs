@@ -5,7 +5,7 @@ use crate::mesh::{
     text::{integer, shown, trim, words},
 };
 
-/// How values are stored.
+/// Storage format of the data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
     Ascii,
@@ -96,7 +96,7 @@ pub(super) struct Element {
     pub(super) name: String,
     pub(super) count: usize,
     pub(super) properties: Vec<Property>,
-    /// Where the header declares it.
+    /// Offset of its declaration in the header.
     pub(super) offset: usize,
 }
 
@@ -119,7 +119,7 @@ impl Element {
 /// More properties than any real element has; a hostile header must not cost more than it is long.
 const MOST_PROPERTIES: usize = 1000;
 
-/// What stands before the data.
+/// Header of a PLY file, before the data.
 #[derive(Clone, Debug)]
 pub(super) struct Header {
     pub(super) encoding: Encoding,

@@ -1,9 +1,9 @@
-//! What the properties of an element mean, by their names.
+//! Meaning of the properties of an element, by their names.
 
 use super::header::{Element, Type};
 use steradian_math::color::transfer::srgb_decode;
 
-/// How a stored number becomes a value.
+/// Conversion of a stored number to a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Scale {
     /// As it is.

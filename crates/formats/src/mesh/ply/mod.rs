@@ -15,7 +15,7 @@ use cursor::Cursor;
 use header::Element;
 use steradian_scene::Mesh;
 
-/// How to read a PLY file.
+/// Options of the PLY reader.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PlyOptions {
     /// Faces of four corners become bilinear patches (pbrt's meaning) instead of two triangles.
@@ -26,7 +26,7 @@ pub struct PlyOptions {
     pub recentre: bool,
 }
 
-/// What a PLY file holds.
+/// Contents of a PLY file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlyFile {
     /// The mesh.
@@ -41,13 +41,13 @@ pub struct PlyFile {
     pub bad_faces: usize,
     /// Names of the pictures that the mesh is textured with.
     pub pictures: Vec<String>,
-    /// What was taken from all positions; zero but where [`PlyOptions::recentre`] asks for it and the first vertex is
-    /// far from the origin.
+    /// Offset subtracted from all positions; zero but where [`PlyOptions::recentre`] asks for it and the first vertex
+    /// is far from the origin.
     pub origin: [f64; 3],
 }
 
 impl PlyFile {
-    /// What there is to say of the file beyond the mesh.
+    /// Warning about non-finite vertices, normals and texture coordinates; `None` where there are none.
     pub fn warning(&self) -> Option<String> {
         let parts = [
             (self.bad_vertices, format!("vertices are not finite; the {} faces at them are left out", self.bad_faces)),

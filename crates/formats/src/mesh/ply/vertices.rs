@@ -32,8 +32,8 @@ pub(super) fn read(cursor: &mut Cursor<'_>, element: &Element, recentre: bool) -
     Ok(PlyFile { mesh, bad_normals, bad_uvs, origin, ..PlyFile::default() })
 }
 
-/// What is taken from all positions: by the first, where the file has more digits than single precision. Faults of its
-/// record are left to who reads it next.
+/// Offset subtracted from all positions, found from the first vertex, where the file has more digits than single
+/// precision. Faults of its record are left to the next reader of it.
 fn origin(mut cursor: Cursor<'_>, element: &Element, layout: &VertexLayout) -> [f64; 3] {
     let is_wide = |slot: &usize| matches!(element.properties[*slot].item, Type::F64 | Type::I32 | Type::U32);
     if element.count == 0 || cursor.encoding != Encoding::Ascii && !layout.position.iter().any(is_wide) {
@@ -52,7 +52,7 @@ fn leave_out_bad<const N: usize>(values: &mut [[f32; N]]) -> usize {
     bad.map(|v| *v = [0.0; N]).count()
 }
 
-/// Whether all numbers are finite.
+/// True if all numbers are finite.
 pub(super) fn is_finite(values: &[f32]) -> bool {
     values.iter().fold(true, |ok, v| ok & v.is_finite())
 }

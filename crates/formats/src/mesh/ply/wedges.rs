@@ -15,7 +15,7 @@ pub(super) fn slot(element: &Element) -> Option<usize> {
 
 /// Vertices by their texture coordinates.
 pub(super) struct Wedges {
-    /// Whether a vertex of the file has its texture coordinates.
+    /// Per vertex of the file: true if it has its texture coordinates.
     is_taken: Vec<bool>,
     /// The vertices made for further texture coordinates of a vertex of the file.
     made: HashMap<(u32, [u32; 2]), u32>,

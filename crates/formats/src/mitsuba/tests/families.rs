@@ -1,4 +1,4 @@
-//! What the objects of each family become.
+//! Translation of the objects of each family.
 
 use super::*;
 use steradian_math::DVec3;
@@ -288,7 +288,7 @@ fn skies() {
     assert!(read("<emitter type=\"timed_sunsky\"/>").diagnostics.is_lossy());
 }
 
-/// What Mitsuba's own estimators make of a scene and Steradian does not is said.
+/// Notes on behaviour of Mitsuba's own estimators that Steradian does not reproduce.
 #[test]
 fn differences_of_estimators_are_noted() {
     let said = |text: &str, part: &str| read(text).diagnostics.iter().filter(|d| d.message.contains(part)).count();
@@ -316,7 +316,7 @@ fn differences_of_estimators_are_noted() {
     assert_eq!(light_rows("0.6.0"), "centers");
 }
 
-/// Where the rows of an environment map stand in a version.
+/// Row placement of an environment map in a version.
 fn light_rows(version: &str) -> String {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("sky.pfm"), b"PF\n1 1\n-1.0\n\0\0\x80?\0\0\x80?\0\0\x80?").unwrap();

@@ -1,4 +1,4 @@
-//! What is wrong is said, where it is, and nothing panics or hangs.
+//! Faults are reported with their position, and nothing panics or hangs.
 
 use super::*;
 use std::time::{Duration, Instant};

@@ -191,7 +191,7 @@ fn grids_of_distances() {
     assert!(errors(&open(""))[0].contains("needs 'filename'"));
 }
 
-/// What is in a group may emit, which Mitsuba itself refuses.
+/// Shapes in a group may emit, which Mitsuba itself refuses.
 #[test]
 fn groups_emit() {
     let d = good(

@@ -1,4 +1,4 @@
-//! What directives do to the state, and what the state does to what follows.
+//! Effect of directives on the graphics state, and of the state on what follows.
 
 use super::*;
 use crate::Limits;

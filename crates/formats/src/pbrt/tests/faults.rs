@@ -1,4 +1,4 @@
-//! What is wrong is reported where it stands, with what to do about it.
+//! Faults are reported at their position, with what to do about them.
 
 use super::*;
 

@@ -140,7 +140,7 @@ fn films() {
     assert_eq!(film("Film \"spectral\" \"integer nbuckets\" 31").kind, "spectral");
 }
 
-/// What films of pbrt write beside the picture is told while it is left out.
+/// Additional outputs of pbrt's films are reported as left out.
 #[test]
 fn layers_and_buckets_of_films_are_told() {
     for (kind, lost) in

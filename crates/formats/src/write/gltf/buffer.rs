@@ -2,7 +2,7 @@
 
 use serde_json::{Value as Json, json};
 
-/// What the document's one buffer holds.
+/// Contents of the document's one buffer.
 #[derive(Debug, Default)]
 pub(super) struct Buffer {
     pub views: Vec<Json>,

@@ -9,7 +9,7 @@ use steradian_scene::{Format, Node, NodeId, Shape, Value};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Look {
     pub material: usize,
-    /// Whether the colours of vertices count.
+    /// True if vertex colours are used.
     pub vertices: bool,
 }
 
@@ -482,7 +482,7 @@ impl Writer<'_> {
         two_sided
     }
 
-    /// What a homogeneous medium inside does to the colour of light.
+    /// Attenuation and scattering by an interior homogeneous medium.
     fn volume(&mut self, draft: &mut Draft, id: NodeId) {
         let node = self.x.node(id);
         if node.kind != "homogeneous" {
@@ -522,7 +522,7 @@ impl Writer<'_> {
     }
 }
 
-/// What the writer uses.
+/// Material extensions used by the writer.
 const EXTENSIONS: [&str; 13] = [
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",

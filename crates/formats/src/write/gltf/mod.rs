@@ -81,7 +81,7 @@ struct Writer<'a> {
     /// Samplers, images and textures that there are.
     known: HashMap<String, usize>,
     lights: Vec<Json>,
-    /// Whether anything but surfaces below one shines, so that readers add no light of their own.
+    /// True if the emission of some surface is stronger than 1, so that readers add no light of their own.
     shines: bool,
 }
 

@@ -100,7 +100,7 @@ impl Writer<'_> {
         if fits { self.reference(node, true) } else { None }
     }
 
-    /// Whether a picture is of a kind that glTF holds, by its first bytes.
+    /// True if a picture is of a format allowed in glTF, by its first bytes.
     fn is_web(&self, node: &Node) -> bool {
         use std::io::Read;
         let Some(file) = node.path("file") else { return false };

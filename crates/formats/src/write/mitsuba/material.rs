@@ -8,7 +8,7 @@ use steradian_scene::{Family, Node, NodeId, SpectrumValue, Value};
 const FACETS: [&str; 6] = ["gamma", "compensation", "fresnel", "film_thickness", "film_eta", "permittivity"];
 /// Below this α Mitsuba's `roughplastic` is written as `plastic`.
 const NEARLY_SMOOTH: f64 = 0.002;
-/// What goes beyond a normal map as it stands.
+/// Parameters beyond a plain normal map.
 const NORMAL_MAPS: [&str; 3] = ["normal_map_strength", "normal_map_filter", "anisotropy_rotation"];
 
 impl Writer<'_> {

@@ -20,7 +20,7 @@ use steradian_math::Transform;
 use steradian_scene::{Format, NodeId, SceneDesc};
 use xml::Element;
 
-/// How a spectral parameter is used, which decides how Mitsuba reads numbers in it.
+/// Role of a spectral parameter, which decides how Mitsuba reads numbers in it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Role {
     Reflectance,
@@ -68,11 +68,11 @@ struct Writer<'a> {
     /// Materials that are being written.
     open: HashSet<NodeId>,
     scene: Element,
-    /// Whether light passes surfaces straight, or media.
+    /// True if light passes some surfaces unscattered (masks, interfaces, opacity), or there are media.
     passes: bool,
     /// The shape whose material is written has other texture coordinates in Mitsuba.
     no_texture: bool,
-    /// How far away from the origin things are.
+    /// Largest distance of any geometry from the origin.
     reach: f64,
 }
 
@@ -104,7 +104,7 @@ impl Writer<'_> {
         body.into_children().into_iter().chain(cameras).for_each(|e| self.scene.push(e));
     }
 
-    /// Whether surfaces are seen from the side their normals point to alone.
+    /// True if surfaces are visible only from the side of their normals.
     fn is_one_sided(&self) -> bool {
         self.x.desc.format == Format::Mitsuba
     }

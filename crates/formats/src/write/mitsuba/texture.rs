@@ -111,7 +111,7 @@ impl Writer<'_> {
     }
 }
 
-/// Whether a texture is looked up by the mesh's own coordinates.
+/// True if a texture is looked up by the mesh's own coordinates.
 pub(super) fn is_over_uv(node: &Node) -> bool {
     node.string("mapping").unwrap_or("uv") == "uv" && node.get("uv_set").is_none()
 }

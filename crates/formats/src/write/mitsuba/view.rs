@@ -4,7 +4,7 @@ use super::{Element, Writer, matrix};
 use steradian_math::{DVec3, Transform};
 use steradian_scene::{Family, Node, NodeId, Value};
 
-/// Where the picture lies before a camera.
+/// Image frame of a camera.
 struct Frame {
     /// Width by height.
     aspect: f64,
@@ -110,7 +110,7 @@ impl Writer<'_> {
         Some(out.child(film).child(sampler))
     }
 
-    /// Where the picture lies before a camera.
+    /// Image frame of a camera.
     fn frame(&mut self, node: &Node) -> Frame {
         let [width, height] = self.size();
         let aspect = width as f64 / height as f64;

@@ -6,7 +6,7 @@ use steradian_scene::{Format, Node, NodeId, Value};
 
 /// Parameters that nothing in pbrt's models corresponds to.
 const FACETS: [&str; 6] = ["gamma", "compensation", "fresnel", "film_thickness", "film_eta", "permittivity"];
-/// What goes beyond a normal map as it stands.
+/// Parameters beyond a plain normal map.
 const NORMAL_MAPS: [&str; 3] = ["normal_map_strength", "normal_map_filter", "anisotropy_rotation"];
 /// The thickness of coats that do not absorb.
 const THIN: f64 = 1e-3;

@@ -44,7 +44,7 @@ pub(super) fn write(desc: &SceneDesc, path: &Path) -> Result<Written, String> {
 struct Writer<'a> {
     x: Exchange<'a>,
     out: String,
-    /// Of indentation.
+    /// Indentation depth.
     depth: usize,
     materials: HashMap<NodeId, String>,
     /// Names of textures by what they are and how they are used.
@@ -52,7 +52,7 @@ struct Writer<'a> {
     media: HashMap<NodeId, String>,
     meshes: HashMap<String, String>,
     open: HashSet<NodeId>,
-    /// Whether there are media.
+    /// True if there are participating media.
     passes: bool,
     /// When what moves begins and ends to do so.
     motion: Option<[f64; 2]>,

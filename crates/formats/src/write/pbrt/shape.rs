@@ -276,7 +276,7 @@ impl Writer<'_> {
         self.finish(out, alpha);
     }
 
-    /// Whether a material looks up textures.
+    /// True if a material looks up textures.
     fn has_textures(&self, id: NodeId, depth: usize) -> bool {
         let inner = |id: NodeId| {
             let node = self.x.node(id);

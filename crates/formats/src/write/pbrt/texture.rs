@@ -9,7 +9,7 @@ use crate::write::{
 use steradian_math::{DVec3, Transform};
 use steradian_scene::{Node, NodeId, Value};
 
-/// What a texture's values are.
+/// Type of a texture's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Values {
     Float,
@@ -232,7 +232,7 @@ impl Writer<'_> {
         Ok(())
     }
 
-    /// Where a flat texture is looked up; the transform into its space.
+    /// Writes the mapping of a two-dimensional texture; returns the transform into its space.
     fn mapping(&mut self, out: &mut Directive, node: &Node, class: &str) -> Transform {
         let number = |name: &str, default: f64| node.float(name).unwrap_or(default);
         let mapping = node.string("mapping").unwrap_or("uv");
@@ -284,7 +284,7 @@ impl Writer<'_> {
     }
 }
 
-/// Whether a noise has no parameters but pbrt's.
+/// True if a noise has only parameters that pbrt has.
 fn is_plain_noise(node: &Node) -> bool {
     node.params
         .iter()

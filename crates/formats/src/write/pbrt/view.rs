@@ -4,7 +4,7 @@ use super::{Directive, Writer, place};
 use crate::write::frame;
 use steradian_scene::{Family, Node, Value};
 
-/// What stands for paths without an end.
+/// Path depth written for paths of unlimited length.
 const ENDLESS: i64 = 1000;
 
 impl Writer<'_> {
