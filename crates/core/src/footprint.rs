@@ -13,14 +13,14 @@ use steradian_math::Vec3;
 /// A ray's derivatives with respect to the sample's place in the film, per sample spacing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayDifferential {
-    /// Of the origin.
+    /// Derivatives of the origin.
     pub origin: [Vec3; 2],
-    /// Of the unit direction.
+    /// Derivatives of the unit direction.
     pub direction: [Vec3; 2],
 }
 
-/// What a facet does to a ray: a reflection, or a refraction with the ratio of the indices on the far side and on this
-/// one.
+/// Specular event of a ray at a facet: a reflection, or a refraction with the ratio of the indices on the far side and
+/// on this one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bounce {
     /// Mirror reflection.
@@ -34,8 +34,8 @@ pub enum Bounce {
 const NARROW: f32 = 10.0;
 
 impl Bounce {
-    /// Of a sample that differentials follow: a specular one, or one of a narrow lobe. Elsewhere they lose their
-    /// meaning, since what is seen there is blurred far beyond them.
+    /// Event of a BSDF sample that differentials follow: a specular sample, or one of a narrow lobe. Elsewhere they
+    /// lose their meaning, since the scene is seen blurred far beyond them.
     #[inline]
     pub fn of(s: &BsdfSample) -> Option<Self> {
         let is_narrow = s.lobe.is_glossy() && s.pdf > NARROW;
@@ -106,7 +106,7 @@ mod tests {
     use super::*;
     use steradian_math::Ray;
 
-    /// Where a ray meets the unit sphere around the origin, first or last, and the normal there.
+    /// Ray distance of the first or the last intersection with the unit sphere around the origin.
     fn meet(ray: &Ray, far: bool) -> f32 {
         let (b, c) = (ray.origin.dot(ray.direction), ray.origin.length_squared() - 1.0);
         let root = (b * b - c).sqrt();

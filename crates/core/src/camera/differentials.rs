@@ -1,4 +1,4 @@
-//! How camera rays change from sample to sample.
+//! Derivatives of camera rays with respect to the film position.
 
 use super::{Camera, Projection};
 use crate::{film::FilmSpec, footprint::RayDifferential};
@@ -71,7 +71,7 @@ impl Camera {
         })
     }
 
-    /// Whether the frame is a window on a plane.
+    /// True if window coordinates lie on a plane, so for all but the spherical projections.
     fn is_planar(&self) -> bool {
         !matches!(self.projection, Projection::SphericalEqualArea | Projection::SphericalEquirectangular)
     }

@@ -22,19 +22,20 @@ pub struct Received {
     pub density: f32,
 }
 
-/// How dense camera rays are.
+/// Density of camera rays about a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct RayDensity {
     /// Pixels per steradian; of parallel rays per unit area across them.
     pub density: f32,
     /// Distance from where rays diverge to where this one starts.
     pub start: f32,
-    /// Whether rays through a point of the lens are parallel, so that their density does not fall with distance.
+    /// True if rays through a point of the lens are parallel, so that their density does not fall with distance.
     pub is_parallel: bool,
 }
 
 impl Camera {
-    /// Whether light can be received: by all but spherical cameras with a lens, lenses of several elements, and meters.
+    /// True if the camera can be connected to light subpaths: all but spherical cameras with a lens, lenses of several
+    /// elements, and meters.
     pub fn can_receive(&self) -> bool {
         match self.projection {
             Projection::Perspective | Projection::Orthographic => true,
@@ -43,8 +44,8 @@ impl Camera {
         }
     }
 
-    /// Where light from `p` through a point of the lens (`u` in the unit square) arrives on the film; `None` where it
-    /// does not.
+    /// Film position at which light from `p` through a point of the lens (`u` in the unit square) arrives; `None` if it
+    /// misses the film.
     pub fn receive(&self, film: &FilmSpec, p: Vec3, lens: Vec2) -> Option<Received> {
         let local = self.world_from_camera.inverse().point(p);
         let lens = if self.lens_radius > 0.0 { warp::concentric_disk(lens) * self.lens_radius } else { Vec2::ZERO };
@@ -67,9 +68,9 @@ impl Camera {
         (density > 0.0 && density.is_finite()).then_some(Received { at, to_camera, distance: distance * seen, density })
     }
 
-    /// Where a point of the world lies on the full frame or beyond it, in pixels, through the middle of the lens at a
-    /// moment of the exposure; `None` behind the camera, and where that is not known: of lenses of several elements
-    /// and of meters.
+    /// Raster position, in pixels on the full frame or beyond it, of a world point seen through the middle of the lens
+    /// at a moment of the exposure; `None` behind the camera, and for lenses of several elements and meters, whose
+    /// projection is not known.
     pub fn project(&self, film: &FilmSpec, p: Vec3, time: f32) -> Option<Vec2> {
         self.on_film(film, self.place_at(time).inverse().point(p), Vec2::ZERO).map(|(_, at)| at)
     }
@@ -83,13 +84,13 @@ impl Camera {
         self.on_film(film, local, Vec2::ZERO).map(|(_, at)| at)
     }
 
-    /// How far a point of the world is from the eye along the axis of the view, at a moment of the exposure.
+    /// Depth of a world point: its distance from the eye along the view axis at a moment of the exposure.
     pub fn along_axis(&self, p: Vec3, time: f32) -> f32 {
         let place = self.place_at(time);
         place.inverse().point(p).z * place.vector(Vec3::Z).length()
     }
 
-    /// Where the camera is at a moment of the exposure.
+    /// Camera-to-world transform at a moment of the exposure.
     fn place_at(&self, time: f32) -> Affine {
         self.motion.as_ref().and_then(|motion| motion.at(time)).unwrap_or(self.world_from_camera)
     }
@@ -129,7 +130,7 @@ impl Camera {
         })
     }
 
-    /// How dense rays are about one that [`Camera::ray`] gave.
+    /// Density of camera rays about one that [`Camera::ray`] gave.
     pub fn ray_density(&self, film: &FilmSpec, ray: &Ray) -> RayDensity {
         self.density(film, ray.direction)
     }

@@ -13,7 +13,7 @@ use crate::film::FilmSpec;
 use std::sync::Arc;
 use steradian_math::{Motion, Ray, Vec2, Vec3, spectra::Wavelengths, transform::Affine, warp};
 
-/// How the film maps to directions.
+/// Projection of the film: the mapping from film positions to directions.
 #[derive(Clone, Debug)]
 pub enum Projection {
     /// Through a point: window coordinates are tangents.
@@ -37,11 +37,11 @@ pub enum Projection {
 /// A camera.
 #[derive(Clone, Debug)]
 pub struct Camera {
-    /// How the film maps to directions.
+    /// Mapping from film positions to directions.
     pub projection: Projection,
     /// Places camera space in the world, as the shutter opens.
     pub world_from_camera: Affine,
-    /// How it moves while the shutter is open.
+    /// Motion while the shutter is open.
     pub motion: Option<Arc<Motion>>,
     /// Window on the plane z = 1 that the frame covers: x0, x1 (left to right), y0, y1 (bottom to top).
     pub window: [f32; 4],

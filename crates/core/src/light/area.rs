@@ -15,14 +15,14 @@ use steradian_math::{
 };
 use steradian_texture::{FloatTexture, SpectrumTexture, TextureContext, Textures};
 
-/// What a surface emits.
+/// Emission of a surface.
 #[derive(Clone, Debug)]
 pub struct Emitter {
     /// Radiance.
     pub radiance: SpectrumTexture,
     /// Factor on it.
     pub scale: f32,
-    /// Whether the side against the normal shines too.
+    /// Enables emission on the back side, against the normal.
     pub two_sided: bool,
     /// Luminance of the radiance (of the mean of a texture), scale included.
     pub luminance: f32,
@@ -85,12 +85,12 @@ impl Emitter {
         Self { radiance: SpectrumTexture::Constant(color), scale: 1.0, two_sided, luminance, alpha: None }
     }
 
-    /// Whether the radiance depends on the point.
+    /// True if the radiance depends on the position.
     pub fn is_textured(&self) -> bool {
         !self.radiance.is_constant()
     }
 
-    /// Whether what a point sends out depends on where it is.
+    /// True if the emission of a point depends on its position, by radiance or opacity.
     pub fn varies(&self) -> bool {
         self.is_textured() || matches!(self.alpha, Some(FloatTexture::Texture(_)))
     }
@@ -120,7 +120,7 @@ pub enum AreaShape {
     Quadric(Arc<Quadric>),
     /// A quadric of revolution.
     Swept(Arc<Swept>),
-    /// What moves.
+    /// A moving shape.
     Moving(Arc<Moving>),
 }
 
@@ -187,7 +187,7 @@ pub struct FlatLight {
     pub n: Vec3,
     /// Area.
     pub area: f32,
-    /// Whether it is a triangle.
+    /// True for a triangle, false for a rectangle.
     pub is_triangle: bool,
 }
 
@@ -196,7 +196,7 @@ pub struct FlatLight {
 pub struct FlatSample {
     /// The point.
     pub q: Vec3,
-    /// Where on the light: along both edges.
+    /// Position on the light, along both edges.
     pub uv: Vec2,
     /// Unit direction to it.
     pub wi: Vec3,
@@ -207,7 +207,7 @@ pub struct FlatSample {
 }
 
 impl FlatLight {
-    /// Whether it is a rectangle that is sampled by the solid angle that it subtends at a point.
+    /// True for a rectangle that is sampled by the solid angle it subtends at a point.
     #[inline(always)]
     pub fn is_large(&self, p: Vec3) -> bool {
         let Self { corner, edges: [ex, ey], n, area, is_triangle } = *self;
@@ -273,7 +273,7 @@ impl AreaLight {
         }
     }
 
-    /// Whether the light looks large from `p`: a pure function of `p`, so that sampling and density agree.
+    /// True if the light looks large from `p`: a pure function of `p`, so that sampling and density agree.
     #[inline(always)]
     fn looks_large(center: Vec3, n: Vec3, area: f32, p: Vec3) -> bool {
         let d = p - center;
@@ -357,7 +357,7 @@ impl AreaLight {
         (!radiance.is_black()).then_some(LightSample { wi, distance, radiance, pdf, is_delta: false })
     }
 
-    /// Where on the texture a sampled point lies. `uv` are barycentric coordinates on triangles, surface parameters on
+    /// Texture context of a sampled point. `uv` are barycentric coordinates on triangles, surface parameters on
     /// quadrics.
     pub(super) fn texture_context(&self, q: Vec3, uv: Vec2) -> TextureContext<'_> {
         match (&self.mesh, &self.shape) {

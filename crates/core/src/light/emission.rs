@@ -17,7 +17,7 @@ use steradian_math::{
 };
 use steradian_texture::TextureContext;
 
-/// How a scene's lights are sampled for emission.
+/// Emission sampling of a scene's lights.
 #[derive(Clone, Debug)]
 pub struct Emission {
     choice: AliasTable,
@@ -43,7 +43,7 @@ pub struct EmittedRay {
     pub pdf: f32,
 }
 
-/// What kind of light emits, for the densities of paths.
+/// Kind of an emitting light, for path densities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kind {
     /// No ray can meet it by chance: points and parallel light.
@@ -53,7 +53,7 @@ pub struct Kind {
 }
 
 impl Light {
-    /// What kind of light it is.
+    /// Kind of the light.
     pub fn kind(&self) -> Kind {
         let (is_delta, is_parallel) = match self {
             Self::Punctual(_) => (true, false),
@@ -66,8 +66,8 @@ impl Light {
 }
 
 impl Emission {
-    /// Of a scene; `None` where no light emits. Infinite planes are too large for light from infinity to be sent at
-    /// them: it is left out then, with density zero.
+    /// Emission sampling of a scene; `None` if no light emits. Infinite planes are too large for light from infinity to
+    /// be sent at them: it is left out then, with density zero.
     pub fn new(scene: &Scene) -> Option<Self> {
         let (center, radius) = scene.bounds().bounding_sphere();
         let radius = (radius * 1.001).max(f32::MIN_POSITIVE);
@@ -242,7 +242,7 @@ impl Lights {
         }
     }
 
-    /// Whether light of an infinite light that comes along `-to` arrives at `p`: not if it comes past its portal.
+    /// True if light of an infinite light that comes along `-to` arrives at `p`: not if it comes past its portal.
     pub fn reaches(&self, light: u32, p: Vec3, to: Vec3, lambda: &Wavelengths) -> bool {
         match &self.lights[light as usize] {
             Light::Environment(e) if e.portal.is_some() => !e.radiance(p, to, lambda).is_black(),
@@ -330,7 +330,7 @@ impl AreaLight {
         }
     }
 
-    /// Where a ray starts that leaves a point of the light.
+    /// Origin of a ray that leaves a point of the light.
     fn leave(&self, p: Vec3, n: Vec3, w: Vec3) -> Vec3 {
         let size = match &self.shape {
             AreaShape::Triangle(v, ..) => v.iter().map(|v| v.abs().max_element()).fold(0.0, f32::max),

@@ -14,7 +14,7 @@ use steradian_math::{
     warp::{self, SphericalRectangle},
 };
 
-/// How an image covers the sphere of directions.
+/// Mapping of an image to the sphere of directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parametrization {
     /// Equal-area octahedral (Clarberg 2008), local +z up: pbrt-v4.
@@ -22,7 +22,7 @@ pub enum Parametrization {
     /// Longitude and latitude, local +y up, the middle column at +z … as Mitsuba has it: `u = atan2(x, −z)/2π`,
     /// `v = acos(y)/π`.
     LatLongY {
-        /// Whether the first and last row stand at the poles, row `i` of `h` at `v = i/(h − 1)` (Mitsuba 3), rather
+        /// True if the first and last row stand at the poles, row `i` of `h` at `v = i/(h − 1)` (Mitsuba 3), rather
         /// than at the middle of `h` strips.
         poles: bool,
     },
@@ -35,12 +35,12 @@ pub enum Parametrization {
 pub struct EnvironmentImage {
     /// The image.
     pub texels: Texels,
-    /// How it covers the sphere.
+    /// Mapping of the image to the sphere.
     pub parametrization: Parametrization,
     /// Its orientation.
     pub world_from_light: Affine,
-    /// What directions are sampled by: the luminance above the mean, so that what scattering finds well anyway is left
-    /// to it (MIS compensation, Karlík et al. 2019).
+    /// Sampling distribution of directions: the luminance above the mean, so that directions that scattering finds well
+    /// anyway are left to it (MIS compensation, Karlík et al. 2019).
     distribution: Piecewise2D,
     /// Estimate of the irradiance in the part that is sampled.
     excess: f32,
@@ -269,7 +269,7 @@ impl Environment {
     }
 }
 
-/// Whether the ray from `p` along `w` passes through a rectangle given by corner and edges.
+/// `Some` if the ray from `p` along `w` passes through a rectangle given by corner and edges.
 #[inline]
 fn through([corner, ex, ey]: [Vec3; 3], p: Vec3, w: Vec3) -> Option<()> {
     let n = ex.cross(ey);

@@ -45,7 +45,7 @@ pub struct LightSample {
     pub radiance: Spectrum,
     /// Density per solid angle; 1 for delta lights.
     pub pdf: f32,
-    /// Whether no other way of sampling can find it.
+    /// True if no other sampling technique can find the light.
     pub is_delta: bool,
 }
 
@@ -69,7 +69,7 @@ pub enum Light {
 pub struct Lights {
     /// The lights.
     pub lights: Vec<Light>,
-    /// What surfaces emit.
+    /// Emission of surfaces.
     pub emitters: Vec<Emitter>,
     /// Indices of environments.
     pub environments: Vec<u32>,
@@ -133,12 +133,12 @@ impl Lights {
         }
     }
 
-    /// Whether next-event estimation can find anything.
+    /// True if next-event estimation can find any light.
     pub fn can_sample(&self) -> bool {
         !self.infinite.is_empty() || !self.tree.is_empty()
     }
 
-    /// Whether there is more than one to choose.
+    /// True if there is more than one light to choose from.
     #[inline]
     pub fn are_many(&self) -> bool {
         self.infinite.len() + self.tree.len() > 1
@@ -209,13 +209,13 @@ impl Lights {
         }
     }
 
-    /// Whether a light shines at the moment that is looked at.
+    /// True if a light shines at the moment of the sample.
     #[inline]
     pub fn shines(&self, light: u32, lambda: &Wavelengths) -> bool {
         self.timetable.as_ref().is_none_or(|t| t.shines(&t.of_lights[light as usize], lambda))
     }
 
-    /// Whether a surface emits at the moment that is looked at.
+    /// True if a surface emits at the moment of the sample.
     #[inline]
     pub fn emits(&self, emitter: u32, lambda: &Wavelengths) -> bool {
         self.timetable.as_ref().is_none_or(|t| t.shines(&t.of_emitters[emitter as usize], lambda))
@@ -291,7 +291,7 @@ impl Lights {
     }
 }
 
-/// What [`Lights::choose_kind`] gives.
+/// Result of [`Lights::choose_kind`].
 #[derive(Clone, Copy, Debug)]
 pub enum Choice {
     /// An infinite light and its probability.

@@ -10,9 +10,9 @@ use steradian_math::{Motion, Vec3, transform::Affine};
 pub struct Moving {
     /// The part, in the space of the group that moves.
     pub shape: AreaShape,
-    /// Where the group is as the shutter opens.
+    /// Transform of the group as the shutter opens.
     pub start: Affine,
-    /// How it moves.
+    /// Motion of the group.
     pub motion: Arc<Motion>,
 }
 
@@ -22,7 +22,7 @@ impl Moving {
         self.shape.placed(&self.motion.at(time).unwrap_or(self.start))
     }
 
-    /// What is known of it at all moments, by what is known of shapes.
+    /// Light bounds that hold at all moments of the exposure, from the bounds of single shapes.
     pub(super) fn bounds(&self, of: impl Fn(AreaShape) -> LightBounds) -> LightBounds {
         let reach = of(self.shape.clone()).bounds;
         let reach = reach.min.abs().max(reach.max.abs()).length();

@@ -16,7 +16,7 @@ use steradian_texture::{SpectrumTexture, TextureContext, Textures};
 
 /// A light at a point.
 pub trait PunctualLight {
-    /// Where it is.
+    /// Position of the light.
     fn position(&self) -> Vec3;
 
     /// Intensity towards a point.
@@ -80,7 +80,7 @@ lights! {
 /// Light that is even in all directions.
 #[derive(Clone, Debug)]
 pub struct Isotropic {
-    /// Where it is.
+    /// Position of the light.
     pub position: Vec3,
     /// Its intensity.
     pub intensity: Color,
@@ -104,7 +104,7 @@ impl PunctualLight for Isotropic {
     }
 }
 
-/// How a spot light falls off between its two cones.
+/// Falloff of a spot light between its two cones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Falloff {
     /// Cubic smoothstep in the cosine (pbrt).
@@ -118,7 +118,7 @@ pub enum Falloff {
 /// A spot light; local +z is its axis.
 #[derive(Clone, Debug)]
 pub struct Spot {
-    /// Where it is.
+    /// Position of the light.
     pub position: Vec3,
     /// Its orientation.
     pub world_from_light: Affine,
@@ -128,7 +128,7 @@ pub struct Spot {
     pub total: f32,
     /// Half angle up to which it is full, radians.
     pub start: f32,
-    /// What is between.
+    /// Falloff between the two angles.
     pub falloff: Falloff,
     /// A slide over the cone.
     pub texture: Option<SpectrumTexture>,
@@ -219,7 +219,7 @@ impl PunctualLight for Spot {
 /// A point light whose intensity is an image over the equal-area map of the sphere.
 #[derive(Clone, Debug)]
 pub struct Goniometric {
-    /// Where it is.
+    /// Position of the light.
     pub position: Vec3,
     /// Its orientation.
     pub world_from_light: Affine,
@@ -260,7 +260,7 @@ impl PunctualLight for Goniometric {
     }
 }
 
-/// What a projector shows.
+/// Slide of a projector.
 #[derive(Clone, Debug)]
 pub enum Slide {
     /// An image, nearest texel.
@@ -272,16 +272,16 @@ pub enum Slide {
 /// A slide projector at a point; local +z is its axis, +x right, +y up.
 #[derive(Clone, Debug)]
 pub struct Projection {
-    /// Where it is and points.
+    /// Position and orientation of the light.
     pub world_from_light: Affine,
-    /// What it shows.
+    /// Projected slide.
     pub slide: Slide,
     /// Half extents of the slide at z = 1.
     pub half: Vec2,
     /// Factor on the slide's values.
     pub scale: f32,
-    /// Whether values are intensities (pbrt), or irradiances at z = 1 (Mitsuba), which fall with the cube of the
-    /// cosine.
+    /// True if values are irradiances at z = 1 (Mitsuba), which fall with the cube of the cosine; false if they are
+    /// intensities (pbrt).
     pub is_irradiance: bool,
 }
 

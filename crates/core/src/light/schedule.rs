@@ -14,7 +14,7 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// Of a light that always shines.
+    /// Schedule of a light that always shines.
     pub const ALWAYS: Self = Self { on: f64::NEG_INFINITY, off: f64::INFINITY, period: f64::INFINITY };
 
     fn shines(&self, moment: f64) -> bool {
@@ -29,14 +29,14 @@ impl Schedule {
 pub struct Timetable {
     /// When the shutter opens and closes, s.
     pub exposure: [f64; 2],
-    /// Of each of [`Lights::lights`](super::Lights::lights).
+    /// Schedule of each of [`Lights::lights`](super::Lights::lights).
     pub of_lights: Vec<Schedule>,
-    /// Of each of [`Lights::emitters`](super::Lights::emitters).
+    /// Schedule of each of [`Lights::emitters`](super::Lights::emitters).
     pub of_emitters: Vec<Schedule>,
 }
 
 impl Timetable {
-    /// Whether a light shines at the moment that is looked at.
+    /// True if a light with the given schedule shines at the moment of the sample.
     pub(super) fn shines(&self, schedule: &Schedule, lambda: &Wavelengths) -> bool {
         let [open, close] = self.exposure;
         schedule.shines(open + (close - open) * f64::from(lambda.time) - f64::from(lambda.delay))

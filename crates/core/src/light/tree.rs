@@ -5,10 +5,10 @@
 use super::LightContext;
 use steradian_math::{Bounds3, Vec3};
 
-/// What is known of a light, or of all lights below a node.
+/// Bounds on the position, directions and intensity of a light, or of all lights below a node.
 #[derive(Clone, Copy, Debug)]
 pub struct LightBounds {
-    /// Where it is.
+    /// Bounding box.
     pub bounds: Bounds3,
     /// Unit axis of the cone of its normals.
     pub axis: Vec3,
@@ -18,7 +18,7 @@ pub struct LightBounds {
     pub cos_e: f32,
     /// Luminous intensity along a normal: for surfaces luminance times area.
     pub intensity: f32,
-    /// Whether it emits to both sides of its normals.
+    /// True if light is emitted to both sides of the normals.
     pub two_sided: bool,
 }
 
@@ -41,7 +41,7 @@ impl LightBounds {
     }
 }
 
-/// What the choice among lights asks of [`LightBounds`].
+/// The part of [`LightBounds`] that the choice among lights needs.
 #[derive(Clone, Copy, Debug)]
 pub struct Cluster {
     /// The middle of the box.
@@ -132,11 +132,11 @@ fn union_cones(a: (Vec3, f32), b: (Vec3, f32)) -> (Vec3, f32) {
 /// A node of the tree.
 #[derive(Clone, Debug)]
 pub struct Node {
-    /// What is known of the lights below it.
+    /// Bounds of the lights below the node.
     pub cluster: Cluster,
     /// The second child (the first follows the node), or the light's index for a leaf.
     pub index: u32,
-    /// Whether it is one light.
+    /// True for a single light.
     pub leaf: bool,
 }
 
@@ -180,12 +180,12 @@ impl LightTree {
         tree
     }
 
-    /// How many lights there are.
+    /// Number of lights.
     pub fn len(&self) -> usize {
         self.nodes.len().div_ceil(2)
     }
 
-    /// Whether there is no light.
+    /// True if there is no light.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }

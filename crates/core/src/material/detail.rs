@@ -14,7 +14,7 @@ use steradian_texture::{FloatTexture, TextureContext, TextureId, Textures};
 pub struct NormalMap {
     /// Normals in the tangent frame: x along ∂p/∂u, z along the shading normal.
     pub texture: TextureId,
-    /// What its numbers are.
+    /// Encoding of the texture's values.
     pub code: NormalCode,
     /// y points along ∂p/∂v, as in MikkTSpace and glTF, also where the parametrisation is mirrored; else along z × x,
     /// as pbrt and Mitsuba have it.
@@ -25,7 +25,7 @@ pub struct NormalMap {
     pub filtered: Option<Arc<FilteredNormals>>,
 }
 
-/// What is done with a shading normal that detail has turned away from the viewer.
+/// Treatment of a shading normal that surface detail has turned away from the viewer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Facing {
     /// Opaque materials: bent until the mirror direction leaves the surface. Materials that transmit: mirrored about
@@ -43,12 +43,12 @@ pub enum Facing {
     AsItIs,
 }
 
-/// What changes the shading frame of a material.
+/// Perturbation of a material's shading frame.
 #[derive(Clone, Debug, Default)]
 pub struct SurfaceDetail {
-    /// What is done with normals that face away.
+    /// Treatment of normals that face away.
     pub facing: Facing,
-    /// Whether light from near the horizon is shaded by the bumps it has to pass ([`Cover`]); not of bent normals.
+    /// Enables shading of light from near the horizon by the bumps it has to pass ([`Cover`]); not of bent normals.
     pub shadows: bool,
     /// A normal map.
     pub normal_map: Option<NormalMap>,
@@ -85,7 +85,7 @@ impl SurfaceDetail {
         Some(self.normal_map.as_ref()?.filtered.as_ref()?.normal(at).1)
     }
 
-    /// Whether the shading normal may depend on where it is seen from.
+    /// True if the shading normal may depend on the viewing direction.
     #[inline]
     pub fn depends_on_viewer(&self) -> bool {
         self.facing != Facing::AsItIs && (self.normal_map.is_some() || self.bump.is_some())

@@ -36,11 +36,11 @@ pub struct Film {
     pub thickness: FloatTexture,
     /// Index.
     pub eta: FloatTexture,
-    /// What the lanes are.
+    /// Meaning of the spectral lanes.
     pub mode: ColorMode,
 }
 
-/// What facets reflect.
+/// Reflectance of facets.
 #[derive(Clone, Debug)]
 pub enum FacetReflectance {
     /// A dielectric.
@@ -58,11 +58,11 @@ pub struct Facets {
     pub diffuse: SpectrumTexture,
     /// `k_s`.
     pub specular: SpectrumTexture,
-    /// What they reflect.
+    /// Reflectance of the facets.
     pub reflectance: FacetReflectance,
     /// A film on them; not on Schlick's.
     pub film: Option<Film>,
-    /// How the diffuse part gives way.
+    /// Coupling of the diffuse part to the specular reflection.
     pub coupling: DiffuseCoupling,
     /// Roughness.
     pub roughness: Roughness,

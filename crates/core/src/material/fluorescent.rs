@@ -11,7 +11,7 @@ use steradian_texture::{SpectrumTexture, TextureContext, Textures};
 pub struct FluorescentMaterial {
     /// Albedo without fluorescence.
     pub reflectance: SpectrumTexture,
-    /// What leaves at which wavelength of what comes at which.
+    /// Reradiation: light emitted at each wavelength per light absorbed at each.
     pub reradiation: Arc<Reradiation>,
     /// For how long the light that leaves at other wavelengths is held back in the mean, s.
     pub lifetime: f32,

@@ -7,7 +7,7 @@ use steradian_texture::{TextureContext, Textures};
 /// A diffraction grating.
 #[derive(Clone, Debug)]
 pub struct GratingMaterial {
-    /// What it is made of; its roughness blurs the orders. Of one that transmits the tint counts.
+    /// Material of the grating; its roughness blurs the orders. A transmitting grating uses its tint.
     pub metal: Metal,
     /// Its grooves, along the tangent.
     pub grooves: Grooves,

@@ -11,7 +11,7 @@ use steradian_texture::{FloatTexture, SpectrumTexture};
 /// Parameters of a fibre.
 #[derive(Clone, Debug)]
 pub struct HairMaterial {
-    /// What colours it.
+    /// Absorption that colours the fibre.
     pub absorption: Absorption,
     /// Index of refraction.
     pub eta: FloatTexture,
@@ -21,12 +21,12 @@ pub struct HairMaterial {
     pub beta_n: FloatTexture,
     /// Tilt of the scales, degrees.
     pub alpha: FloatTexture,
-    /// Whether the surface is really round and the fibre runs along the bitangent (Mitsuba), rather than a strip along
+    /// True if the surface is really round and the fibre runs along the bitangent (Mitsuba), rather than a strip along
     /// the tangent.
     pub is_round: bool,
 }
 
-/// What colours hair.
+/// Absorption in hair.
 #[derive(Clone, Debug)]
 pub enum Absorption {
     /// σ_a, per radius of the fibre.

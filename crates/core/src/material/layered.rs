@@ -15,7 +15,7 @@ pub struct LayeredMaterial {
     pub eta: Eta,
     /// Roughness of the coat.
     pub coat: Roughness,
-    /// What is under it.
+    /// Base under the coat.
     pub base: LayeredBase,
     /// Optical depth of the medium.
     pub thickness: FloatTexture,
@@ -29,7 +29,7 @@ pub struct LayeredMaterial {
     pub samples: u16,
 }
 
-/// What is under a coat.
+/// Base under a coat.
 #[derive(Clone, Debug)]
 pub enum LayeredBase {
     /// A metal by η and k in vacuum.

@@ -47,7 +47,7 @@ pub struct Roughness {
     pub u: FloatTexture,
     /// Along the bitangent.
     pub v: FloatTexture,
-    /// Whether values are roughnesses `r` with α = √r, rather than α.
+    /// True if values are roughnesses `r` with α = √r, rather than α.
     pub remap: bool,
     /// Distribution of normals.
     pub distribution: NormalDistribution,
@@ -72,12 +72,12 @@ impl Roughness {
         Microfacet::new(self.distribution, self.shadowing, u, v)
     }
 
-    /// Whether it is the same everywhere.
+    /// True if both values are the same everywhere.
     fn is_constant(&self) -> bool {
         self.u.is_constant() && self.v.is_constant()
     }
 
-    /// Whether the two α may differ, so that the orientation of the tangent matters.
+    /// True if the two α may differ, so that the orientation of the tangent matters.
     pub fn is_anisotropic(&self) -> bool {
         match (self.u, self.v) {
             (FloatTexture::Constant(a), FloatTexture::Constant(b)) => a != b,
@@ -99,7 +99,7 @@ pub enum Eta {
 }
 
 impl Eta {
-    /// Whether it is the same everywhere.
+    /// True if the value is the same everywhere.
     fn is_constant(&self) -> bool {
         !matches!(self, Self::Varying(_))
     }
@@ -117,7 +117,7 @@ impl Eta {
     }
 }
 
-/// How a surface scatters.
+/// Scattering model of a surface.
 #[derive(Clone, Debug)]
 pub enum Model {
     /// Lambert.
@@ -139,9 +139,9 @@ pub enum Model {
     Compensated {
         /// The metal.
         metal: Metal,
-        /// How.
+        /// Method of the compensation.
         kind: Compensation,
-        /// What its facets lose.
+        /// Energy that single scattering loses at its facets.
         table: Arc<EnergyTable>,
     },
     /// Facets with a choice of reflectance, over a diffuse part.
@@ -180,7 +180,7 @@ pub enum Model {
         tint: SpectrumTexture,
         /// Roughness of the coat.
         roughness: Roughness,
-        /// What passes the coat.
+        /// Light that passes the coat.
         table: Arc<CoatTable>,
     },
     /// Tabulated reflection, turned about the normal with the surface's parametrisation.
@@ -210,11 +210,11 @@ pub enum Model {
 /// A material.
 #[derive(Clone, Debug)]
 pub struct Material {
-    /// How it scatters.
+    /// Scattering model.
     pub model: Model,
-    /// Whether the model, if it only reflects, does so on both sides.
+    /// True if a model that only reflects does so on both sides.
     pub two_sided: bool,
-    /// What changes the shading normal.
+    /// Perturbation of the shading normal.
     pub detail: Option<SurfaceDetail>,
 }
 
@@ -232,9 +232,9 @@ pub enum Ground {
 pub struct Scattering<'a> {
     /// The value.
     pub bsdf: Bsdf<'a>,
-    /// Whether it is defined with the normal turned over.
+    /// True if the model is defined with the normal turned over.
     pub flipped: bool,
-    /// What changes the shading normal.
+    /// Perturbation of the shading normal.
     pub detail: Option<&'a SurfaceDetail>,
     /// Effect of the surface without its detail on directions.
     pub ground: Option<Ground>,
@@ -299,7 +299,7 @@ impl<'a> Scattering<'a> {
 }
 
 impl Model {
-    /// What of it goes below surfaces, if any does, by name.
+    /// Name of its subsurface transport, if it has any.
     pub(crate) fn below(&self) -> Option<&'static str> {
         let is_followed = |base: &Option<SubsurfaceBase>| base.as_ref().is_some_and(|b| b.medium.is_some());
         match self {
@@ -314,7 +314,7 @@ impl Model {
         }
     }
 
-    /// What stands in where light is not followed below surfaces, nor to other wavelengths.
+    /// Replaces transport below surfaces and to other wavelengths by the local model that stands in for it.
     pub(crate) fn make_local(&mut self) {
         let diffuse = |base: &mut Option<SubsurfaceBase>| base.iter_mut().for_each(|b| b.medium = None);
         match self {
@@ -338,7 +338,7 @@ impl Material {
         Self::new(Model::Diffuse(SpectrumTexture::Constant(Color::constant(0.5))), true)
     }
 
-    /// What it is at all points, if that is the same, in RGB mode.
+    /// The BSDF at all points if it is the same everywhere, in RGB mode.
     fn constant(&self, textures: &Textures) -> Option<Bsdf<'static>> {
         if self.detail.is_some() || self.needs(&[]).parameters {
             return None;
@@ -347,7 +347,7 @@ impl Material {
         owned(&self.model, textures, &TextureContext::NOWHERE, &mut lambda).filter(|_| lambda == Wavelengths::RGB)
     }
 
-    /// What it asks of the surface, by what the materials with smaller indices ask.
+    /// Surface data that the material needs, given the needs of the materials with smaller indices.
     pub fn needs(&self, before: &[Needs]) -> Needs {
         let constant = |textures: &[&SpectrumTexture]| textures.iter().all(|t| t.is_constant());
         let of = |is_constant: bool, roughness: &Roughness| Needs {
@@ -393,7 +393,7 @@ impl Material {
     }
 }
 
-/// What is asked of points of a surface.
+/// Data needed at points of a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Needs {
     /// The parametrisation: parameters and derivatives, for textures and tangents.
@@ -414,7 +414,7 @@ impl std::ops::BitOr for Needs {
     }
 }
 
-/// Where a material's parameters are looked up.
+/// Lookup point of a material's parameters.
 struct Point<'p> {
     textures: &'p Textures,
     at: &'p TextureContext<'p>,
@@ -536,10 +536,10 @@ pub fn scattering<'a>(
     Some(Scattering { flipped: flipped || turns, detail, lifetime, below, ..Scattering::plain(bsdf) })
 }
 
-/// What a material is on one side at all points and wavelengths, and whether with the normal turned over.
+/// The BSDF of one side of a material, the same at all points and wavelengths; true if the normal is turned over.
 pub type Constant = (Bsdf<'static>, bool);
 
-/// Those of the back and the front of each material; `None` where they vary.
+/// The constant BSDFs of the back and the front of each material; `None` if they vary.
 pub(crate) fn constants(materials: &[Material], textures: &Textures) -> Vec<[Option<Constant>; 2]> {
     let constant = |material: &Material, front: bool| {
         if textures.mode() != ColorMode::Rgb || material.detail.is_some() {
@@ -564,7 +564,7 @@ pub(crate) fn constants(materials: &[Material], textures: &Textures) -> Vec<[Opt
 /// A material whose sides reflect by Lambert's law, the same everywhere.
 #[derive(Clone, Debug)]
 pub struct Lambertian {
-    /// Of the back and the front: the albedo, and whether the normal is turned over there.
+    /// Albedo of the back and the front, and true if the normal is turned over there.
     sides: [(Color, bool); 2],
 }
 
@@ -576,13 +576,13 @@ impl Lambertian {
         (albedo(color.eval(lambda)), *is_turned)
     }
 
-    /// Whether nothing is reflected.
+    /// True if nothing is reflected.
     pub(crate) fn is_black(&self) -> bool {
         self.sides.iter().all(|(color, _)| color.is_black())
     }
 }
 
-/// Those among materials that are.
+/// Lambertian description of each material; `None` for all others.
 pub(crate) fn lambertian(materials: &[Material]) -> Vec<Option<Lambertian>> {
     let side = |material: &Material, front: bool| {
         let (side, is_turned) = match &material.model {

@@ -1,8 +1,8 @@
-//! How normals are stored in textures.
+//! Encodings of normals in textures.
 
 use steradian_math::Vec3;
 
-/// What the numbers of a normal map are.
+/// Encoding of the values of a normal map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum NormalCode {
     /// `(n + 1)/2`, each component.

@@ -19,7 +19,7 @@ use steradian_texture::{
     store::{Level, Pages},
 };
 
-/// How roughness follows from the spread of normals.
+/// Mapping from the spread of normals to roughness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NormalFilter {
     /// From the length of the mean normal: the same in all directions.

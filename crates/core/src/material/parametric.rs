@@ -8,7 +8,7 @@ use steradian_texture::{FloatTexture, SpectrumTexture, TextureContext, Textures}
 /// A model and its parameters, each kind of them in the order of the schema.
 #[derive(Clone, Debug)]
 pub struct Parametric {
-    /// How it is made.
+    /// Construction of the BSDF from the parameters.
     pub recipe: &'static Recipe,
     /// Reflectances; at most [`MOST_INPUTS`].
     pub colors: Vec<SpectrumTexture>,

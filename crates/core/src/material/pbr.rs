@@ -8,7 +8,7 @@ use steradian_math::{
 };
 use steradian_texture::{FloatTexture, SpectrumTexture, TextureContext, Textures};
 
-/// How roughness and anisotropy become the two α.
+/// Mapping from roughness and anisotropy to the two α.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stretch {
     /// `α_t = α + (1 − α) strength²`, `α_b = α` (KHR_materials_anisotropy).
@@ -24,13 +24,13 @@ pub struct PbrMaterial {
     pub base_color: SpectrumTexture,
     /// Factor on the base colour.
     pub base_weight: FloatTexture,
-    /// How much of it is metal.
+    /// Weight of the metal.
     pub metallic: FloatTexture,
     /// Roughness; α is its square.
     pub roughness: FloatTexture,
     /// Strength of the anisotropy.
     pub anisotropy: FloatTexture,
-    /// What the strength means.
+    /// Convention of the anisotropy strength.
     pub stretch: Stretch,
     /// Index of refraction.
     pub eta: Eta,
@@ -42,7 +42,7 @@ pub struct PbrMaterial {
     pub transmission: FloatTexture,
     /// Tint of what is refracted; the base colour where it is `None`.
     pub transmission_color: Option<SpectrumTexture>,
-    /// Whether light passes unbent.
+    /// True for a thin wall, which light passes unbent.
     pub thin: bool,
     /// Diffuse transmission.
     pub diffuse_transmission: FloatTexture,
@@ -60,11 +60,11 @@ pub struct PbrMaterial {
     pub coat_roughness: FloatTexture,
     /// Its index of refraction.
     pub coat_eta: FloatTexture,
-    /// What light keeps in it.
+    /// Transmittance of the coat.
     pub coat_color: SpectrumTexture,
     /// A film over the base: how much of it, its thickness (nm) and index.
     pub film: Option<[FloatTexture; 3]>,
-    /// What of the diffuse base is a medium.
+    /// Subsurface medium within the diffuse base.
     pub subsurface: Option<SubsurfaceBase>,
 }
 

@@ -36,7 +36,7 @@ pub struct PrincipledMaterial {
     pub clearcoat_gloss: FloatTexture,
     /// For a thin sheet, the diffuse transmission in [0, 2].
     pub thin: Option<FloatTexture>,
-    /// What of the diffuse part is a medium.
+    /// Subsurface medium within the diffuse part.
     pub subsurface: Option<SubsurfaceBase>,
 }
 

@@ -1,5 +1,4 @@
-//! What is below a surface that light enters: coefficients of a medium as a scene gives them, and by which
-//! approximation light gets through.
+//! Subsurface media: coefficients as a scene gives them, and the approximation by which light is transported.
 
 use super::{Point, Roughness};
 use std::sync::Arc;
@@ -19,7 +18,7 @@ pub struct SubsurfaceMaterial {
     pub transmittance: SpectrumTexture,
     /// Roughness of the surface.
     pub roughness: Roughness,
-    /// What is below.
+    /// Medium below the surface.
     pub medium: SubsurfaceMedium,
     /// Index of the material that stands in where light is not followed below.
     pub local: u32,
@@ -28,18 +27,18 @@ pub struct SubsurfaceMaterial {
 /// The part of a layered surface's diffuse base that is a medium.
 #[derive(Clone, Debug)]
 pub struct SubsurfaceBase {
-    /// How much of it.
+    /// Weight of the medium.
     pub weight: FloatTexture,
     /// The part of the light that comes back.
     pub color: SpectrumTexture,
     /// Mean cosine of the phase function.
     pub g: f32,
-    /// What is below; `None` where light is not followed there.
+    /// Medium below the surface; `None` if light is not followed there.
     pub medium: Option<SubsurfaceMedium>,
 }
 
 impl SubsurfaceBase {
-    /// What it is at a point.
+    /// Its parameters at a point.
     pub(super) fn part(&self, p: &Point<'_>) -> SubsurfacePart {
         SubsurfacePart {
             weight: p.float(&self.weight),
@@ -53,20 +52,20 @@ impl SubsurfaceBase {
 /// A medium that light enters, to leave it elsewhere on the same object.
 #[derive(Clone, Debug)]
 pub struct SubsurfaceMedium {
-    /// How light leaves; holds the index of refraction inside over outside.
+    /// Model of light that leaves the medium; holds the index of refraction inside over outside.
     pub emergence: Emergence,
     /// The boundary as light meets it from within: the same, or one that reflects nothing where the content is what
     /// comes back without a boundary.
     pub within: Emergence,
-    /// What the medium is.
+    /// Optical properties of the medium.
     pub content: Content,
     /// Mean cosine of its phase function.
     pub g: f32,
-    /// How light gets through it.
+    /// Method of light transport in the medium.
     pub method: SubsurfaceMethod,
 }
 
-/// What a medium below a surface is.
+/// Optical properties of a medium below a surface.
 #[derive(Clone, Debug)]
 pub enum Content {
     /// By its coefficients of absorption and scattering, in 1/length.
@@ -75,7 +74,7 @@ pub enum Content {
     Albedo(SpectrumTexture, SpectrumTexture),
 }
 
-/// How light gets through a medium below a surface.
+/// Method of light transport in a medium below a surface.
 #[derive(Clone, Debug)]
 pub enum SubsurfaceMethod {
     /// A profile by the albedo of single scattering and distances in mean free paths.
@@ -88,7 +87,7 @@ pub enum SubsurfaceMethod {
     Walk(Option<Arc<WalkAlbedo>>),
 }
 
-/// What is below a point of a surface.
+/// Subsurface medium at a point of a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Below<'a> {
     /// Extinction by lanes, 1/length: for profiles the inverse of the length that their table counts in.
@@ -116,7 +115,7 @@ impl SubsurfaceMaterial {
 }
 
 impl SubsurfaceMedium {
-    /// What is below a point.
+    /// Subsurface medium at a point.
     pub fn below(&self, textures: &Textures, at: &TextureContext<'_>, lambda: &Wavelengths) -> Below<'_> {
         let p = Point { textures, at, lambda };
         let (table, is_reduced) = match &self.method {

@@ -24,8 +24,9 @@ pub struct EmissiveVolume {
 }
 
 impl EmissiveVolume {
-    /// Of a medium, by its index, in a box that a map takes to the unit cube, and what it gives off: luminance times
-    /// volume, in proportion to which one is chosen. `None` where that is nothing, or the box has no volume.
+    /// Emissive volume of a medium, given by its index, in a box that `cube_from_world` maps to the unit cube, and its
+    /// emission: luminance times volume, in proportion to which a volume is chosen. `None` if there is no emission, or
+    /// the box has no volume.
     pub fn new(index: u32, medium: &Medium, cube_from_world: &Affine, mode: ColorMode) -> Option<(Self, f32)> {
         let world_from_cube = cube_from_world.inverse();
         let axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| world_from_cube.vector(axis));
@@ -62,8 +63,8 @@ impl EmissiveVolume {
         Some((volume, power))
     }
 
-    /// Whether light is not looked for from a point: it is where the medium glows, so that scattering finds the light
-    /// wherever it leads.
+    /// True if next-event estimation leaves this volume out at `p`: the medium glows there, so that scattering finds
+    /// the light wherever it leads.
     #[inline]
     pub fn surrounds(&self, p: Vec3) -> bool {
         self.cells.cell(p).is_some_and(|cell| self.density[cell] > 0.0)

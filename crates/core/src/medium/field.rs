@@ -19,16 +19,16 @@ pub(super) const CELLS: usize = 16;
 pub struct Grid {
     size: [usize; 3],
     values: Vec<f32>,
-    /// What is beyond the outermost numbers: [`Wrap::Border`] is zero (pbrt).
+    /// Values beyond the outermost numbers: [`Wrap::Border`] is zero (pbrt).
     pub wrap: Wrap,
-    /// Whether the nearest number is taken; else they are interpolated linearly.
+    /// Selects the nearest number; else they are interpolated linearly.
     pub is_nearest: bool,
     /// From the unit cube of the medium into that of the grid, where it is another one.
     pub from_cube: Option<Affine>,
 }
 
 impl Grid {
-    /// Of `x × y × z` numbers, x fastest, interpolated; `None` where their count is another one.
+    /// Grid of `x × y × z` numbers, x fastest, interpolated; `None` if the count differs.
     pub fn new(size: [usize; 3], values: Vec<f32>, wrap: Wrap) -> Option<Self> {
         let count = size.iter().try_fold(1_usize, |n, s| n.checked_mul(*s));
         let is_whole = count == Some(values.len()) && count != Some(0);
@@ -101,7 +101,7 @@ impl Grid {
 pub struct Cloud {
     /// Factor on the noise.
     pub density: f32,
-    /// How far the noise is bent by other noise.
+    /// Amount by which the noise is distorted by other noise.
     pub wispiness: f32,
     /// Cycles of the coarsest octave per unit.
     pub frequency: f32,
@@ -133,7 +133,7 @@ impl Cloud {
     }
 }
 
-/// What varies.
+/// Spatial variation of a medium.
 #[derive(Clone, Debug)]
 pub enum Variation {
     /// Both coefficients by the density of a cloud.
@@ -156,7 +156,7 @@ pub struct Glow {
     pub scale: Option<Grid>,
 }
 
-/// Where the colour of a glow comes from.
+/// Source of the colour of a glow.
 #[derive(Clone, Debug)]
 pub enum GlowSource {
     /// The same everywhere.
@@ -171,7 +171,7 @@ pub enum GlowSource {
 #[derive(Clone, Debug)]
 pub struct Heat {
     temperatures: Grid,
-    /// What an interpolated temperature is less, and then times (pbrt).
+    /// Subtracted from an interpolated temperature before it is multiplied by the scale (pbrt).
     offset: f32,
     scale: f32,
     /// Colours at even steps from [`Heat::COLDEST`] to the highest temperature.
@@ -184,7 +184,8 @@ impl Heat {
     const COLDEST: f32 = 100.0;
     const STEPS: usize = 256;
 
-    /// Of a grid of temperatures, less `offset`, times `scale`, with the colour of a black body at any.
+    /// Black-body emission of a grid of temperatures, less `offset`, times `scale`, where `color` gives the colour of a
+    /// black body of any temperature.
     pub fn new(temperatures: Grid, (offset, scale): (f32, f32), color: impl Fn(f32) -> Color) -> Self {
         // Outside of the grid the temperature is zero.
         let kelvin = temperatures.values.iter().chain(&[0.0]).map(|t| (t - offset) * scale);
@@ -240,7 +241,7 @@ pub struct Field {
 }
 
 impl Field {
-    /// What fills a box, which `world_from_medium` places.
+    /// Medium that fills a box placed by `world_from_medium`.
     pub fn new(bounds: &Bounds3, world_from_medium: &Affine, variation: Variation, mode: ColorMode) -> Option<Self> {
         let cube = into_cube(bounds)?;
         let into = world_from_medium.inverse();

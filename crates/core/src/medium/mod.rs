@@ -18,7 +18,7 @@ use steradian_math::{
 /// A medium.
 #[derive(Clone, Debug)]
 pub struct Medium {
-    /// Where it varies: the coefficients are for a variation of one then.
+    /// Spatial variation; the coefficients are those for a variation of one.
     pub field: Option<Arc<Field>>,
     /// The light that it gives off.
     pub glow: Option<Glow>,
@@ -46,14 +46,14 @@ impl Medium {
         (self.sigma_a.eval(lambda) * self.scale, self.sigma_s.eval(lambda) * self.scale)
     }
 
-    /// What bounds on the variation are multiplied with.
+    /// Extinction by which bounds on the variation are multiplied to give majorants.
     #[inline]
     pub fn majorant(&self, lambda: &Wavelengths) -> Spectrum {
         let (a, s) = self.coefficients(lambda);
         a + s
     }
 
-    /// Whether it scatters at all, in the first lanes.
+    /// True if it scatters at all, in the first lanes.
     pub fn scatters(&self, lambda: &Wavelengths, lanes: usize) -> bool {
         let (_, s) = self.coefficients(lambda);
         (0..lanes).any(|l| s[l] > 0.0)

@@ -25,7 +25,7 @@ pub enum Phase {
 pub enum Lobe {
     /// Henyey and Greenstein's, with its mean cosine.
     HenyeyGreenstein(f32),
-    /// Of particles much smaller than the wavelength.
+    /// Scattering by particles much smaller than the wavelength.
     Rayleigh,
     /// Linear between values at even steps of the cosine.
     Table(Table),

@@ -17,9 +17,9 @@ pub struct HeightField {
 /// A ray in the space of the relief: x along u, y along v, z up. Its parameter is in units of the direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
-    /// Where it starts.
+    /// Origin of the line.
     pub origin: Vec3,
-    /// Where it goes.
+    /// Direction of the line.
     pub direction: Vec3,
 }
 
@@ -150,7 +150,7 @@ impl HeightField {
         (near <= far && near.is_finite() && far.is_finite()).then_some((near, far))
     }
 
-    /// Where a line first meets the relief from above: cell by cell, in each the smaller root of a quadratic.
+    /// First intersection of a line with the relief from above: cell by cell, in each the smaller root of a quadratic.
     pub fn first_hit(&self, line: &Line) -> Option<f32> {
         let (near, far) = self.span(line)?;
         let mut t = near;

@@ -34,7 +34,7 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// Of one normal.
+    /// Moments of a single normal.
     pub fn of(n: Vec3) -> Self {
         // The slope of a surface that is seen edge-on is held at a thousand.
         let b = (n.truncate() / n.z.max(1e-3)).clamp(Vec2::splat(-1e3), Vec2::splat(1e3));

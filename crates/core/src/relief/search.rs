@@ -7,7 +7,7 @@
 use super::field::{HeightField, Line};
 use steradian_math::{Vec2, Vec3};
 
-/// How far a point is above the relief.
+/// Height of a point above the relief.
 fn above(field: &HeightField, p: Vec3) -> f32 {
     p.z - field.at(p.truncate())
 }
@@ -66,7 +66,7 @@ pub fn secant(field: &HeightField, line: &Line, (mut a, mut b): (f32, f32), step
 #[derive(Clone, Debug)]
 pub struct ConeMap {
     ratios: Box<[f32]>,
-    /// Whether cones may reach into the relief, but not through it.
+    /// True if cones may reach into the relief, but not through it.
     relaxed: bool,
 }
 
@@ -138,7 +138,7 @@ impl ConeMap {
         self.ratios[j * field.cells().0 + i]
     }
 
-    /// How wide the cones are on average.
+    /// Mean ratio of the cones: radius over height.
     pub fn mean_ratio(&self) -> f32 {
         self.ratios.iter().sum::<f32>() / self.ratios.len() as f32
     }

@@ -110,7 +110,7 @@ impl Sampler {
         Self { spp: self.spp.div_ceil(2), seed: combine64(self.seed, HALF + u64::from(number % 2)), ..*self }
     }
 
-    /// What the first argument of [`z_order`] is for pixels; `None` for other points than those of `ZSobol`.
+    /// First argument of [`z_order`] for pixels; `None` for samplers other than `ZSobol`.
     pub fn z_base(&self) -> Option<u32> {
         (self.kind == SamplerKind::ZSobol).then(|| self.base(PIXEL))
     }
@@ -145,10 +145,10 @@ impl Sampler {
     }
 }
 
-/// What the seed of the first half is hashed with; that of the other follows.
+/// Salt of the seed of the first half; that of the other is one more.
 const HALF: u64 = 0x9d8f_31c7_44b2_6e50;
 
-/// What the numbers of pixels are hashed with.
+/// Salt of pixel coordinates.
 const PIXEL: u32 = 0x5d4e_8a1b;
 
 /// Seed and index of a sample of a pixel where the pixels of a block take consecutive parts of one sequence.
@@ -177,7 +177,7 @@ pub struct GroupSampler {
 }
 
 impl GroupSampler {
-    /// Those of a member.
+    /// Sampler of a member of the group.
     #[inline]
     pub fn member(&self, rank: u32) -> PixelSampler {
         let index = self.first.index.wrapping_add(rank.wrapping_mul(self.block));
@@ -185,7 +185,7 @@ impl GroupSampler {
     }
 }
 
-/// How the Sobol' points of a dimension are shuffled and scrambled, for a seed.
+/// Shuffling and scrambling of the Sobol' points of a dimension, for a seed.
 #[inline(always)]
 pub fn sobol_scramble(seed: u32, dimension: u32) -> Scramble {
     Scramble::new(mix64(u64::from(seed) << 32 | u64::from(dimension)))
@@ -227,7 +227,7 @@ impl PixelSampler {
         }
     }
 
-    /// How the points of a dimension are shuffled and scrambled.
+    /// Shuffling and scrambling of the points of a dimension.
     #[inline]
     fn scramble(&self, dimension: u32) -> Scramble {
         sobol_scramble(self.seed, dimension)

@@ -98,7 +98,7 @@ fn free_places(strata: &Strata, [x, y]: [u32; 2], quarter: u32) -> Vec<[u32; 2]>
     xs.iter().flat_map(|x| ys.iter().map(|y| [*x, *y])).filter(|p| strata.is_free(*p)).collect()
 }
 
-/// Of some places, jittered within their cells, the one farthest from all points, on the torus.
+/// The candidate farthest from all points on the torus, among places jittered within their cells.
 fn spread(places: &[[u32; 2]], points: &[[u32; 2]], level: u32, rng: &mut HashRng) -> Option<[u32; 2]> {
     let jitter = (1_u64 << (32 - level)) - 1;
     let mut best: Option<(u64, [u32; 2])> = None;

@@ -1,4 +1,4 @@
-//! What holds for every sampler, and what is said of each.
+//! Laws that hold for every sampler, and tests of the claims about each.
 
 use super::*;
 use steradian_testkit::{chi2_test, sidak};
@@ -51,7 +51,7 @@ fn numbers_integrate() {
     }
 }
 
-/// Whether each of `columns` × `rows` boxes has at most one point.
+/// Tests that each of `columns` × `rows` boxes has at most one point.
 fn one_per_box(points: &[Vec2], columns: u32, rows: u32) -> bool {
     let mut seen = vec![false; (columns * rows) as usize];
     points.iter().all(|p| {
@@ -215,9 +215,9 @@ fn dimensions_and_pixels_are_independent() {
     }
 }
 
-/// What blue noise is for: the mean over 4 × 4 pixels of the default sampler errs far less than with independent
-/// pixels, for one sample and for four, while each pixel errs as much: within 15 %, since the pixels of a block share a
-/// scramble, of which there are 64.
+/// Blue noise reduces the error of block averages: the mean over 4 × 4 pixels of the default sampler errs far less than
+/// with independent pixels, for one sample and for four, while each pixel errs as much: within 15 %, since the pixels
+/// of a block share a scramble, of which there are 64.
 #[test]
 fn neighbours_err_in_opposite_directions() {
     const SIZE: u32 = 16;

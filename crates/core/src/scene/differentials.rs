@@ -67,7 +67,7 @@ impl Scene {
         }
     }
 
-    /// How the unit shading normal changes with a displacement of the point, in first order. The curvature of patches,
+    /// Derivative of the unit shading normal for a displacement of the point, in first order. The curvature of patches,
     /// curves and height fields is left out.
     fn normal_derivative(&self, i: &Interaction, dp: Vec3) -> Vec3 {
         match &self.parts.geometries[i.geometry as usize].shape {

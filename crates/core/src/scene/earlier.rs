@@ -1,9 +1,9 @@
-//! Where points of a scene were in the scene of another frame of an animation.
+//! Positions of surface points in the scene of another frame of an animation.
 
 use super::{Interaction, Scene, Shape};
 use steradian_math::{Ray, Vec2, Vec3, geometry::barycentric, transform::Affine};
 
-/// How something has moved since the frame before.
+/// Motion of a point since the frame before.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moved {
     /// On the screen, in pixels: x to the right, y down.
@@ -13,8 +13,8 @@ pub struct Moved {
 }
 
 impl Scene {
-    /// Where the point of a surface of this scene was in an earlier one of the same animation, at the same moment of
-    /// the exposure: points of meshes that have as many triangles are known by these, others by the place of their
+    /// Position of a surface point in an earlier scene of the same animation, at the same moment of the exposure:
+    /// points of meshes with equal triangle counts are tracked by their triangle, others by the transform of their
     /// group.
     pub fn position_in(&self, earlier: &Self, i: &Interaction) -> Vec3 {
         let place = |of: &Self| of.placements().get(i.id.instance as usize).map_or(Affine::IDENTITY, |p| p.at(i.time));
@@ -36,8 +36,8 @@ impl Scene {
         then.point(moves.map_or(local, |(now, then)| moved(local, now, then)))
     }
 
-    /// How the point of a surface has moved since an earlier frame of the same animation; `None` where one of the two
-    /// cameras does not see in its direction, or has no projection to a plane or sphere.
+    /// Motion of a surface point since an earlier frame of the same animation; `None` if one of the two cameras does
+    /// not see in its direction, or has no projection to a plane or sphere.
     pub fn moved_since(&self, earlier: &Self, i: &Interaction) -> Option<Moved> {
         if self.origin() != earlier.origin() {
             return None;
@@ -51,8 +51,8 @@ impl Scene {
         pixels.is_finite().then_some(Moved { pixels, depth: depth - depth_before })
     }
 
-    /// How what is seen infinitely far away along a ray has moved since an earlier frame, by the turn of the camera
-    /// alone; `None` where that is not known.
+    /// Motion of a point infinitely far along a ray since an earlier frame, by the turn of the camera alone; `None` if
+    /// it is not known.
     pub fn far_moved_since(&self, earlier: &Self, ray: &Ray) -> Option<Moved> {
         let [at, before] = [self, earlier].map(|s| s.camera().project_direction(s.film(), ray.direction, ray.time));
         let pixels = self.shortest(at? - before?);

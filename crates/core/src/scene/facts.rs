@@ -1,4 +1,4 @@
-//! What follows from the parts of a scene, found once.
+//! Facts derived from the parts of a scene, found once.
 
 use super::{Geometry, Parts, Shape};
 use crate::{
@@ -8,7 +8,7 @@ use crate::{
 };
 use steradian_math::Bounds3;
 
-/// What follows from the parts of a scene.
+/// Facts derived from the parts of a scene.
 #[derive(Clone, Debug)]
 pub struct Facts {
     pub planes: Vec<u32>,
@@ -20,14 +20,14 @@ pub struct Facts {
     /// Media that give off light, where it may arrive straight.
     pub emissive_volumes: Vec<EmissiveVolume>,
     pub has_curves: bool,
-    /// What goes below surfaces, if anything does.
+    /// Name of the subsurface transport in the scene, if there is any.
     pub below_surfaces: Option<&'static str>,
     pub is_fluorescent: bool,
     /// The back and the front of each material.
     pub constants: Vec<[Option<material::Constant>; 2]>,
     /// Each material whose sides reflect by Lambert's law, the same everywhere.
     pub lambertian: Vec<Option<Lambertian>>,
-    /// What is known of each geometry.
+    /// Scattering kind of each geometry.
     pub kinds: Vec<Kind>,
 }
 
@@ -88,7 +88,7 @@ fn filled(parts: &Parts, medium: u32) -> Bounds3 {
     })
 }
 
-/// How a geometry scatters, where that is simple.
+/// Scattering of a geometry, as far as it is simple.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// In any way.

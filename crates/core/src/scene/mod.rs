@@ -73,7 +73,7 @@ impl Scene {
         self
     }
 
-    /// What the lanes of spectra are.
+    /// Meaning of the spectral lanes.
     #[inline]
     pub fn mode(&self) -> ColorMode {
         self.parts.mode
@@ -97,7 +97,7 @@ impl Scene {
         &self.parts.placements
     }
 
-    /// How many of the geometries are the world's own; those of groups follow.
+    /// Number of geometries of the world itself; those of groups follow.
     #[inline]
     pub fn world_count(&self) -> u32 {
         self.parts.world_count
@@ -160,7 +160,7 @@ impl Scene {
         &self.parts.film
     }
 
-    /// What the scene asks for.
+    /// Settings of the scene.
     #[inline]
     pub fn settings(&self) -> &Settings {
         &self.parts.settings
@@ -184,31 +184,31 @@ impl Scene {
         &self.parts.material_names
     }
 
-    /// Where textures wait that are not in memory, where these are limited.
+    /// Page store of the textures that are not in memory, if texture memory is limited.
     #[inline]
     pub fn texture_pages(&self) -> Option<&Arc<Pages>> {
         self.parts.texture_pages.as_ref()
     }
 
-    /// Whether anything changes over the exposure.
+    /// True if anything changes over the exposure.
     #[inline]
     pub fn is_timed(&self) -> bool {
         self.facts.is_timed
     }
 
-    /// Whether any material is a mixture.
+    /// True if any material is a mixture.
     #[inline]
     pub fn has_mixtures(&self) -> bool {
         self.facts.has_mixtures
     }
 
-    /// Whether light is lost or scattered between surfaces.
+    /// True if light is absorbed or scattered between surfaces.
     #[inline]
     pub fn has_media(&self) -> bool {
         self.facts.has_media
     }
 
-    /// Whether there are surfaces that light passes straight: interfaces and thin panes.
+    /// True if there are surfaces that light passes straight: interfaces and thin panes.
     #[inline]
     pub fn is_see_through(&self) -> bool {
         self.facts.is_see_through
@@ -220,44 +220,44 @@ impl Scene {
         &self.facts.emissive_volumes
     }
 
-    /// Whether light enters any material to leave it elsewhere.
+    /// True if light enters any material to leave it elsewhere.
     #[inline]
     pub fn has_subsurface(&self) -> bool {
         self.facts.below_surfaces.is_some()
     }
 
-    /// That, with the material's name, where any does.
+    /// Name of the subsurface transport, with its material; `None` without any.
     pub fn below_surfaces(&self) -> Option<&'static str> {
         self.facts.below_surfaces
     }
 
-    /// Whether any material gives light back at other wavelengths.
+    /// True if any material is fluorescent: reradiates light at other wavelengths.
     #[inline]
     pub fn is_fluorescent(&self) -> bool {
         self.facts.is_fluorescent
     }
 
-    /// Whether any light does not always shine.
+    /// True if any light does not always shine.
     #[inline]
     pub fn has_schedules(&self) -> bool {
         self.parts.lights.timetable.is_some()
     }
 
-    /// Whether paths are to be followed one by one from the eye: light goes below surfaces, or changes its wavelength,
-    /// or does not always shine.
+    /// True if paths must be traced one by one from the eye: light goes below surfaces, or changes its wavelength, or
+    /// does not always shine.
     #[inline]
     pub fn is_for_paths_alone(&self) -> bool {
         self.has_subsurface() || self.is_fluorescent() || self.has_schedules()
     }
 
-    /// Whether there are curves, which face the ray ([`Scene::faces_rays`]).
+    /// True if there are curves, which face the ray ([`Scene::faces_rays`]).
     #[inline]
     pub fn has_curves(&self) -> bool {
         self.facts.has_curves
     }
 }
 
-/// What each geometry's hits have to know. Footprints go on from any surface.
+/// Sets the data that each geometry's hits need. Footprints go on from any surface.
 fn set_needs(parts: &mut Parts, has_footprints: bool) {
     let mut needs = Vec::with_capacity(parts.materials.len());
     for material in &parts.materials {
@@ -372,14 +372,14 @@ impl Scene {
         steradian_scene::build::Scene::builder()
     }
 
-    /// Whether a primitive is of a mesh in the world that emits nothing, separates no media, and of which each side
-    /// scatters by Lambert's law, the same everywhere.
+    /// True if a primitive belongs to a mesh in the world that emits nothing, separates no media, and of which each
+    /// side scatters by Lambert's law, the same everywhere.
     #[inline]
     pub fn is_lambertian(&self, id: PrimId) -> bool {
         id.instance == WORLD && self.facts.kinds[id.geom as usize] == Kind::Lambertian
     }
 
-    /// That mesh, and what its sides reflect.
+    /// Mesh and reflectances of a primitive for which [`Scene::is_lambertian`] holds; `None` for others.
     #[inline]
     pub fn lambertian(&self, id: PrimId) -> Option<(&TriMesh, &Lambertian)> {
         let geometry = self.parts.geometries.get(id.geom as usize).filter(|_| self.is_lambertian(id))?;
@@ -387,7 +387,7 @@ impl Scene {
         Some((mesh, self.facts.lambertian[geometry.material as usize].as_ref()?))
     }
 
-    /// Whether a geometry scatters nothing, being black.
+    /// True if a geometry scatters nothing, being black.
     #[inline]
     pub fn is_black(&self, geometry: u32) -> bool {
         self.facts.kinds[geometry as usize] == Kind::Black
@@ -404,7 +404,7 @@ impl Scene {
         if id.instance == WORLD { id.geom } else { self.parts.placements[id.instance as usize].base + id.geom }
     }
 
-    /// Where the group of a primitive is at a moment; `None` in the world.
+    /// Transform of a primitive's group at a moment of the exposure; `None` in the world.
     #[inline]
     pub fn place(&self, id: PrimId, time: f32) -> Option<Affine> {
         (id.instance != WORLD).then(|| self.parts.placements[id.instance as usize].at(time))
@@ -421,42 +421,43 @@ impl Scene {
         })
     }
 
-    /// How many shapes emit light although no point of them can be drawn as a light, such as infinite planes: only
-    /// paths that meet them by chance find their light.
+    /// Number of emitting shapes that cannot be sampled as lights, such as infinite planes: only paths that meet them
+    /// by chance find their light.
     pub fn emitters_left_to_chance(&self) -> usize {
         self.parts.geometries.iter().filter(|g| g.emitter.is_some() && g.lights.is_empty()).count()
     }
 
-    /// Whether camera rays pass a geometry where lights are hidden from the camera: whether it emits.
+    /// True if camera rays pass a geometry when lights are hidden from the camera: it emits, and hidden emitters do not
+    /// block.
     #[inline]
     pub fn is_passed_when_hidden(&self, geometry: u32) -> bool {
         self.parts.geometries[geometry as usize].emitter.is_some() && !self.parts.settings.hidden_emitters_block
     }
 
-    /// Whether normal or bump maps change the shading of any material.
+    /// True if normal or bump maps change the shading of any material.
     pub fn has_surface_detail(&self) -> bool {
         let bends = |d: &SurfaceDetail| d.normal_map.is_some() || d.bump.is_some();
         self.parts.materials.iter().any(|m| m.detail.as_ref().is_some_and(bends))
     }
 
-    /// Whether a geometry turns towards every ray, so that a point of it is one of its surface only from one side.
+    /// True if a geometry turns towards every ray, so that a point of it is one of its surface only from one side.
     pub fn faces_rays(&self, geometry: u32) -> bool {
         self.parts.geometries[geometry as usize].shape.faces_rays()
     }
 
-    /// Whether anything moves while the shutter is open.
+    /// True if anything moves while the shutter is open.
     pub fn moves(&self) -> bool {
         self.parts.camera.motion.is_some() || self.parts.placements.iter().any(|p| p.motion.is_some())
     }
 
-    /// Whether a hit counts that was found otherwise than by [`Scene::intersect`]: not where the opacity of its shape
-    /// lets the ray through. The ray is in the space of the shape's group.
+    /// Tests a hit found otherwise than by [`Scene::intersect`]: false if the opacity of its shape lets the ray
+    /// through. The ray is in the space of the shape's group.
     #[inline]
     pub fn counts(&self, hit: &Hit, ray: &Ray) -> bool {
         Query::<false>(self).passes(self.geometry(hit.id), hit, ray)
     }
 
-    /// Whether an alpha-tested hit counts: by chance, with a random number that is a function of ray and point.
+    /// Stochastic alpha test: true if the hit counts, by a random number that is a function of ray and point.
     fn is_opaque_at(&self, geometry: &Geometry, alpha: &FloatTexture, hit: &Hit, ray: &Ray) -> bool {
         if let FloatTexture::Constant(a @ (..=0.0 | 1.0..)) = *alpha {
             return a >= 1.0;
@@ -539,7 +540,7 @@ impl Scene {
         }
     }
 
-    /// Whether anything that scatters is met within the ray's interval.
+    /// True if the ray meets anything that scatters within its interval.
     pub fn occluded(&self, ray: &Ray) -> bool {
         let meets_plane = || self.nearest_plane::<true>(&mut ray.clone()).is_some();
         !self.facts.planes.is_empty() && meets_plane() || self.parts.accel.occluded(ray, &Query::<true>(self))
@@ -563,8 +564,8 @@ impl Scene {
         None
     }
 
-    /// Whether anything that scatters and emits no light is met within the ray's interval: whether it hides a point
-    /// from a camera that does not see lights.
+    /// True if the ray meets anything that scatters and emits no light within its interval, which hides a point from a
+    /// camera that does not see lights.
     pub fn occluded_past_emitters(&self, ray: &Ray) -> bool {
         let mut ray = *ray;
         while let Some((from, hit)) = self.intersect_past_emitters(&ray) {
@@ -580,14 +581,14 @@ impl Scene {
         false
     }
 
-    /// What [`Scene::intersect`] costs in the structure.
+    /// Traversal cost of [`Scene::intersect`].
     pub fn intersect_cost(&self, ray: &Ray) -> Steps {
         let mut ray = *ray;
         self.nearest_plane::<false>(&mut ray);
         self.parts.accel.intersect_cost(&ray, &Query::<false>(self))
     }
 
-    /// What [`Scene::occluded`] costs in the structure.
+    /// Traversal cost of [`Scene::occluded`].
     pub fn occluded_cost(&self, ray: &Ray) -> Steps {
         match self.nearest_plane::<true>(&mut ray.clone()) {
             Some(_) => Steps::default(),
@@ -664,13 +665,13 @@ impl Scene {
         i
     }
 
-    /// Where textures are looked up at a point of a surface, over the footprint that the camera would have there.
+    /// Texture context of a surface point, over the footprint that the camera would have there.
     #[inline]
     pub fn texture_context<'a>(&'a self, i: &Interaction) -> TextureContext<'a> {
         self.texture_context_over(i, self.footprint(i, None))
     }
 
-    /// Where textures are looked up at a point of a surface, over a footprint.
+    /// Texture context of a surface point, over a given footprint.
     #[inline]
     pub fn texture_context_over<'a>(&'a self, i: &Interaction, footprint: Footprint) -> TextureContext<'a> {
         let mesh: Option<(&dyn MeshAttributes, _, _)> = match &self.parts.geometries[i.geometry as usize].shape {
@@ -680,8 +681,8 @@ impl Scene {
         TextureContext { n: i.surface.ns, wo: i.wo, footprint, mesh, ..TextureContext::new(i.surface.p, i.surface.uv) }
     }
 
-    /// How the surface scatters, and the shading frame in which it does: +z on the viewer's side for models that only
-    /// reflect. `None` where nothing scatters.
+    /// Scattering at a surface point, and its shading frame: +z on the viewer's side for models that only reflect.
+    /// `None` if nothing scatters.
     #[inline]
     pub fn scattering<'a>(
         &'a self,
@@ -824,7 +825,7 @@ impl Scene {
     }
 }
 
-/// Whether a material scatters nothing.
+/// True for a material that scatters nothing.
 pub fn is_interface(material: &Material) -> bool {
     matches!(material.model, Model::Interface)
 }

@@ -1,4 +1,4 @@
-//! What a scene is made of.
+//! Parts of a scene.
 
 use crate::{
     camera::Camera,
@@ -17,13 +17,13 @@ use steradian_texture::{FloatTexture, Textures, pages::Pages};
 /// A shape with what is attached to it.
 #[derive(Clone, Debug)]
 pub struct Geometry {
-    /// Where it is.
+    /// Shape of the surface.
     pub shape: Shape,
     /// Index of its material.
     pub material: u32,
     /// Opacity that lets rays through by chance.
     pub alpha: Option<FloatTexture>,
-    /// Whether rays pass that meet it from behind, against the geometric normal.
+    /// True if rays pass that meet it from behind, against the geometric normal.
     pub is_single_sided: bool,
     /// Index of what it emits.
     pub emitter: Option<u32>,
@@ -32,16 +32,16 @@ pub struct Geometry {
     pub lights: Box<[u32]>,
     /// The media on the side against the normal and on the side of it, where the shape separates media.
     pub media: Option<(Option<u32>, Option<u32>)>,
-    /// Whether it scatters nothing.
+    /// True if it scatters nothing.
     pub is_interface: bool,
-    /// What is asked of its points to scatter and to emit light; [`Scene::new`](super::Scene::new) finds out.
+    /// Data needed at its points for scattering and emission; set by [`Scene::new`](super::Scene::new).
     pub needs: Needs,
     /// Number of the shape in the description, from one.
     pub id: u32,
 }
 
 impl Geometry {
-    /// Whether rays pass some of its points.
+    /// True if rays pass some of its points.
     #[inline]
     pub fn is_masked(&self) -> bool {
         self.alpha.is_some() || self.is_single_sided
@@ -61,20 +61,20 @@ impl Geometry {
 /// A placed group.
 #[derive(Clone, Debug)]
 pub struct Placement {
-    /// Where it is as the shutter opens.
+    /// Transform as the shutter opens.
     pub world_from_group: Affine,
-    /// How it moves while the shutter is open.
+    /// Motion while the shutter is open.
     pub motion: Option<Arc<Motion>>,
     /// First geometry of the group in [`Parts::geometries`].
     pub base: u32,
-    /// How many geometries the group has.
+    /// Number of geometries in the group.
     pub count: u32,
     /// The first of its lights.
     pub first_light: u32,
 }
 
 impl Placement {
-    /// Where it is at a moment of the exposure.
+    /// Transform at a moment of the exposure.
     #[inline]
     pub fn at(&self, time: f32) -> Affine {
         match &self.motion {
@@ -84,7 +84,7 @@ impl Placement {
     }
 }
 
-/// What a scene asks of the renderer; what the user asks goes before it.
+/// Settings that a scene asks of the renderer; the user's own take precedence.
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// Integrator by name.
@@ -93,9 +93,9 @@ pub struct Settings {
     pub max_depth: u32,
     /// Scattering events before Russian roulette.
     pub rr_depth: u32,
-    /// Whether lights are invisible to the camera.
+    /// Hides lights from the camera.
     pub hide_emitters: bool,
-    /// Whether hidden lights block camera rays all the same, as black surfaces. Methods are compared so: what is
+    /// Makes hidden lights block camera rays all the same, as black surfaces. Methods are compared so: the region
     /// behind a lamp close to a ceiling differs by the radius of photons, which tells nothing.
     pub hidden_emitters_block: bool,
     /// Options of that integrator that are its own, as `NAME:key=value` has them.
@@ -110,10 +110,10 @@ pub struct Settings {
     pub seed: u64,
 }
 
-/// What a [`Scene`](super::Scene) is made of; all else follows from it.
+/// Parts of a [`Scene`](super::Scene); all else follows from them.
 #[derive(Clone, Debug)]
 pub struct Parts {
-    /// What the lanes of spectra are.
+    /// Meaning of the spectral lanes.
     pub mode: ColorMode,
     /// World geometry first, then that of each group.
     pub geometries: Vec<Geometry>,
@@ -121,7 +121,7 @@ pub struct Parts {
     pub accel: Arc<Accel>,
     /// Placed groups, by the hierarchy's instance index.
     pub placements: Vec<Placement>,
-    /// How many of the geometries are the world's own; those of groups follow.
+    /// Number of geometries of the world itself; those of groups follow.
     pub world_count: u32,
     /// Materials.
     pub materials: Vec<Material>,
@@ -135,7 +135,7 @@ pub struct Parts {
     pub camera: Camera,
     /// Film.
     pub film: FilmSpec,
-    /// What the scene asks for.
+    /// Settings of the scene.
     pub settings: Settings,
     /// Groups of lights.
     pub light_groups: LightGroups,
@@ -143,7 +143,7 @@ pub struct Parts {
     pub object_names: BTreeMap<u32, String>,
     /// Names of materials, by index, for reports.
     pub material_names: Vec<String>,
-    /// Where textures wait that are not in memory, where these are limited.
+    /// Page store of the textures that are not in memory, if texture memory is limited.
     pub texture_pages: Option<Arc<Pages>>,
     /// The point of the file's world that is the scene's origin: single precision has no room for details far away.
     pub origin: DVec3,
@@ -152,7 +152,7 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// Whether light is lost or scattered between surfaces.
+    /// True if light is absorbed or scattered between surfaces.
     pub fn has_media(&self) -> bool {
         self.camera.medium.is_some() || self.geometries.iter().any(|g| g.media.is_some_and(|m| m != (None, None)))
     }

@@ -1,4 +1,4 @@
-//! What a scene holds: how many records of each kind, and what they take.
+//! Inventory of a scene: number of records of each kind, and their memory.
 
 use super::Scene;
 use crate::medium::Field;
@@ -7,9 +7,9 @@ use std::{collections::HashSet, sync::Arc};
 /// Records of one kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Table {
-    /// What they are.
+    /// Name of the kind.
     pub name: &'static str,
-    /// How many.
+    /// Number of records.
     pub count: usize,
     /// Bytes of the records and of what they point to, each once: vertices, texels, cells.
     pub bytes: usize,

@@ -6,7 +6,7 @@ use std::f32::consts::{FRAC_PI_2, SQRT_2};
 use steradian_accel::UserHit;
 use steradian_math::{Bounds3, Frame, Ray, Vec2, Vec3, transform::Affine};
 
-/// How a curve's control points make a curve.
+/// Basis of a curve's control points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CurveBasis {
     /// Bézier segments; neighbours share a control point.
@@ -15,7 +15,7 @@ pub enum CurveBasis {
     BSpline,
 }
 
-/// What a curve is across its width.
+/// Cross section of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CurveKind {
     /// A strip that faces the ray.
@@ -33,9 +33,9 @@ pub struct CurveParams {
     pub points: Vec<Vec3>,
     /// Polynomial degree, 2 or 3.
     pub degree: u32,
-    /// What the control points mean.
+    /// Basis of the control points.
     pub basis: CurveBasis,
-    /// What it is across its width.
+    /// Cross section.
     pub kind: CurveKind,
     /// Full width at the start and at the end, linear between.
     pub width: [f32; 2],
@@ -44,7 +44,7 @@ pub struct CurveParams {
 }
 
 impl CurveParams {
-    /// How many segments it has.
+    /// Number of segments.
     ///
     /// # Errors
     /// A message about the first thing that is wrong with the curve.
@@ -227,7 +227,7 @@ impl Curves {
         Ok(())
     }
 
-    /// How many primitives there are.
+    /// Number of primitives.
     pub fn count(&self) -> u32 {
         (self.segments.len() as u32) << self.split_depth
     }
@@ -390,12 +390,12 @@ struct Span {
     points: [Vec3; 4],
     u0: f32,
     u1: f32,
-    /// How often to halve it yet.
+    /// Number of halvings that remain.
     levels: u32,
 }
 
 impl Span {
-    /// Whether the ray up to `z_max` passes through the box around the control points, widened by `radius`.
+    /// Tests whether the ray up to `z_max` passes through the box around the control points, widened by `radius`.
     #[inline]
     fn may_meet(&self, radius: f32, z_max: f32) -> bool {
         let [a, b, c, d] = self.points;
@@ -419,7 +419,7 @@ impl Span {
         ]
     }
 
-    /// Where the ray meets a span that is all but straight: depth along the ray, `u` and `v`.
+    /// Intersection of the ray with a span that is all but straight: depth along the ray, `u` and `v`.
     #[inline]
     fn meet(&self, segment: &Segment, twist: Option<&Twist>, direction: Vec3) -> Option<(f32, f32, f32)> {
         let [a, b, c, d] = self.points.map(|p| p.truncate());

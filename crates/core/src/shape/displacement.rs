@@ -10,7 +10,7 @@ use steradian_scene::{Domain, Mesh};
 /// A vertex that is moved.
 #[derive(Clone, Copy, Debug)]
 pub struct Vertex {
-    /// Where it is.
+    /// Position.
     pub p: Vec3,
     /// Unit normal there.
     pub n: Vec3,

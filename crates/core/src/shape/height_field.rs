@@ -14,8 +14,7 @@ use steradian_scene::Mesh;
 /// Cells along a side of a block.
 const BLOCK: usize = 8;
 
-/// How far outside a cell, in cells, a hit may lie: it covers the rounding of `f64`, so that rays do not slip between
-/// cells.
+/// Tolerance of hits outside a cell, in cells: it covers the rounding of `f64`, so that rays do not slip between cells.
 const EDGE: f64 = 1e-9;
 
 /// A height field, placed in the space it is traced in. Parameters are the places in the unit square.
@@ -25,20 +24,20 @@ pub struct Field {
     pub relief: HeightField,
     /// From the space of the unit square, with heights along z.
     pub place: Affine,
-    /// Whether normals point down.
+    /// True if normals point down.
     pub flip: bool,
-    /// Whether shading normals go smoothly over the borders of cells.
+    /// Enables shading normals that are smooth over the borders of cells.
     pub smooth: bool,
 }
 
 impl Field {
-    /// How many blocks along u and v.
+    /// Number of blocks along u and v.
     fn blocks(&self) -> (usize, usize) {
         let (w, h) = self.relief.cells();
         (w.div_ceil(BLOCK), h.div_ceil(BLOCK))
     }
 
-    /// How many blocks there are.
+    /// Number of blocks.
     pub fn count(&self) -> u32 {
         let (w, h) = self.blocks();
         (w * h) as u32

@@ -20,7 +20,7 @@ use steradian_texture::{Domain, MeshAttributes};
 pub struct MeshAttribute {
     /// Name without a domain prefix.
     pub name: String,
-    /// What there is one value per.
+    /// Domain of the values: one per element of it.
     pub domain: Domain,
     /// Numbers per value.
     pub channels: usize,
@@ -64,7 +64,7 @@ pub struct TriMesh {
     /// Tangents of normal maps at the corners of triangles, with the sign of the bitangent: none, or one for each
     /// triangle.
     pub tangents: Vec<[Vec4; 3]>,
-    /// Whether geometric normals point against the winding (only where there are no vertex normals to follow).
+    /// True if geometric normals point against the winding (only without vertex normals to follow).
     pub flip: bool,
 }
 
@@ -169,7 +169,7 @@ impl TriMesh {
         Some(((*x * (1.0 - b.x - b.y) + *y * b.x + *z * b.y).truncate(), x.w))
     }
 
-    /// How the interpolated vertex normal changes with a displacement in the plane of a triangle; zero without vertex
+    /// Change of the interpolated vertex normal for a displacement in the plane of a triangle; zero without vertex
     /// normals.
     pub fn normal_change(&self, triangle: u32, dp: Vec3) -> Vec3 {
         let index = self.triangles[triangle as usize];

@@ -62,7 +62,7 @@ impl Shape {
         }
     }
 
-    /// Whether it turns towards every ray: curves of all kinds, since the width of ribbons is measured across the ray.
+    /// True if it turns towards every ray: curves of all kinds, since the width of ribbons is measured across the ray.
     pub fn faces_rays(&self) -> bool {
         matches!(self, Self::Curves(_))
     }
@@ -101,8 +101,8 @@ impl Shape {
         }
     }
 
-    /// Where a ray meets one of its primitives first, of those hits that pass; triangles of meshes and planes are met
-    /// elsewhere.
+    /// First intersection of a ray with one of its primitives, among the hits that pass; triangles of meshes and planes
+    /// are intersected elsewhere.
     #[inline]
     pub fn intersect(&self, prim: u32, ray: &Ray, passes: impl Fn(&UserHit) -> bool) -> Option<UserHit> {
         match self {
@@ -124,12 +124,12 @@ impl Shape {
         }
     }
 
-    /// Whether both share their geometry in memory. Planes, which no ray structure holds, count as one.
+    /// True if both share their geometry in memory. Planes, which no ray structure holds, count as one.
     pub fn is_same(&self, other: &Self) -> bool {
         self.address() == other.address()
     }
 
-    /// Where its geometry is in memory; `None` for planes, which are stored in place.
+    /// Memory address of its geometry; `None` for planes, which are stored in place.
     pub(crate) fn address(&self) -> Option<usize> {
         Some(match self {
             Self::Mesh(m) => Arc::as_ptr(m).addr(),

@@ -8,8 +8,8 @@ use steradian_scene::Mesh;
 
 /// Distances to a patch are known to so much of its reach from the origin: far less than the coordinates of either.
 const NOISE: f64 = 1e-10;
-/// How far outside `[0, 1]` a parameter may come out of the intersection before the hit is dropped. It covers the
-/// rounding of `f64`, so that rays do not slip between patches that share an edge.
+/// Tolerance of a parameter outside `[0, 1]` before the hit is dropped. It covers the rounding of `f64`, so that rays
+/// do not slip between patches that share an edge.
 const EDGE: f64 = 1e-9;
 
 /// The bilinear patches of a mesh, placed in the space they are traced in.
@@ -23,7 +23,7 @@ pub struct PatchMesh {
     pub uvs: Vec<Vec2>,
     /// Vertex indices, in the order p00, p10, p01, p11.
     pub patches: Vec<[u32; 4]>,
-    /// Whether geometric normals point against `∂p/∂u × ∂p/∂v` (only where there are no vertex normals to follow).
+    /// True if geometric normals point against `∂p/∂u × ∂p/∂v` (only without vertex normals to follow).
     pub flip: bool,
 }
 

@@ -10,7 +10,7 @@ pub struct Plane {
     pub n: Vec3,
     /// Offset.
     pub d: f32,
-    /// Whether normals are reported turned over.
+    /// Turns the reported normals over.
     pub reverse: bool,
 }
 

@@ -40,18 +40,18 @@ pub enum QuadricKind {
 /// A placed quadric.
 #[derive(Clone, Copy, Debug)]
 pub struct Quadric {
-    /// What it is.
+    /// Kind of the quadric.
     pub kind: QuadricKind,
     /// Largest azimuth, radians.
     pub phi_max: f32,
-    /// Where it is.
+    /// Transform from object space.
     pub place: Affine,
-    /// Whether normals are turned over.
+    /// Turns the normals over.
     pub flip: bool,
 }
 
 impl Quadric {
-    /// Whether the full sphere: no cuts.
+    /// True for the full sphere, without cuts.
     pub fn is_whole_sphere(&self) -> bool {
         matches!(self.kind, QuadricKind::Sphere { radius, z_min, z_max }
             if z_min <= -radius && z_max >= radius && self.phi_max >= TAU * 0.999_999)
@@ -92,7 +92,7 @@ impl Quadric {
         self.even_scale().unwrap_or_else(|| self.place.area(n)) * self.object_area()
     }
 
-    /// How much larger the placement makes areas, where that is the same everywhere.
+    /// Factor by which the placement scales areas, if it is the same everywhere.
     fn even_scale(&self) -> Option<f32> {
         let flat = || self.place.vector(Vec3::X).cross(self.place.vector(Vec3::Y)).length();
         match (self.similarity(), self.kind) {
@@ -118,7 +118,7 @@ impl Quadric {
         if phi < 0.0 { phi + TAU } else { phi }
     }
 
-    /// Whether an object-space point on the full surface belongs to the part.
+    /// Tests whether an object-space point on the full surface belongs to the part.
     #[inline]
     fn keeps(&self, p: Vec3) -> bool {
         let in_height = match self.kind {

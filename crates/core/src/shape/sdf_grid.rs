@@ -13,8 +13,8 @@ use steradian_accel::UserHit;
 use steradian_image::VoxelGrid;
 use steradian_math::{Bounds3, Ray, Vec2, Vec3, ray::gamma, transform::Affine};
 
-/// How far outside a cell, as a part of the ray's way through it, a hit may lie: it covers the rounding of `f64`, so
-/// that rays do not slip between cells.
+/// Tolerance of hits outside a cell, as a part of the ray's length in it: it covers the rounding of `f64`, so that rays
+/// do not slip between cells.
 const EDGE: f64 = 1e-9;
 
 /// Most cells that the surface may pass.
@@ -167,7 +167,7 @@ impl SdfGrid {
         std::array::from_fn(|i| self.sample(x + (i & 1), y + (i >> 1 & 1), z + (i >> 2)))
     }
 
-    /// How many primitives it has.
+    /// Number of primitives.
     pub fn count(&self) -> u32 {
         self.cells.len() as u32
     }

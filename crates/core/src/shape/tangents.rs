@@ -100,8 +100,8 @@ impl Face {
         Self { positions, normals, uvs, area: (uvs[1] - uvs[0]).perp_dot(uvs[2] - uvs[0]) }
     }
 
-    /// Whether the picture is seen from behind, looking against the normals; `None` where the coordinates have no area,
-    /// or are no numbers.
+    /// True if the texture is mirrored, seen against the normals; `None` if the coordinates have no area, or are no
+    /// numbers.
     fn mirrored(&self) -> Option<bool> {
         let [p0, p1, p2] = self.positions;
         let back = (p1 - p0).cross(p2 - p0).dot(self.normals.iter().sum()) < 0.0;

@@ -7,7 +7,7 @@ use steradian_scene::Mesh;
 
 /// Sides of a tube. Where they are odd the width that is seen hardly depends on the direction: by 0.8 % to each side.
 const SIDES: u32 = 9;
-/// How far a step may leave the curve, in widths.
+/// Largest deviation of a step from the curve, in widths.
 const TOLERANCE: f32 = 0.02;
 /// Most steps of a segment.
 const MOST_STEPS: f32 = 64.0;

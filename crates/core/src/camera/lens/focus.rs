@@ -6,10 +6,10 @@ use super::{
 };
 use steradian_math::DVec3;
 
-/// What a lens is to rays near its axis (pbrt-v3, 6.4.3), mm.
+/// Paraxial approximation of a lens as a thick lens (pbrt-v3, 6.4.3), mm.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cardinal {
-    /// Where the principal planes cut the axis: that towards the scene and that towards the film.
+    /// Positions of the principal planes on the axis: on the scene side and on the film side.
     pub principal: [f64; 2],
     /// Focal length.
     pub focal_length: f64,
@@ -65,7 +65,7 @@ impl LensSystem {
         self.cardinal().ok_or_else(|| "the lens gathers no light".into())
     }
 
-    /// Where before the film rays from a point on the axis come closest together.
+    /// Best focus of a point on the axis: the distance before the film at which its rays come closest together.
     fn best_focus(&self, distance: f64) -> Option<f64> {
         let (front, eye) = (self.surfaces.first()?, DVec3::new(0.0, 0.0, distance));
         let through = |height: f64| self.towards_film(Beam::between(eye, DVec3::new(height, 0.0, front.vertex)));

@@ -43,7 +43,7 @@ pub struct LensSystem {
     is_dispersive: bool,
     /// Bounds of the exit pupil by intervals of the film's radius.
     pupils: Vec<Option<Bounds>>,
-    /// Where these intervals end, mm.
+    /// Film radius at which the last interval ends, mm.
     film_radius: f64,
     /// From the film to the principal plane that is nearer to it, mm.
     image_distance: f64,
@@ -111,7 +111,7 @@ impl LensSystem {
         Ok(lens)
     }
 
-    /// Whether the way through it depends on the wavelength.
+    /// True if the path of a ray through the lens depends on the wavelength.
     pub fn is_dispersive(&self) -> bool {
         self.is_dispersive
     }
@@ -147,7 +147,7 @@ impl LensSystem {
         Some(((out.origin * 1e-3).as_vec3(), out.direction.as_vec3(), weight as f32))
     }
 
-    /// Where the foremost surface meets the axis, m.
+    /// Axial position of the vertex of the foremost surface, m.
     pub(super) fn front(&self) -> f32 {
         self.surfaces.first().map_or(0.0, |s| (1e-3 * s.vertex) as f32)
     }

@@ -1,4 +1,4 @@
-//! Where rays from the film have to be aimed: bounds of the exit pupil (pbrt-v3, 6.4.5).
+//! Bounds of the exit pupil, at which rays from the film are aimed (pbrt-v3, 6.4.5).
 
 use super::{D_LINE, LensSystem, surface::Beam};
 use steradian_math::DVec3;

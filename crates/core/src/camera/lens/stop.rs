@@ -1,4 +1,4 @@
-//! What the aperture stop lets through. Places are in units of the stop's radius.
+//! Transmission of the aperture stop. Positions are in units of the stop's radius.
 
 use std::f64::consts::{E, FRAC_PI_4, PI};
 

@@ -39,13 +39,13 @@ impl Beam {
 pub(super) struct Surface {
     /// Inverse of the radius, 1/mm.
     curvature: f64,
-    /// Where it meets the axis.
+    /// Axial position of the vertex.
     pub vertex: f64,
     /// Half its diameter.
     pub rim: f64,
-    /// Whether it is the aperture stop.
+    /// True for the aperture stop.
     pub is_stop: bool,
-    /// What is towards the scene, and towards the film.
+    /// Media on the scene side and on the film side.
     media: [Glass; 2],
 }
 
@@ -56,7 +56,7 @@ pub(super) struct Glass([f64; 2]);
 impl Glass {
     pub const AIR: Self = Self([1.0, 0.0]);
 
-    /// What is behind a row.
+    /// Medium behind a row of the lens table.
     pub fn behind(row: &LensElement) -> Self {
         match Dispersion::from_abbe(row.eta, row.abbe) {
             Dispersion::Cauchy([a, b, _]) if row.eta != 0.0 => Self([a, b]),
@@ -73,8 +73,9 @@ impl Surface {
         Self { curvature, vertex, rim: 0.5 * row.diameter, is_stop, media: [before, Glass::behind(row)] }
     }
 
-    /// What light does there whose wavelength's inverse square (1/µm²) is given: the refracted ray from the surface on,
-    /// and the share that passes. `None` where it misses, is stopped, or is reflected wholly.
+    /// Refraction of a beam at the surface, for a wavelength given by its inverse square (1/µm²): the refracted ray,
+    /// starting on the surface, and the transmitted share. `None` if the beam misses, is stopped, or is totally
+    /// reflected.
     fn pass(&self, beam: &Beam, inverse_square: f64, stop: &Stop) -> Option<(Beam, f64)> {
         let (c, d) = (self.curvature, beam.direction);
         let o = beam.origin - DVec3::Z * self.vertex;

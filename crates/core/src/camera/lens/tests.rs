@@ -66,7 +66,7 @@ fn colours_focus_as_the_abbe_number_says() {
     assert!((spread * 60.0 * 50.0 - 1.0).abs() < 1e-3, "{}", spread * 3000.0);
 }
 
-/// Where light of a point on the axis meets the film: root of the mean square of distances from it, mm.
+/// Spot size of an axial point on the film: root mean square distance from the axis, mm.
 fn spot(lens: &LensSystem, distance: f64) -> f64 {
     let front = lens.surfaces[0].vertex;
     let (mut sum, mut n) = (0.0, 0.0);

@@ -1,8 +1,8 @@
-//! What skies and suns have in common.
+//! Interface shared by skies and suns.
 
 use steradian_math::{Spectrum, Vec2, Vec3, spectra::Wavelengths};
 
-/// What shines in the sky, by direction.
+/// A celestial source of light, described by direction.
 pub(in crate::light::sky) trait CelestialBody {
     /// Radiance from the direction `w`, W/(m² sr nm).
     fn radiance(&self, w: Vec3, lambda: &Wavelengths) -> Spectrum;

@@ -124,7 +124,7 @@ pub(super) fn banded(value: impl Fn(&Wavelengths) -> Spectrum) -> [f32; BANDS] {
     std::array::from_fn(|b| value(&Wavelengths::at([FIRST + STEP * b as f32; 4])).to_array()[0])
 }
 
-/// What a band adds to linear sRGB, exact for spectra that are linear between bands.
+/// Contribution of each band to linear sRGB, exact for spectra that are linear between bands.
 pub(super) fn rgb_of_bands() -> [[f32; 3]; BANDS] {
     std::array::from_fn(|b| {
         let centre = FIRST + STEP * b as f32;
@@ -136,8 +136,8 @@ pub(super) fn rgb_of_bands() -> [[f32; 3]; BANDS] {
     })
 }
 
-/// What a band adds to linear sRGB by the sum over the bands alone that Mitsuba's RGB variants take of the sun, whose
-/// step is 467.07 nm / 11: five to nine per cent more than the integral.
+/// Contribution of each band to linear sRGB by the sum over the bands alone that Mitsuba's RGB variants take of the
+/// sun, whose step is 467.07 nm / 11: five to nine per cent more than the integral.
 pub(super) fn rgb_of_bands_by_mitsuba() -> [[f32; 3]; BANDS] {
     const STEP_OF_SUM: f64 = 467.069_280_386 / BANDS as f64;
     std::array::from_fn(|b| {

@@ -43,7 +43,7 @@ impl Disc {
         radiance * TAU * self.one_minus_cos
     }
 
-    /// What its solid angle is of another disc's.
+    /// Ratio of its solid angle to that of another disc.
     pub(super) fn relative_to(&self, other: &Self) -> f32 {
         self.one_minus_cos / other.one_minus_cos
     }

@@ -1,4 +1,4 @@
-//! Where the sun stands: Blanco-Muriel, Alarcón-Padilla, López-Moratalla, Lara-Coira, "Computing the solar vector",
+//! Position of the sun: Blanco-Muriel, Alarcón-Padilla, López-Moratalla, Lara-Coira, "Computing the solar vector",
 //! Solar Energy 70 (2001), which is within half a minute of arc in the years 1999 to 2015.
 
 use glam::DVec3;
@@ -10,7 +10,7 @@ pub struct Moment {
     pub latitude: f64,
     /// East of Greenwich, in degrees.
     pub longitude: f64,
-    /// What local time is ahead of universal time by, in hours.
+    /// Offset of local time from universal time, in hours; positive if ahead.
     pub timezone: f64,
     /// Year, month and day of the Gregorian calendar; months and days from one.
     pub date: [i64; 3],

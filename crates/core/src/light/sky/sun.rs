@@ -16,14 +16,14 @@ use steradian_math::{
 /// The aperture (the whole angle) that the model is made for, in degrees.
 const APERTURE: f32 = 0.5358;
 
-/// How the sun is shown.
+/// Appearance of the sun.
 #[derive(Clone, Copy, Debug)]
 pub struct SunLook {
     /// The whole angle of the disc in degrees, in (0, 90); its light stays the same.
     pub aperture: f32,
-    /// Whether the disc is darker at its edge, and low down: else all of it has the mean radiance.
+    /// Enables limb darkening: the disc is darker at its edge, and low down; else all of it has the mean radiance.
     pub limb_darkening: bool,
-    /// Whether linear sRGB is the coarser sum over wavelengths of Mitsuba's RGB variants, which is brighter by five to
+    /// Selects the coarser sum over wavelengths of Mitsuba's RGB variants for linear sRGB, which is brighter by five to
     /// nine per cent.
     pub coarse_rgb: bool,
 }

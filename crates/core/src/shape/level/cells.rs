@@ -1,4 +1,5 @@
-//! Where in its box an expression may be zero: cells of a grid, found by halving the box, so that rays pass what is empty.
+//! Cells of its box in which an expression may be zero: a grid, found by halving the box, so that rays skip empty
+//! space.
 
 use super::{expression::Expression, interval::Interval};
 use glam::DVec3;
@@ -13,14 +14,14 @@ const OVERLAP: f64 = 1e-4;
 #[derive(Clone, Debug)]
 pub(super) struct Cells {
     low: DVec3,
-    /// Of a cell.
+    /// Size of a cell.
     size: DVec3,
     /// A bit for each cell along x, by y and z.
     rows: Box<[u32; COUNT * COUNT]>,
 }
 
 impl Cells {
-    /// Of an expression in the box between two corners.
+    /// Cells of an expression in the box between two corners.
     pub fn new(e: &Expression, [low, high]: [DVec3; 2]) -> Self {
         let size = (high - low) / COUNT as f64;
         let mut cells = Self { low, size, rows: Box::new([0; COUNT * COUNT]) };

@@ -135,7 +135,7 @@ impl Expression {
         (x.value, DVec3::new(x.slope, y.slope, z.slope))
     }
 
-    /// How many operations it takes.
+    /// Number of operations.
     pub(super) fn operations(&self) -> usize {
         self.ops.len()
     }
@@ -223,7 +223,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// What stands behind signs, with its power. All nesting goes through here.
+    /// Parses an operand with its signs and its power. All nesting goes through here.
     fn signed(&mut self) -> Result<(), String> {
         self.nested += 1;
         if self.nested > MOST_NESTED {

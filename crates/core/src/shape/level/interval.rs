@@ -3,7 +3,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// What expressions are evaluated in.
+/// Number type that expressions are evaluated in.
 pub(super) trait Number: Copy {
     fn constant(v: f64) -> Self;
     fn add(self, b: Self) -> Self;
@@ -126,7 +126,7 @@ impl Interval {
         self.low.is_nan() || self.high.is_nan()
     }
 
-    /// Whether it may be zero; not where there is nothing.
+    /// True if the interval contains zero; not if it is empty.
     #[inline]
     pub fn has_zero(self) -> bool {
         self.low <= 0.0 && self.high >= 0.0

@@ -24,11 +24,11 @@ use glam::{DMat4, DVec3};
 use steradian_accel::UserHit;
 use steradian_math::{Bounds3, Ray, Vec2, Vec3, intersect::Quadric, ray::gamma, transform::Affine};
 
-/// How far outside the box a hit may lie, as a part of the distance and of the way through: it covers the rounding of
+/// Tolerance of hits outside the box, as a part of the distance and of the length inside: it covers the rounding of
 /// `f64`, so that surfaces in the faces of the box are met.
 const EDGE: f64 = 1e-9;
 
-/// What is zero on a surface.
+/// Implicit function whose zeros are the surface.
 #[derive(Clone, Debug)]
 pub enum Function {
     /// A polynomial of second degree.
@@ -43,7 +43,7 @@ pub enum Function {
 #[derive(Clone, Debug)]
 pub struct LevelSet {
     function: Function,
-    /// Where it may be zero, of an expression.
+    /// Cells in which it may be zero, for an expression.
     cells: Option<Cells>,
     low: DVec3,
     high: DVec3,

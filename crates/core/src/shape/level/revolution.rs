@@ -5,7 +5,7 @@ use glam::DVec3;
 use std::f64::consts::TAU;
 use steradian_math::{Vec2, intersect::Quadric};
 
-/// What is turned.
+/// Profile of a surface of revolution.
 #[derive(Clone, Copy, Debug)]
 enum Profile {
     /// A line between two points, at different heights.
@@ -57,7 +57,7 @@ impl Revolution {
         [DVec3::new(-radius, -radius, z[0]), DVec3::new(radius, radius, z[1])]
     }
 
-    /// Where along the profile a height is.
+    /// Parameter along the profile at a height.
     fn along(&self, z: f64) -> f64 {
         match self.profile {
             Profile::Line(a, b) => (z - a.z) / (b.z - a.z),
@@ -76,7 +76,7 @@ impl Revolution {
         if phi < 0.0 { phi + TAU } else { phi }
     }
 
-    /// Whether the turn goes as far as a point of the quadric.
+    /// Tests whether a point of the quadric lies within the swept angle.
     pub fn keeps(&self, p: DVec3) -> bool {
         self.phi_max >= TAU * 0.999_999 || self.azimuth(p) <= self.phi_max
     }
@@ -110,7 +110,7 @@ impl Revolution {
         }
     }
 
-    /// How far it is turned, radians.
+    /// Swept angle, radians.
     pub(super) fn turn(&self) -> f64 {
         self.phi_max
     }

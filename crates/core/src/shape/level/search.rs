@@ -1,4 +1,4 @@
-//! Where an expression changes its sign along a ray.
+//! Sign changes of an expression along a ray.
 //!
 //! The way through the box is halved, nearer parts first. A part is done with where the interval of its values has no
 //! zero, or where that of its derivative has none: the expression is monotone there, and the signs at the ends tell. A
@@ -16,8 +16,8 @@ use glam::DVec3;
 /// Most parts of a ray that are looked at closely, and most operations in all of them.
 const MOST_PARTS: usize = 8192;
 const MOST_OPERATIONS: usize = 1 << 21;
-/// How short a part is not halved again, of the way through the box and of the distance from the ray's origin: below
-/// half a step of `f32`.
+/// Longest part that is not halved again, relative to the length in the box and to the distance from the ray's origin:
+/// below half a step of `f32`.
 const SHORT: f64 = 1.0 / (1_u64 << 26) as f64;
 /// Most steps to a root that is known to be between two places.
 const MOST_STEPS: u32 = 100;

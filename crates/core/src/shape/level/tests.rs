@@ -267,7 +267,7 @@ fn a_sphere_by_its_expression_is_the_sphere() {
     }
 }
 
-/// What is not continuous, not defined, or changes its sign very often comes to an end.
+/// Root finding ends for expressions that are discontinuous, undefined, or change their sign very often.
 #[test]
 fn hard_expressions_end() {
     // A pole is no surface, nor is where a root ends; a surface in the face of the box is one.

@@ -53,7 +53,7 @@ pub(super) fn at_wavelengths(lambda: &Wavelengths, value: impl Fn(usize) -> f32)
     }))
 }
 
-/// What a band adds to linear sRGB, exact for spectra that are linear between bands.
+/// Contribution of each band to linear sRGB, exact for spectra that are linear between bands.
 pub(super) fn rgb_of_bands() -> [Vec3; BANDS] {
     std::array::from_fn(|b| {
         let xyz = cie::to_xyz(|l| {

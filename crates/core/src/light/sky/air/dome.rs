@@ -22,8 +22,8 @@ const COLUMNS: usize = 49;
 const ROWS: usize = 64;
 /// Pieces of ways on either side of the place nearest to the ground.
 const PIECES: usize = 32;
-/// Of the light from a direction: what molecules scatter is `a + b cos²` of the angle from the sun, and `a` is joined
-/// by what is scattered more than once; aerosols have a phase function of their own.
+/// Number of terms of the light from a direction: scattering by molecules is `a + b cos²` of the angle from the sun,
+/// and `a` includes multiple scattering; aerosols have a phase function of their own.
 const TERMS: usize = 3;
 
 /// Radiance without phase functions by direction.
@@ -35,7 +35,7 @@ pub struct AirDome {
     /// `z` up, the sun's azimuth along `x`.
     frame: Frame,
     sun: Vec3,
-    /// How far the horizon is below the horizontal, radians.
+    /// Dip of the horizon below the horizontal, radians.
     dip: f32,
     g: f32,
     /// `[row][column][term][band]`, where RGB has three bands.
@@ -104,7 +104,7 @@ impl CelestialBody for AirDome {
     }
 }
 
-/// What the terms are multiplied by at a cosine with the direction to the sun.
+/// Factors on the terms at a cosine with the direction to the sun.
 fn weights(nu: f32, g: f32) -> [f32; TERMS] {
     [1.0, nu * nu, aerosols(g, nu.clamp(-1.0, 1.0))]
 }
@@ -155,12 +155,12 @@ fn sights(medium: &Medium, air: &Air) -> Vec<Sight> {
         .collect()
 }
 
-/// What sees the sky.
+/// Observer of the sky.
 pub(super) struct Eye {
     medium: Medium,
     sunward: Sunward,
     orders: Option<Orders>,
-    /// What aerosols scatter, with all of what goes straight on.
+    /// Scattering by aerosols, including light that goes straight on.
     scattering: Bands,
 }
 

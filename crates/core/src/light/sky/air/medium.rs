@@ -1,4 +1,4 @@
-//! What air is made of: optical depths by band, densities by height, phase functions.
+//! Composition of air: optical depths by band, densities by height, phase functions.
 
 use super::data::{self, BANDS, Bands};
 use std::f64::consts::PI;
@@ -19,8 +19,8 @@ fn rayleigh_depth(nm: f32, pressure: f64) -> f64 {
     0.002_152_0 * shape * pressure / 1013.25
 }
 
-/// How far air's molecules are from isotropic: `γ = ρ/(2 − ρ)` of the depolarisation `ρ` that the King factor of air
-/// means (Bodhaine et al., eqs. 5, 6 and 23; Bucholtz 1995).
+/// Anisotropy of air's molecules: `γ = ρ/(2 − ρ)` of the depolarisation `ρ` that the King factor of air means (Bodhaine
+/// et al., eqs. 5, 6 and 23; Bucholtz 1995).
 fn anisotropy(nm: f32) -> f64 {
     let i2 = (f64::from(nm) * 1e-3).powi(-2);
     let nitrogen = 1.034 + 3.17e-4 * i2;
@@ -62,7 +62,7 @@ fn standard_density(height: f64) -> f64 {
     pressure * LAYERS[0].1 / temperature
 }
 
-/// Of some bands: vertical optical depths, and the ground's reflectance.
+/// Vertical optical depths in some bands, and the ground's reflectance.
 #[derive(Clone, Debug)]
 pub(super) struct Optics<const N: usize> {
     pub rayleigh: [f32; N],
@@ -74,7 +74,7 @@ pub(super) struct Optics<const N: usize> {
 }
 
 impl Optics<BANDS> {
-    /// Those of every `BANDS / N`-th band.
+    /// Optics of every `BANDS / N`-th band.
     pub(super) fn thinned<const N: usize>(&self) -> Optics<N> {
         let thin = |b: &Bands| std::array::from_fn(|i| b[i * (BANDS / N)]);
         Optics {
@@ -99,7 +99,7 @@ impl Optics<BANDS> {
 /// The air around a globe.
 #[derive(Clone, Debug)]
 pub(super) struct Medium {
-    /// Of the globe, km.
+    /// Radius of the globe, km.
     pub radius: f64,
     /// Air per km of height where all of a vertical column is one.
     air: Vec<f64>,

@@ -22,7 +22,7 @@ use steradian_math::{
     spectra::{ColorMode, Wavelengths, role::Color},
 };
 
-/// What is in the air.
+/// Contents of the air.
 #[derive(Clone, Copy, Debug)]
 pub struct Contents {
     /// Pressure at sea level, hPa.
@@ -57,13 +57,13 @@ impl Contents {
 /// Air, and who looks at the sun through it.
 #[derive(Clone, Debug)]
 pub struct Air {
-    /// What it is made of.
+    /// Contents of the air.
     pub contents: Contents,
     /// Reflectance of the ground in [0, 1], a spectrum in both modes.
     pub albedo: Color,
     /// Height of the viewer above sea level, m.
     pub altitude: f32,
-    /// Whether light is scattered more than once.
+    /// Enables multiple scattering.
     pub multiple: bool,
     /// Unit vector to the zenith.
     pub up: Vec3,

@@ -16,7 +16,7 @@ pub(super) type Values = [f32; MOST];
 #[derive(Clone, Debug)]
 pub(super) struct Harmonics {
     pub degree: usize,
-    /// How many there are.
+    /// Number of harmonics.
     pub count: usize,
     /// The degree of each, and what its recurrence multiplies by.
     pub degrees: [usize; MOST],

@@ -116,7 +116,7 @@ fn height(i: usize) -> f64 {
     HIGHEST * (i as f64 / (HEIGHTS - 1) as f64).powi(2)
 }
 
-/// What is left of light after a piece of a way, and the mean over the piece of what is left.
+/// Transmittance of a path segment, and its mean over the segment.
 #[inline]
 fn dimming(tau: f32) -> (f32, f32) {
     let left = elementary::exp(-tau);
@@ -272,7 +272,7 @@ impl Orders {
         light
     }
 
-    /// What a piece of a way scatters of sunlight that comes there. Phase functions end at the degree of the moments.
+    /// Single scattering of sunlight on a path segment. Phase functions end at the degree of the moments.
     fn scattered_once(&self, sunlight: &Few, step: &Step, nu: f32) -> Few {
         let molecules = step.amounts[0] * self.harmonics.phase(&self.molecules, nu);
         let aerosols = step.amounts[1] * self.harmonics.phase(&self.aerosols, nu);
@@ -281,7 +281,7 @@ impl Orders {
         })
     }
 
-    /// What a piece of a way scatters of the light that comes there from all sides.
+    /// Scattering on a path segment of the light that arrives from all sides.
     fn scattered(&self, step: &Step, nu: f64) -> Few {
         let (molecules, aerosols) = self.arriving(step, nu);
         let (air, dust) = (step.amounts[0], step.amounts[1]);

@@ -22,12 +22,12 @@ pub(super) struct Way {
     /// Cosine of the sun with the vertical at the start, and with the direction.
     pub mu_sun: f64,
     pub nu: f64,
-    /// Whether it may end at the ground.
+    /// True if the path may end at the ground.
     pub can_hit: bool,
 }
 
 impl Way {
-    /// How long it is, and whether it ends at the ground.
+    /// Length of the path, and true if it ends at the ground.
     pub(super) fn end(&self, radius: f64) -> (f64, bool) {
         let (r, mu) = (radius + self.height, self.mu);
         let above = r * r * mu * mu - self.height * (r + radius);
@@ -98,7 +98,7 @@ pub(super) fn horizon(radius: f64, height: f64) -> f64 {
 const HEIGHTS: usize = 64;
 const COSINES: usize = 160;
 
-/// What is between places and the sun, by height and the sun's cosine.
+/// Columns between a point and the sun, by height and the cosine of the sun's zenith angle.
 #[derive(Clone, Debug)]
 pub(super) struct Sunward {
     radius: f64,

@@ -43,8 +43,8 @@ fn single_scattering() {
     }
 }
 
-/// Where nothing is absorbed in air, what arrives leaves upwards or is left to the ground: within a fiftieth for ground
-/// that reflects all, of which the series of orders is the longest.
+/// Energy is conserved in air without absorption: the light that arrives leaves upwards or is left to the ground,
+/// within a fiftieth for ground that reflects all, of which the series of orders is the longest.
 #[test]
 fn light_is_kept() {
     for (dust, ground) in [(0.0, 0.0), (0.0, 1.0), (0.3, 0.0), (0.3, 1.0)] {

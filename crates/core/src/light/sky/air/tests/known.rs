@@ -1,4 +1,4 @@
-//! What is published of skies, and how they change with air.
+//! Published values of skies, and their dependence on the composition of the air.
 
 use super::{
     super::{AirDome, AirSun},

@@ -42,7 +42,7 @@ impl Walker<'_> {
         (b < 0.0 && d > 0.0).then(|| -b - d.sqrt()).filter(|t| *t > 1e-6)
     }
 
-    /// What passes from the sun to a place, by the rule of Simpson on either side of the lowest place of the way.
+    /// Transmittance from the sun to a point, by Simpson's rule on either side of the lowest point of the path.
     fn sunlight(&self, p: DVec3) -> f64 {
         if self.hits(p, self.sun).is_some() {
             return 0.0;
@@ -185,7 +185,7 @@ fn several_orders() {
     check(0.1, 5.0, 0.045, &[(90.0, 0.0, 4), (10.0, 0.0, 18), (30.0, 180.0, 18), (1.0, 120.0, 28)]);
 }
 
-/// Of the light that is scattered at least twice alone, by the zenith and near the horizon.
+/// Light scattered at least twice, taken alone, agrees with random walks at the zenith and near the horizon.
 #[test]
 fn second_and_higher_orders() {
     let medium = Medium::new(&Contents { aerosol: 0.0, ..Contents::CLEAR }, [0.3; BANDS]);
