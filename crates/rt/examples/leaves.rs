@@ -29,7 +29,7 @@ impl RayGeneration<Leaves> for Camera<'_> {
     }
 }
 
-/// Where on the card: from -1 to 1 in both directions.
+/// Position on the card: from -1 to 1 in both directions.
 fn on_card(primitive: u32, at: &Barycentrics) -> (f32, f32) {
     let corners = [[(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0)], [(-1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]];
     let p = at.interpolate(corners[primitive as usize % 2].map(|(x, y)| Vec3::new(x, y, 0.0)));

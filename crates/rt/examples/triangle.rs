@@ -7,7 +7,7 @@ use steradian_rt::{context::*, *};
 
 const SIZE: [u32; 3] = [320, 240, 1];
 
-/// What the shaders exchange: a ray carries a colour, and a launch id makes one.
+/// Interface of the shaders: the payload of a ray and the output of a launch id are colours.
 enum Colors {}
 impl Interface for Colors {
     type Payload = Vec3;

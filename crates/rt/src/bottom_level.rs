@@ -7,18 +7,18 @@ use std::ops::Range;
 use steradian_accel::{Builder, Bvh, Geometry};
 use steradian_math::{Bounds3, Vec3, hash::combine64};
 
-/// How a structure is built (DXR, "D3D12_RAYTRACING_ACCELERATION_STRUCTURE_BUILD_FLAGS").
+/// Build flags of a structure (DXR, "D3D12_RAYTRACING_ACCELERATION_STRUCTURE_BUILD_FLAGS").
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BuildOptions {
-    /// Whether it may be updated.
+    /// Allows updates.
     pub allow_update: bool,
-    /// Whether it may be copied to a compacted one.
+    /// Allows a copy to a compacted structure.
     pub allow_compaction: bool,
-    /// What matters more.
+    /// Trade-off between trace and build performance.
     pub preference: Preference,
 }
 
-/// What matters more in a structure. Hits are the same for all.
+/// Trade-off between trace and build performance. Hits are the same for all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Preference {
     /// Neither.
@@ -51,7 +51,7 @@ pub const MAX_PRIMITIVES: u64 = 1 << 29;
 pub struct BottomLevel {
     pub(crate) bvh: Bvh,
     pub(crate) content: Content,
-    /// Whether all geometries are opaque.
+    /// True if all geometries are opaque.
     pub(crate) is_opaque: bool,
     options: BuildOptions,
 }
@@ -79,7 +79,7 @@ pub(crate) struct Boxes {
     pub flags: GeometryFlags,
 }
 
-/// What an update of triangles may not change.
+/// Properties that an update of triangles may not change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Form {
     pub vertices: usize,
@@ -101,7 +101,7 @@ impl Form {
         Self { vertices: geometry.vertices.len(), index_bytes, index_hash, is_transformed }
     }
 
-    /// What has changed.
+    /// The first property that has changed.
     fn change(&self, now: &Self) -> Option<&'static str> {
         let changes = [
             (self.vertices != now.vertices, "the number of vertices"),
@@ -189,7 +189,7 @@ impl Content {
         }
     }
 
-    /// Whether this is an update of `before`.
+    /// Checks that this is a valid update of `before`.
     fn check_update_of(&self, before: &Self) -> Result<(), BuildError> {
         match (before, self) {
             (Self::Triangles(before), Self::Triangles(now)) => {
@@ -231,17 +231,17 @@ impl Boxes {
     }
 }
 
-/// Whether a number is within a limit.
+/// Checks that a number is within a limit.
 pub(crate) fn within(what: &'static str, count: u64, limit: u64) -> Result<(), BuildError> {
     if count <= limit { Ok(()) } else { Err(BuildError::TooMany { what, count, limit }) }
 }
 
-/// Whether an update keeps a number.
+/// Checks that an update keeps a number.
 pub(crate) fn same_count(what: &'static str, before: usize, now: usize) -> Result<(), BuildError> {
     if before == now { Ok(()) } else { Err(BuildError::UpdateCount { what, before, now }) }
 }
 
-/// What the hierarchy says when there is too much.
+/// Converts the error of a hierarchy with too many primitives.
 pub(crate) fn too_many(error: steradian_accel::Error) -> BuildError {
     match error {
         steradian_accel::Error::TooManyPrimitives { count, limit } => {
@@ -291,7 +291,7 @@ impl BottomLevel {
         Ok(kept)
     }
 
-    /// How it was built.
+    /// Options of its build.
     pub fn options(&self) -> BuildOptions {
         self.options
     }
@@ -301,7 +301,7 @@ impl BottomLevel {
         self.bvh.bounds()
     }
 
-    /// How many geometries it has.
+    /// Number of geometries.
     pub fn geometry_count(&self) -> usize {
         match &self.content {
             Content::Triangles(all) => all.len(),
@@ -309,7 +309,7 @@ impl BottomLevel {
         }
     }
 
-    /// How many primitives it has, inactive ones included.
+    /// Number of primitives, inactive ones included.
     pub fn primitive_count(&self) -> usize {
         self.content.primitive_count()
     }

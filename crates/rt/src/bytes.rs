@@ -1,12 +1,12 @@
-//! What serialised things have in common: a header with a version, and reading that never goes beyond the end.
+//! Shared parts of serialised formats: a header with a version, and reading that never goes beyond the end.
 
 use crate::bottom_level::{BuildOptions, Preference};
 use crate::error::LoadError;
 use steradian_math::Vec3;
 
-/// What serialised bytes begin with.
+/// Header of serialised bytes.
 pub(crate) struct Header {
-    /// What they are of.
+    /// Noun of the content, for messages.
     pub what: &'static str,
     pub magic: [u8; 8],
     /// The version that is written, and the one that is read.
@@ -19,7 +19,7 @@ impl Header {
         [&self.magic[..], &self.version.to_le_bytes()].concat()
     }
 
-    /// What follows the header.
+    /// Checks the header; returns a reader of the bytes after it.
     pub fn read<'a>(&self, bytes: &'a [u8]) -> Result<Reader<'a>, LoadError> {
         let mut rest = Reader(bytes);
         if rest.take()? != self.magic {
@@ -48,7 +48,7 @@ pub(crate) fn put_slice(out: &mut Vec<u8>, bytes: &[u8]) {
     out.extend(bytes);
 }
 
-/// What a byte says.
+/// Decodes a truth value, 0 or 1.
 pub(crate) fn boolean(byte: u8) -> Result<bool, LoadError> {
     if byte <= 1 { Ok(byte == 1) } else { Err(LoadError::Invalid { what: "truth value" }) }
 }
@@ -110,7 +110,7 @@ impl<'a> Reader<'a> {
         Ok(BuildOptions { allow_update: boolean(update)?, allow_compaction: boolean(compaction)?, preference })
     }
 
-    /// Whether all has been read.
+    /// Checks that all bytes have been read.
     pub fn end(&self) -> Result<(), LoadError> {
         if self.0.is_empty() { Ok(()) } else { Err(LoadError::TooLong { bytes: self.0.len() }) }
     }

@@ -17,10 +17,10 @@ use crate::top_level::TopLevel;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// What the bytes begin with, with the version that is written and read.
+/// Header of the bytes, with the version that is written and read.
 const HEADER: Header = Header { what: "capture of a launch", magic: *b"SteradCR", version: 1 };
 
-/// What a launch was made from, but for its shaders.
+/// Inputs of a launch, but for its shaders.
 #[derive(Clone, Debug)]
 pub struct Capture {
     size: [u32; 3],
@@ -157,7 +157,7 @@ impl Table {
 }
 
 impl Capture {
-    /// How many launch ids there are in each direction.
+    /// Number of launch ids in each direction.
     pub fn size(&self) -> [u32; 3] {
         self.size
     }

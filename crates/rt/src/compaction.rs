@@ -13,7 +13,7 @@ fn held<T>(array: &Vec<T>, is_compacted: bool) -> usize {
     size_of::<T>() * if is_compacted { array.len() } else { array.capacity() }
 }
 
-/// Whether compaction is allowed.
+/// Checks that compaction is allowed.
 fn allowed(options: BuildOptions) -> Result<(), BuildError> {
     if options.allow_compaction { Ok(()) } else { Err(BuildError::CompactionNotAllowed) }
 }

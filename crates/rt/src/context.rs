@@ -1,4 +1,4 @@
-//! What each stage can read and call.
+//! Contexts of the shader stages: readable values and callable functions.
 
 use crate::error::Fault;
 use crate::flags::RayFlags;
@@ -10,16 +10,16 @@ use crate::top_level::TopLevel;
 use std::cell::Cell;
 use std::ops::ControlFlow;
 
-/// What is asked of `trace` (DXR, "TraceRay"; Vulkan, `traceRayEXT`).
+/// Arguments of `trace` (DXR, "TraceRay"; Vulkan, `traceRayEXT`).
 #[derive(Clone, Copy, Debug)]
 pub struct TraceRay<'s> {
-    /// Where; without a structure nothing is hit.
+    /// Structure to trace in; without one nothing is hit.
     pub scene: Option<&'s TopLevel>,
-    /// How.
+    /// Ray flags.
     pub flags: RayFlags,
     /// Instances whose mask has a bit in common with this one are met; the low 8 bits count.
     pub mask: u32,
-    /// What is added to the index of hit-group records; the low 4 bits count.
+    /// Ray contribution to the index of hit-group records; the low 4 bits count.
     pub ray_contribution: u32,
     /// By what the index of the geometry is multiplied before it is added to it; the low 4 bits count.
     pub geometry_multiplier: u32,
@@ -45,7 +45,7 @@ impl<'s> TraceRay<'s> {
     }
 }
 
-/// What shaders can read of the launch (DXR, "Ray dispatch system values").
+/// Launch values that shaders can read (DXR, "Ray dispatch system values").
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LaunchValues {
     /// `DispatchRaysIndex`, `gl_LaunchIDEXT`.
@@ -54,20 +54,20 @@ pub struct LaunchValues {
     pub size: [u32; 3],
 }
 
-/// What runs shaders: a pipeline with its tables.
+/// Executor of shaders: a pipeline with its tables.
 pub(crate) trait Machine<I: Interface> {
     fn trace(&self, frame: Frame<I>, call: &TraceRay, payload: &mut I::Payload) -> Result<(), Fault>;
     fn call(&self, frame: Frame<I>, index: u32, parameter: &mut I::Parameter) -> Result<(), Fault>;
 }
 
-/// What belongs to a launch id while it runs.
+/// State of a launch id while it runs.
 #[derive(Default)]
 pub(crate) struct Thread {
     /// Memory for candidates, lent to one search at a time.
     pub waiting: Cell<Vec<Candidate>>,
     /// The first fault, also where a shader has passed over it.
     pub fault: Cell<Option<Fault>>,
-    /// Where events are noted.
+    /// Journal of events, where the launch id is inspected.
     pub journal: Option<Journal>,
 }
 
@@ -79,14 +79,14 @@ impl Thread {
     }
 }
 
-/// Where a shader is in the chain of calls.
+/// Stack frame of a shader in the chain of calls.
 pub(crate) struct Frame<'a, I: Interface> {
     pub machine: &'a dyn Machine<I>,
     pub thread: &'a Thread,
     pub launch: LaunchValues,
-    /// How many rays are on their way: zero in a ray-generation shader.
+    /// Recursion depth of rays: zero in a ray-generation shader.
     pub depth: u32,
-    /// How many callable shaders are in the chain.
+    /// Number of callable shaders in the chain.
     pub calls: u32,
     /// Bytes that the shaders in the chain have declared.
     pub stack: u64,
@@ -149,14 +149,14 @@ macro_rules! contexts {
 }
 
 contexts! {
-    /// Of a ray-generation shader: it may trace and call. There is no ray yet:
+    /// Context of a ray-generation shader: it may trace and call. There is no ray yet:
     ///
     /// ```compile_fail,E0599
     /// # use steradian_rt::{*, context::*};
     /// fn shader<I: Interface>(context: &RayGenerationContext<I>) { context.ray(); }
     /// ```
     RayGenerationContext {}
-    /// Of an intersection shader: it may report hits. It can neither trace, nor call, nor see the payload:
+    /// Context of an intersection shader: it may report hits. It can neither trace, nor call, nor see the payload:
     ///
     /// ```compile_fail,E0599
     /// # use steradian_rt::{*, context::*};
@@ -170,7 +170,7 @@ contexts! {
     /// fn shader<I: Interface>(context: &mut IntersectionContext<I>) { context.ignore_hit(); }
     /// ```
     IntersectionContext { primitive: Primitive<'a>, reporter: &'a mut dyn Report<I>, }
-    /// Of an any-hit shader: it may accept or ignore the hit. It cannot trace, call or report:
+    /// Context of an any-hit shader: it may accept or ignore the hit. It cannot trace, call or report:
     ///
     /// ```compile_fail,E0599
     /// # use steradian_rt::{*, context::*};
@@ -186,7 +186,7 @@ contexts! {
     /// }
     /// ```
     AnyHitContext { ray: RayValues, primitive: Primitive<'a>, kind: Option<HitKind>, }
-    /// Of a closest-hit shader: it may trace and call. The hit is decided:
+    /// Context of a closest-hit shader: it may trace and call. The hit is decided:
     ///
     /// ```compile_fail,E0599
     /// # use steradian_rt::{*, context::*};
@@ -200,14 +200,14 @@ contexts! {
     /// }
     /// ```
     ClosestHitContext { ray: RayValues, primitive: Primitive<'a>, kind: Option<HitKind>, }
-    /// Of a miss shader: it may trace and call. Nothing was hit:
+    /// Context of a miss shader: it may trace and call. Nothing was hit:
     ///
     /// ```compile_fail,E0599
     /// # use steradian_rt::{*, context::*};
     /// fn shader<I: Interface>(context: &MissContext<I>) { context.primitive(); }
     /// ```
     MissContext { ray: RayValues, }
-    /// Of a callable shader: it may call. It cannot trace:
+    /// Context of a callable shader: it may call. It cannot trace:
     ///
     /// ```compile_fail,E0599
     /// # use steradian_rt::{*, context::*};

@@ -9,7 +9,7 @@ use crate::error::{BuildError, DeferredError};
 use crate::geometry::Geometries;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// What a thread is told that has taken part in an operation.
+/// Result of a thread's part in an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Join {
     /// The operation is complete (`VK_SUCCESS`).
@@ -27,15 +27,15 @@ pub struct DeferredBuild<'a> {
     state: Mutex<Vec<State>>,
 }
 
-/// How far a build has come.
+/// Progress of a build.
 #[derive(Debug)]
 struct State {
-    /// Of geometries: how many there are to be read, how many threads have taken, and what has been read.
+    /// Numbers of geometries in all and of those taken by threads, and the contents read so far.
     geometries: usize,
     taken: usize,
     read: Vec<Option<Result<Content, BuildError>>>,
     missing: usize,
-    /// Whether a thread has taken the hierarchy.
+    /// Set once a thread has taken the hierarchy.
     is_taken: bool,
     built: Option<Result<Arc<BottomLevel>, BuildError>>,
 }
@@ -47,7 +47,7 @@ enum Task {
     Build { build: usize, read: Vec<Option<Result<Content, BuildError>>> },
 }
 
-/// What a piece of work has made.
+/// Result of a piece of work.
 enum Made {
     Geometry { build: usize, geometry: usize, read: Result<Content, BuildError> },
     Structure { build: usize, built: Result<BottomLevel, BuildError> },

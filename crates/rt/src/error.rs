@@ -1,4 +1,4 @@
-//! What can be wrong with structures: each value names the rule that was broken, and the numbers.
+//! Errors of structures: each value names the rule that was broken, and the numbers.
 
 use crate::flags::{ExclusiveRayFlags, InstanceFlags};
 
@@ -14,7 +14,7 @@ pub enum BuildError {
     IncompleteTriangle {
         /// Index of the geometry.
         geometry: usize,
-        /// How many indices, or vertices where there are no indices.
+        /// Number of indices, or of vertices where there are no indices.
         corners: usize,
     },
     /// A triangle names a vertex that does not exist.
@@ -26,7 +26,7 @@ pub enum BuildError {
         triangle: usize,
         /// The index that it names.
         index: u32,
-        /// How many vertices there are.
+        /// Number of vertices.
         vertices: usize,
     },
     /// The transform of a geometry is singular, or has a number that is not finite.
@@ -68,11 +68,11 @@ pub enum BuildError {
     /// More geometries, primitives or instances than a structure may have.
     #[error("{count} {what} are too many: at most {limit} are allowed (DXR, \"Geometry limits\")")]
     TooMany {
-        /// What there are too many of.
+        /// Noun of the items counted.
         what: &'static str,
-        /// How many there are.
+        /// Their number.
         count: u64,
-        /// How many there may be.
+        /// Largest number allowed.
         limit: u64,
     },
     /// A structure that was not built for updates cannot be updated.
@@ -89,7 +89,7 @@ pub enum BuildError {
         "an update may not change {what} of geometry {geometry} (DXR, \"Bottom-level acceleration structure updates\")"
     )]
     UpdateChanges {
-        /// What has changed.
+        /// The property that has changed.
         what: &'static str,
         /// Index of the geometry.
         geometry: usize,
@@ -100,11 +100,11 @@ pub enum BuildError {
          \"Acceleration structure update constraints\")"
     )]
     UpdateCount {
-        /// What has been counted.
+        /// Noun of the items counted.
         what: &'static str,
-        /// How many there were.
+        /// Their number before the update.
         before: usize,
-        /// How many there are.
+        /// Their number in the update.
         now: usize,
     },
     /// An update makes a primitive active that was not, or the other way round.
@@ -130,9 +130,9 @@ pub enum RayError {
     /// The interval of the ray is none.
     #[error("t_min {t_min} and t_max {t_max} break 0 <= t_min <= t_max (DXR, \"Ray extents\")")]
     Extents {
-        /// Where the ray begins.
+        /// Start of the ray's interval.
         t_min: f32,
-        /// Where the ray ends.
+        /// End of the ray's interval.
         t_max: f32,
     },
     /// Two of its flags exclude each other.
@@ -169,9 +169,9 @@ pub enum Fault {
         geometry: u32,
         /// Offset of the instance.
         instance_offset: u32,
-        /// What this makes.
+        /// Resulting record index.
         place: u64,
-        /// How many records the table has.
+        /// Number of records in the table.
         records: usize,
     },
     /// A miss or callable record that does not exist.
@@ -188,9 +188,9 @@ pub enum Fault {
         stride: u32,
         /// The index; of a miss shader its low 16 bits.
         index: u32,
-        /// What this makes.
+        /// Resulting record index.
         place: u64,
-        /// How many records the table has.
+        /// Number of records in the table.
         records: usize,
     },
     /// A hit group is used on primitives of the other kind.
@@ -198,9 +198,9 @@ pub enum Fault {
     GroupKind {
         /// Index of the hit group in the pipeline.
         place: u32,
-        /// What the group is for.
+        /// Kind of primitive that the group is for.
         group: &'static str,
-        /// What the geometry has.
+        /// Kind of primitive in the geometry.
         geometry: &'static str,
     },
     /// An intersection shader reports a hit of a kind that belongs to triangles.
@@ -229,7 +229,7 @@ pub enum Fault {
     /// Callable shaders call each other too deeply.
     #[error("callable shaders call each other more than {limit} deep")]
     CallDepth {
-        /// How deep they may.
+        /// Largest depth allowed.
         limit: u32,
     },
 }
@@ -241,9 +241,9 @@ pub enum LaunchError {
     /// A shader did what is not allowed. Of several, the one with the smallest launch id, x counting least.
     #[error("launch id {launch_id:?}: {fault}")]
     Fault {
-        /// Where.
+        /// The launch id.
         launch_id: [u32; 3],
-        /// What.
+        /// Its fault.
         fault: Fault,
     },
     /// More launch ids than allowed.
@@ -267,7 +267,7 @@ pub enum LaunchError {
     /// There is no memory for the output.
     #[error("no memory for the output of {count} launch ids")]
     NoMemory {
-        /// How many there are.
+        /// Number of launch ids.
         count: u64,
     },
     /// A record has a handle of another pipeline.
@@ -287,7 +287,7 @@ pub enum PipelineError {
     /// Two exports of one kind have the same name.
     #[error("two exports of kind {kind} are named {name:?}")]
     DuplicateName {
-        /// What kind.
+        /// Their kind.
         kind: &'static str,
         /// Their name.
         name: String,
@@ -295,9 +295,9 @@ pub enum PipelineError {
     /// A recursion depth that is too great.
     #[error("a maximum recursion depth of {declared} is more than {limit} (DXR, \"D3D12_RAYTRACING_PIPELINE_CONFIG\")")]
     RecursionDepth {
-        /// What was declared.
+        /// Declared depth.
         declared: u32,
-        /// What is allowed.
+        /// Largest depth allowed.
         limit: u32,
     },
 }
@@ -309,7 +309,7 @@ pub enum LoadError {
     /// They do not begin as structures do.
     #[error("the bytes are not of a {what}")]
     NoStructure {
-        /// What was expected.
+        /// Noun of the expected content.
         what: &'static str,
     },
     /// They are of another version.
@@ -326,15 +326,15 @@ pub enum LoadError {
     /// They go on after the structure.
     #[error("{bytes} bytes follow the structure")]
     TooLong {
-        /// How many bytes follow.
+        /// Number of bytes left over.
         bytes: usize,
     },
     /// A top-level structure refers to more or fewer bottom levels than are given.
     #[error("the structure has handles of {expected} bottom levels, but {given} are given (Vulkan, \"Serialization\")")]
     BottomLevelCount {
-        /// How many it refers to.
+        /// Number of bottom levels that it refers to.
         expected: usize,
-        /// How many are given.
+        /// Number of bottom levels given.
         given: usize,
     },
     /// A top-level structure refers to another bottom level than the one that is given.
@@ -353,7 +353,7 @@ pub enum LoadError {
     /// Something in them has no meaning.
     #[error("there is no such {what}")]
     Invalid {
-        /// What.
+        /// Noun of the invalid value.
         what: &'static str,
     },
     /// They break a rule of structures.
@@ -368,7 +368,7 @@ pub enum DeferredError {
     /// It is not complete.
     #[error("the operation is not complete: {unfinished} builds are left (Vulkan, vkGetDeferredOperationResultKHR)")]
     NotReady {
-        /// How many builds are not finished.
+        /// Number of unfinished builds.
         unfinished: usize,
     },
     /// A build failed.
@@ -376,7 +376,7 @@ pub enum DeferredError {
     Build {
         /// Index of the first one that failed.
         build: usize,
-        /// What is wrong.
+        /// Its error.
         error: BuildError,
     },
 }
@@ -385,7 +385,7 @@ pub enum DeferredError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the pipeline has no {kind} with this handle (Vulkan, vkGetRayTracingCaptureReplayShaderGroupHandlesKHR)")]
 pub struct UnknownHandle {
-    /// What it should be the handle of.
+    /// Kind of export expected.
     pub kind: &'static str,
 }
 
@@ -398,17 +398,17 @@ pub enum ReplayError {
     Handle {
         /// Index of the record in its table.
         place: usize,
-        /// What is wrong.
+        /// The error of its handle.
         error: UnknownHandle,
     },
     /// Bytes that are no local data.
     #[error("record {place} of a {kind} has {bytes} bytes that are no local data")]
     Local {
-        /// What the records of the table are of.
+        /// Kind of the table's records.
         kind: &'static str,
         /// Index of the record in its table.
         place: usize,
-        /// How many bytes there are.
+        /// Number of bytes.
         bytes: usize,
     },
 }

@@ -28,12 +28,12 @@ macro_rules! flags {
                 if bits & !KNOWN == 0 { Some(Self(bits)) } else { None }
             }
 
-            /// Whether all flags of `other` are among these.
+            /// True if all flags of `other` are among these.
             pub const fn contains(self, other: Self) -> bool {
                 self.0 & other.0 == other.0
             }
 
-            /// Whether any flag of `other` is among these.
+            /// True if any flag of `other` is among these.
             pub const fn intersects(self, other: Self) -> bool {
                 self.0 & other.0 != 0
             }
@@ -63,7 +63,7 @@ macro_rules! flags {
 }
 
 flags! {
-    /// What a ray does with opacity, with faces, and when its search ends.
+    /// Ray flags: opacity, face culling, and early termination of the search.
     RayFlags(u32) {
         /// All that is met counts as opaque, whatever geometry and instance say.
         FORCE_OPAQUE = 0x1,
@@ -77,9 +77,9 @@ flags! {
         CULL_BACK_FACING_TRIANGLES = 0x10,
         /// Triangles that show their front are not hit.
         CULL_FRONT_FACING_TRIANGLES = 0x20,
-        /// What geometry and instance make opaque is not hit.
+        /// Primitives that geometry and instance make opaque are not hit.
         CULL_OPAQUE = 0x40,
-        /// What geometry and instance make non-opaque is not hit.
+        /// Primitives that geometry and instance make non-opaque are not hit.
         CULL_NON_OPAQUE = 0x80,
         /// No triangle is hit.
         SKIP_TRIANGLES = 0x100,
@@ -124,7 +124,7 @@ impl RayFlags {
 }
 
 flags! {
-    /// What holds for all primitives of a geometry.
+    /// Flags of all primitives of a geometry.
     GeometryFlags(u8) {
         /// No any-hit shader runs on it, unless instance or ray say otherwise.
         OPAQUE = 0x1,
@@ -135,7 +135,7 @@ flags! {
 }
 
 flags! {
-    /// What an instance changes in its geometries.
+    /// Flags of an instance, which override properties of its geometries.
     InstanceFlags(u8) {
         /// Rays do not cull its triangles by their face.
         TRIANGLE_CULL_DISABLE = 0x1,

@@ -1,4 +1,4 @@
-//! What bottom-level structures are built from (DXR, "D3D12_RAYTRACING_GEOMETRY_DESC"; Vulkan,
+//! Geometries, the input of bottom-level structures (DXR, "D3D12_RAYTRACING_GEOMETRY_DESC"; Vulkan,
 //! `VkAccelerationStructureGeometryKHR`).
 
 use crate::error::BuildError;
@@ -28,7 +28,7 @@ pub struct TriangleGeometry<'a> {
     /// Applied to the vertices before the structure is built. It belongs to object space: a mirror here changes which
     /// side of a triangle is its front.
     pub transform: Option<Transform3x4>,
-    /// What holds for its triangles.
+    /// Flags of its triangles.
     pub flags: GeometryFlags,
 }
 
@@ -55,7 +55,7 @@ impl<'a> TriangleGeometry<'a> {
         Self { transform: Some(transform), ..self }
     }
 
-    /// How many vertices are named by triangles.
+    /// Number of triangle corners: of indices, or of vertices where there are no indices.
     fn corner_count(&self) -> usize {
         match self.indices {
             Indices::None => self.vertices.len(),
@@ -103,7 +103,7 @@ pub struct BoxGeometry<'a> {
     /// Boxes. One whose `min.x` is NaN is inactive: it keeps its number, and no ray meets it. One that is inverted on
     /// any axis is the point at its centre.
     pub boxes: &'a [Bounds3],
-    /// What holds for its primitives.
+    /// Flags of its primitives.
     pub flags: GeometryFlags,
 }
 

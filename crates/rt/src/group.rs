@@ -6,25 +6,25 @@ use crate::ray::Barycentrics;
 use crate::stages::{AnyHit, ClosestHit, Decision, EndSearch, Interface, Intersection, Verdict};
 use std::ops::ControlFlow;
 
-/// What is known about a hit.
+/// Attributes of a hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum HitAttributes<A> {
-    /// Where in the triangle.
+    /// Position in the triangle.
     Triangle(Barycentrics),
-    /// What the intersection shader said.
+    /// Attributes reported by the intersection shader.
     Procedural(A),
 }
 
 /// The shaders of a hit group: a [`TriangleGroup`], a [`ProceduralGroup`], or a box of either where a pipeline has
 /// several types of them.
 pub trait HitGroup<I: Interface>: Sync {
-    /// Whether it is for procedural primitives, else for triangles.
+    /// True for a group of procedural primitives, false for one of triangles.
     fn is_procedural(&self) -> bool;
 
-    /// Whether it has an any-hit shader.
+    /// True if it has an any-hit shader.
     fn has_any_hit(&self) -> bool;
 
-    /// Whether it has a closest-hit shader.
+    /// True if it has a closest-hit shader.
     fn has_closest_hit(&self) -> bool;
 
     /// Runs the intersection shader.

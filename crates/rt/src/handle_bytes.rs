@@ -12,12 +12,12 @@ use steradian_math::hash::combine64;
 /// Bytes of a handle (`shaderGroupHandleSize`, `D3D12_SHADER_IDENTIFIER_SIZE_IN_BYTES`).
 pub const HANDLE_BYTES: usize = 32;
 
-/// What is common to the [kinds](kind) of tables. No other types can be kinds.
+/// Trait of the [kinds](kind) of tables. No other types can be kinds.
 pub trait Kind: Exported {}
 
 /// Kinds of what a pipeline has.
 pub trait Exported {
-    /// What it is.
+    /// Noun of the kind, for messages.
     const NAME: &'static str;
     /// The names of all exports of this kind.
     fn names<I, R, H, M, C>(library: &Library<I, R, H, M, C>) -> Vec<&str>;

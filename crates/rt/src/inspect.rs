@@ -14,14 +14,14 @@ use std::cell::RefCell;
 use std::fmt;
 use steradian_math::Vec3;
 
-/// What happened for one launch id.
+/// Events and output of one launch id.
 #[derive(Clone, Debug, Serialize)]
 pub struct Inspection<O> {
     /// Which one.
     pub launch_id: [u32; 3],
-    /// What happened, in order.
+    /// Events in order.
     pub events: Vec<Entry>,
-    /// What the ray-generation shader made, or why there is nothing.
+    /// Output of the ray-generation shader, or the fault that ended it.
     #[serde(skip)]
     pub output: Result<O, Fault>,
 }
@@ -29,9 +29,9 @@ pub struct Inspection<O> {
 /// Something that happened.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Entry {
-    /// How deep it is nested: a shader below the call that led to it, its own calls below the shader.
+    /// Nesting depth: a shader is below the call that led to it, its own calls are below the shader.
     pub depth: u32,
-    /// What it was.
+    /// The event.
     #[serde(flatten)]
     pub event: Event,
 }
@@ -54,7 +54,7 @@ pub enum Stage {
     Callable,
 }
 
-/// What can happen.
+/// An event in a launch.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
 #[non_exhaustive]
@@ -68,13 +68,13 @@ pub enum Event {
     },
     /// A ray is traced. In JSON an interval without end has the end `null`.
     Trace {
-        /// Where it starts.
+        /// Ray origin.
         origin: Vec3,
-        /// Where it goes.
+        /// Ray direction.
         direction: Vec3,
-        /// Where its interval begins.
+        /// Start of the ray's interval.
         t_min: f32,
-        /// Where its interval ends.
+        /// End of the ray's interval.
         t_max: f32,
         /// Its flags.
         #[serde(serialize_with = "as_text")]
@@ -91,11 +91,11 @@ pub enum Event {
     Candidate {
         /// Which primitive.
         primitive: PrimitiveId,
-        /// Where: of a procedural primitive, where the ray enters its box.
+        /// Ray parameter of the hit; for a procedural primitive, of the ray's entry into its box.
         t: f32,
-        /// Whether it is procedural, else a triangle.
+        /// True for a procedural primitive, false for a triangle.
         is_procedural: bool,
-        /// Whether it is opaque.
+        /// True if it is opaque.
         is_opaque: bool,
     },
     /// A record of a shader table is chosen.
@@ -108,23 +108,23 @@ pub enum Event {
     },
     /// An any-hit shader has decided.
     Decision {
-        /// What it said.
+        /// Decision of the shader.
         verdict: &'static str,
     },
     /// An intersection shader has reported a hit.
     Report {
-        /// Where.
+        /// Ray parameter of the hit.
         t: f32,
-        /// Of which kind.
+        /// Kind of the hit.
         kind: u8,
-        /// Whether it counts.
+        /// True if the hit counts.
         counts: bool,
     },
     /// The search is over: this is the hit.
     Hit {
         /// Which primitive.
         primitive: PrimitiveId,
-        /// Where.
+        /// Ray parameter of the hit.
         t: f32,
     },
     /// The search is over: there is no hit.

@@ -54,7 +54,7 @@ impl<I: Interface, R: RayGeneration<I>, H: HitGroup<I>, M: Miss<I>, C: Callable<
         }
     }
 
-    /// Whether all handles in the tables are of this pipeline.
+    /// Checks that all handles in the tables are of this pipeline.
     pub(crate) fn check(&self, tables: &ShaderTables<I::Local>) -> Result<(), LaunchError> {
         fn foreign<K, L>(pipeline: u64, records: &[Record<K, L>]) -> Option<usize> {
             records.iter().position(|record| record.handle.is_some_and(|handle| handle.pipeline != pipeline))

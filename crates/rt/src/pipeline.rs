@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Most that a pipeline may declare as recursion depth (`D3D12_RAYTRACING_MAX_DECLARABLE_TRACE_RECURSION_DEPTH`).
 pub const MAX_RECURSION_DEPTH: u32 = 31;
-/// How deep callable shaders may call each other, over all rays of a launch id. The APIs bound it by the stack alone.
+/// Largest call depth of callable shaders, over all rays of a launch id. The APIs bound it by the stack alone.
 pub const MAX_CALL_DEPTH: u32 = 64;
 
 /// A shader or hit group with its name and the stack that it declares, in bytes.
@@ -19,7 +19,7 @@ pub const MAX_CALL_DEPTH: u32 = 64;
 pub struct Export<S, Z = u32> {
     /// Its name, which is unique among its kind in a pipeline.
     pub name: String,
-    /// What it is.
+    /// The shader or hit group.
     pub shader: S,
     /// Bytes of stack that it declares.
     pub stack: Z,
@@ -41,11 +41,11 @@ impl<S, Z: Default> Export<S, Z> {
 /// The stacks of the shaders of a hit group, in bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct HitGroupStack {
-    /// Of the intersection shader.
+    /// Stack of the intersection shader.
     pub intersection: u32,
-    /// Of the any-hit shader.
+    /// Stack of the any-hit shader.
     pub any_hit: u32,
-    /// Of the closest-hit shader.
+    /// Stack of the closest-hit shader.
     pub closest_hit: u32,
 }
 
@@ -106,11 +106,10 @@ impl<I: Interface, R: RayGeneration<I>, H: HitGroup<I>, M: Miss<I>, C: Callable<
     }
 }
 
-/// What holds for a whole pipeline (DXR, "D3D12_RAYTRACING_PIPELINE_CONFIG", "Pipeline stack").
+/// Configuration of a pipeline (DXR, "D3D12_RAYTRACING_PIPELINE_CONFIG", "Pipeline stack").
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PipelineConfig {
-    /// How deep shaders of rays may trace rays: 0 for none, 1 for those of ray generation, at most
-    /// [`MAX_RECURSION_DEPTH`].
+    /// Maximum recursion depth of rays: 0 for no rays, 1 for those of ray generation, at most [`MAX_RECURSION_DEPTH`].
     pub max_recursion_depth: u32,
     /// Bytes of stack for each launch id; `None` for [`Pipeline::default_stack_size`].
     pub stack_size: Option<u64>,
@@ -184,7 +183,7 @@ impl<I: Interface, R: RayGeneration<I>, H: HitGroup<I>, M: Miss<I>, C: Callable<
         self.stack_size
     }
 
-    /// How deep shaders of rays may trace rays.
+    /// Maximum recursion depth of rays.
     pub fn max_recursion_depth(&self) -> u32 {
         self.config.max_recursion_depth
     }

@@ -1,10 +1,10 @@
-//! What a ray does in an instance: the flags of both, put together once.
+//! Handling of a ray's hits in an instance: the flags of both, put together once.
 
 use crate::flags::{GeometryFlags, InstanceFlags, RayFlags};
 use crate::top_level::Placed;
 use steradian_math::Vec3;
 
-/// What is done with a hit.
+/// Treatment of a hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Class {
     /// It is none.
@@ -15,12 +15,12 @@ pub(crate) enum Class {
     NonOpaque,
 }
 
-/// What a ray does in an instance.
+/// Handling of a ray's hits in an instance.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plan {
     opaque: Class,
     non_opaque: Class,
-    /// Whether triangles that show their front are skipped, and those that show their back.
+    /// Culling of front-facing and of back-facing triangles.
     culls_front: bool,
     culls_back: bool,
     counterclockwise: bool,
@@ -63,41 +63,41 @@ impl Plan {
         })
     }
 
-    /// What is done with hits on a geometry.
+    /// Treatment of hits on a geometry.
     pub fn class(&self, flags: GeometryFlags) -> Class {
         if flags.contains(GeometryFlags::OPAQUE) { self.opaque } else { self.non_opaque }
     }
 
-    /// Whether all hits on triangles are opaque, but for those that are skipped for their face: `is_opaque` says
-    /// whether all geometries are.
+    /// True if all hits on triangles are opaque, but for those culled by their face; `is_opaque` is true if all
+    /// geometries are opaque.
     #[inline]
     pub fn is_certain(&self, is_opaque: bool) -> bool {
         self.opaque == Class::Opaque && (is_opaque || self.non_opaque == Class::Opaque)
     }
 
-    /// Whether hits on any geometry can be opaque.
+    /// True if hits on any geometry can be opaque.
     pub fn has_opaque(&self) -> bool {
         self.opaque == Class::Opaque || self.non_opaque == Class::Opaque
     }
 
-    /// Whether a triangle shows its front to a ray; both are in object space.
+    /// True if a triangle is front-facing to a ray; both are in object space.
     fn is_front(&self, corners: &[Vec3; 3], direction: Vec3) -> bool {
         is_clockwise(corners, direction) != self.counterclockwise
     }
 
-    /// Whether triangles are skipped for their face.
+    /// True if triangles are culled by their face.
     pub fn culls(&self) -> bool {
         self.culls_front || self.culls_back
     }
 
-    /// Whether a triangle is skipped for its face.
+    /// True if a triangle is culled by its face.
     pub fn is_culled(&self, corners: &[Vec3; 3], direction: Vec3) -> bool {
         if self.is_front(corners, direction) { self.culls_front } else { self.culls_back }
     }
 }
 
-/// Whether vertices are in clockwise order as seen from where a ray comes from, in a left-handed system of coordinates;
-/// seen so in a right-handed one they are counter-clockwise (DXR, "D3D12_RAYTRACING_INSTANCE_FLAGS").
+/// Tests for vertices in clockwise order as seen from the ray's origin, in a left-handed system of coordinates; seen so
+/// in a right-handed one they are counter-clockwise (DXR, "D3D12_RAYTRACING_INSTANCE_FLAGS").
 pub(crate) fn is_clockwise(corners: &[Vec3; 3], direction: Vec3) -> bool {
     let [a, b, c] = corners.map(|corner| corner.as_dvec3());
     (b - a).cross(c - a).dot(direction.as_dvec3()) < 0.0

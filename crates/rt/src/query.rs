@@ -41,17 +41,17 @@ pub struct RayQuery<'a> {
 /// A hit that has been committed.
 #[derive(Clone, Copy, Debug)]
 pub struct CommittedHit<'a> {
-    /// Where along the ray (`CommittedRayT`).
+    /// Ray parameter (`CommittedRayT`).
     pub t: f32,
-    /// What was hit.
+    /// The primitive hit.
     pub primitive: Primitive<'a>,
     /// Which face of a triangle, or the number that the caller gave to a procedural hit.
     pub kind: HitKind,
-    /// Where in the triangle; zero for procedural hits.
+    /// Position in the triangle; zero for procedural hits.
     pub barycentrics: Barycentrics,
 }
 
-/// What a query must ask its caller about.
+/// Candidate hit that the caller of a query must decide.
 #[derive(Debug)]
 pub enum QueryCandidate<'q, 'a> {
     /// A hit on a triangle that is not opaque.
@@ -127,17 +127,17 @@ impl<'a> RayQuery<'a> {
 }
 
 impl<'a> TriangleCandidate<'_, 'a> {
-    /// Where along the ray (`CandidateTriangleRayT`).
+    /// Ray parameter (`CandidateTriangleRayT`).
     pub fn t(&self) -> f32 {
         self.candidate.t
     }
 
-    /// Where in the triangle.
+    /// Position in the triangle.
     pub fn barycentrics(&self) -> Barycentrics {
         self.barycentrics
     }
 
-    /// Whether it shows its front (`CandidateTriangleFrontFace`).
+    /// True if the triangle is front-facing (`CandidateTriangleFrontFace`).
     pub fn is_front_face(&self) -> bool {
         self.primitive.face() == HitKind::TRIANGLE_FRONT_FACE
     }
@@ -160,8 +160,8 @@ impl<'a> TriangleCandidate<'_, 'a> {
 }
 
 impl<'a> ProceduralCandidate<'_, 'a> {
-    /// Whether geometry, instance and ray make it non-opaque (`CandidateProceduralPrimitiveNonOpaque`). What follows
-    /// from it is the caller's affair.
+    /// True if geometry, instance and ray make it non-opaque (`CandidateProceduralPrimitiveNonOpaque`). The consequence
+    /// is up to the caller.
     pub fn is_non_opaque(&self) -> bool {
         !self.candidate.is_opaque
     }

@@ -3,10 +3,10 @@
 use crate::ray::{Barycentrics, PrimitiveId};
 use std::cmp::Ordering;
 
-/// What must be asked about.
+/// Candidate hit that waits for a decision.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Candidate {
-    /// Of a triangle the distance of the hit, of a box at most that where it is entered.
+    /// Hit distance of a triangle; for a box, a lower bound of the entry distance.
     pub t: f32,
     pub id: PrimitiveId,
     /// Weights of a triangle; `None` for a box.
@@ -15,7 +15,7 @@ pub(crate) struct Candidate {
 }
 
 impl Candidate {
-    /// Whether it counts without being asked about.
+    /// True if it counts without a decision: an opaque triangle.
     pub fn is_certain(&self) -> bool {
         self.is_opaque && self.triangle.is_some()
     }
@@ -26,8 +26,8 @@ impl Candidate {
     }
 }
 
-/// How many candidates wait at most. Those beyond are looked for when these have been refused: where most of what a ray
-/// meets is refused, it goes through the hierarchy once for so many.
+/// Largest number of waiting candidates. Those beyond are looked for when these have been refused: where most of the
+/// ray's candidates are refused, it traverses the hierarchy once for so many.
 const CAPACITY: usize = 2;
 
 /// The nearest candidates of those beyond one, in order.
@@ -35,7 +35,7 @@ const CAPACITY: usize = 2;
 pub(crate) struct Queue {
     /// The nearest one last; what is certain has none beyond it.
     pub waiting: Vec<Candidate>,
-    /// Whether there are others beyond these.
+    /// True if there are others beyond these.
     pub has_more: bool,
     /// The one before all of these.
     pub after: Option<Candidate>,

@@ -12,13 +12,13 @@ use steradian_math::{Ray, Vec3};
 /// `t_min < t < t_max`, procedural primitives where `t_min <= t <= t_max` (DXR, "Ray extents").
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayDesc {
-    /// Where it starts, in world space.
+    /// Origin in world space.
     pub origin: Vec3,
-    /// Where it goes, of any length; `t` is in units of it. A ray that goes nowhere meets nothing.
+    /// Direction, of any length; `t` is in units of it. A ray with a direction of zero meets nothing.
     pub direction: Vec3,
-    /// Where hits begin, at least zero.
+    /// Start of the interval, at least zero.
     pub t_min: f32,
-    /// Where hits end, at least `t_min`; may be infinite.
+    /// End of the interval, at least `t_min`; may be infinite.
     pub t_max: f32,
 }
 
@@ -48,13 +48,13 @@ impl RayDesc {
         Ok(self)
     }
 
-    /// How the hierarchy takes it.
+    /// Ray for the hierarchy, with this end of its interval.
     pub(crate) fn with_end(&self, t_max: f32) -> Ray {
         Ray { t_max, ..Ray::new(self.origin, self.direction) }
     }
 }
 
-/// What shaders can read of the current ray (DXR, "Ray system values").
+/// Values of the current ray that shaders can read (DXR, "Ray system values").
 #[derive(Clone, Copy, Debug)]
 pub struct RayValues {
     /// `WorldRayOrigin`, `gl_WorldRayOriginEXT`.
@@ -119,7 +119,7 @@ impl<'a> Primitive<'a> {
         self.placed.custom_index
     }
 
-    /// What the instance adds to the index of hit-group records, 24 bits.
+    /// Contribution of the instance to the index of hit-group records, 24 bits.
     pub fn hit_group_offset(&self) -> u32 {
         self.placed.hit_group_offset
     }
@@ -175,8 +175,8 @@ impl<'a> Primitive<'a> {
     }
 }
 
-/// What kind of hit it is: one that an intersection shader has reported, with a number of its own, or one on a triangle
-/// (DXR, "HitKind").
+/// Kind of a hit: one reported by an intersection shader, with a number of its own, or one on a triangle (DXR,
+/// "HitKind").
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct HitKind(u8);
 
@@ -201,13 +201,14 @@ impl HitKind {
         self.0
     }
 
-    /// Whether a triangle was hit.
+    /// True for a hit on a triangle.
     pub const fn is_triangle(self) -> bool {
         self.0 >= 254
     }
 }
 
-/// Where a triangle was hit: `p = (1 − u − v) p0 + u p1 + v p2` (DXR, "BuiltInTriangleIntersectionAttributes").
+/// Barycentric coordinates of a hit on a triangle: `p = (1 − u − v) p0 + u p1 + v p2` (DXR,
+/// "BuiltInTriangleIntersectionAttributes").
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Barycentrics {
     /// Weight of the second vertex.

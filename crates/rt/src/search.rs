@@ -23,13 +23,13 @@ use steradian_math::{Bounds3, Ray, Vec3};
 pub(crate) struct Committed {
     pub t: f32,
     pub id: PrimitiveId,
-    /// What was reported of a procedural hit; `None` for a triangle, whose face is looked at where it is asked for.
+    /// Reported kind of a procedural hit; `None` for a triangle, whose face is found when it is asked for.
     pub kind: Option<HitKind>,
-    /// Of a triangle.
+    /// Position in a triangle.
     pub barycentrics: Barycentrics,
 }
 
-/// How far a search is.
+/// State of a search.
 #[derive(Clone, Copy, Debug)]
 enum State {
     Start,
@@ -71,7 +71,7 @@ impl<'a> Search<'a> {
         self.queue.waiting
     }
 
-    /// Where the interval ends now.
+    /// Current end of the interval.
     #[inline]
     pub fn t_current(&self) -> f32 {
         self.committed.map_or(self.ray.t_max, |hit| hit.t)
@@ -83,7 +83,7 @@ impl<'a> Search<'a> {
         self.state = State::Done;
     }
 
-    /// Whether the search is over.
+    /// True if the search is over.
     #[inline]
     pub fn is_done(&self) -> bool {
         matches!(self.state, State::Done)
@@ -138,7 +138,7 @@ impl<'a> Search<'a> {
         None
     }
 
-    /// Where there are several instances, or something must be asked about.
+    /// Begins a search among several instances, or one with candidates that need a decision.
     #[inline(never)]
     fn begin_among(&mut self, scene: &'a TopLevel) -> Option<Candidate> {
         if self.flags.contains(RayFlags::ACCEPT_FIRST_HIT_AND_END_SEARCH) {
@@ -185,7 +185,7 @@ impl<'a> Search<'a> {
         None
     }
 
-    /// What the ray does in an instance, and the ray in object space, up to `end`, which belongs to it for boxes.
+    /// Enters an instance: the plan of hits, and the ray in object space, up to `end`, which belongs to it for boxes.
     #[inline]
     fn enter(&self, scene: &'a TopLevel, index: u32, end: f32) -> Option<Entered<'a>> {
         let placed: &'a Placed = scene.instances.get(index as usize)?;
@@ -269,7 +269,7 @@ struct Entered<'a> {
     instance: u32,
     bottom: &'a BottomLevel,
     t_min: f32,
-    /// Whether nothing in it must be asked about.
+    /// True if no hit in it needs a decision.
     is_certain: bool,
 }
 
@@ -279,7 +279,7 @@ impl Entered<'_> {
         PrimitiveId { instance: self.instance, geometry: id.geom, primitive: id.prim }
     }
 
-    /// What is done with hits on a geometry.
+    /// Treatment of hits on a geometry.
     fn class(&self, geometry: u32) -> Class {
         let flags = match &self.bottom.content {
             Content::Triangles(all) => all.get(geometry as usize).map(|g| g.flags),
@@ -299,7 +299,7 @@ impl Entered<'_> {
         }
     }
 
-    /// Whether a hit on a triangle does not count for its distance or its face.
+    /// True if a hit on a triangle does not count for its distance or its face.
     #[inline]
     fn is_culled(&self, hit: &Hit) -> bool {
         let faces_away = || {
@@ -314,7 +314,8 @@ impl Entered<'_> {
         if self.is_culled(hit) { Class::Skipped } else { self.class(hit.id.geom) }
     }
 
-    /// Where the ray enters a box, at most; `None` where it does not or where hits on it do not count.
+    /// Lower bound of the ray parameter at entry into a box; `None` where the ray misses it or where hits on it do not
+    /// count.
     fn entry(&self, id: PrimId, t_max: f32) -> Option<f32> {
         if self.class(id.geom) == Class::Skipped {
             return None;

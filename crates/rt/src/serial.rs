@@ -10,7 +10,7 @@ use crate::error::{BuildError, LoadError};
 use crate::flags::GeometryFlags;
 use steradian_math::{Bounds3, Vec3, hash::combine64};
 
-/// What the bytes begin with, with the version that is written and read.
+/// Header of the bytes, with the version that is written and read.
 const HEADER: Header = Header { what: "bottom-level structure", magic: *b"SteradRT", version: 2 };
 
 impl BottomLevel {
@@ -66,7 +66,7 @@ impl BottomLevel {
         self.serialize().chunks(8).fold(0, |hash, bytes| combine64(hash, word(bytes)))
     }
 
-    /// Whether two structures are the same, bit for bit: in what they hold, and in their hierarchies.
+    /// Tests two structures for bitwise equality: of their contents, and of their hierarchies.
     pub fn same_bits(&self, other: &Self) -> bool {
         self.bvh.same_bits(&other.bvh) && self.serialize() == other.serialize()
     }

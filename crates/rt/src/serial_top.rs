@@ -11,7 +11,7 @@ use crate::transform::Transform3x4;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// What the bytes begin with, with the version that is written and read.
+/// Header of the bytes, with the version that is written and read.
 const HEADER: Header = Header { what: "top-level structure", magic: *b"SteradTL", version: 1 };
 
 impl TopLevel {
@@ -82,7 +82,7 @@ impl TopLevel {
         Self::build(&instances, options).map_err(|error| LoadError::Build(Box::new(error)))
     }
 
-    /// Whether two structures are the same, bit for bit, and their bottom levels as well.
+    /// Tests two structures and their bottom levels for bitwise equality.
     pub fn same_bits(&self, other: &Self) -> bool {
         let (a, b) = (self.bottom_levels(), other.bottom_levels());
         self.bvh.same_bits(&other.bvh)

@@ -1,5 +1,5 @@
-//! How much memory structures need, known before they are built (DXR,
-//! "GetRaytracingAccelerationStructurePrebuildInfo"; Vulkan, `vkGetAccelerationStructureBuildSizesKHR`).
+//! Memory sizes of structures, known before they are built (DXR, "GetRaytracingAccelerationStructurePrebuildInfo";
+//! Vulkan, `vkGetAccelerationStructureBuildSizesKHR`).
 
 use crate::bottom_level::{BottomLevel, Boxes, BuildOptions, MAX_GEOMETRIES, MAX_PRIMITIVES, Triangles, within};
 use crate::error::BuildError;
@@ -7,12 +7,12 @@ use crate::top_level::{Placed, TopLevel};
 use steradian_accel::{Bvh, Geometry};
 use steradian_math::{Bounds3, Vec3};
 
-/// What a bottom level will be built from, without its data: how many primitives each geometry has.
+/// Input of a bottom level without its data: the number of primitives of each geometry.
 #[derive(Clone, Copy, Debug)]
 pub enum PrimitiveCounts<'a> {
-    /// Of triangles.
+    /// Numbers of triangles.
     Triangles(&'a [u64]),
-    /// Of procedural primitives.
+    /// Numbers of procedural primitives.
     Boxes(&'a [u64]),
 }
 
@@ -20,12 +20,12 @@ pub enum PrimitiveCounts<'a> {
 /// structures take much less.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BuildSizes {
-    /// Of the structure.
+    /// Size of the structure.
     pub structure: u64,
-    /// Of what building takes besides.
+    /// Scratch memory of the build.
     pub build_scratch: u64,
-    /// Of what an update takes besides: it may have to build the hierarchy anew, while the former one is still there.
-    /// Zero where updates are not allowed.
+    /// Scratch memory of an update: it may have to build the hierarchy anew, while the former one is still there. Zero
+    /// where updates are not allowed.
     pub update_scratch: u64,
 }
 
@@ -42,7 +42,7 @@ const fn grown(len: u64) -> u64 {
 }
 
 impl BottomLevel {
-    /// How large a structure can become, and what building it takes.
+    /// Upper bounds of a structure's size and of the memory to build it.
     ///
     /// # Errors
     /// More than [`MAX_GEOMETRIES`] or [`MAX_PRIMITIVES`].
@@ -80,8 +80,8 @@ impl BottomLevel {
 }
 
 impl TopLevel {
-    /// How large a structure of so many instances can become, and what building it takes. Both are without its bottom
-    /// levels.
+    /// Upper bounds of the size of a structure of so many instances, and of the memory to build it. Both are without
+    /// its bottom levels.
     ///
     /// # Errors
     /// More than [`MAX_GEOMETRIES`] instances.

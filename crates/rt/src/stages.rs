@@ -8,15 +8,15 @@ use std::ops::ControlFlow;
 
 /// The types that the shaders of a pipeline exchange. A marker type of the caller's implements it.
 pub trait Interface: 'static {
-    /// What a ray carries: written by hit and miss shaders, read where it was traced.
+    /// Ray payload: written by hit and miss shaders, read by the shader that traced the ray.
     type Payload;
-    /// What an intersection shader says about a hit beyond its distance and kind.
+    /// Attributes of a hit that an intersection shader reports beyond its distance and kind.
     type Attributes: Copy;
-    /// What is handed to callable shaders and back.
+    /// Parameter of callable shaders, passed in and back.
     type Parameter;
     /// Local data of records of shader tables.
     type Local: Sync;
-    /// What a ray-generation shader makes for each launch id. The default stands where its record is null.
+    /// Output of a ray-generation shader for each launch id. The default stands where its record is null.
     type Output: Default + Send;
 }
 
@@ -31,7 +31,7 @@ pub trait RayGeneration<I: Interface>: Sync {
 
 /// Finds hits on a procedural primitive (DXR, "Intersection shaders").
 pub trait Intersection<I: Interface>: Sync {
-    /// Whether there is a shader; only `()` has none.
+    /// True if there is a shader; only `()` has none.
     fn is_present(&self) -> bool {
         true
     }
@@ -43,7 +43,7 @@ pub trait Intersection<I: Interface>: Sync {
 /// Says whether a hit that is not opaque counts (DXR, "Any hit shaders"). `A` is [`Barycentrics`](crate::Barycentrics)
 /// for triangles, else [`Interface::Attributes`].
 pub trait AnyHit<I: Interface, A>: Sync {
-    /// Whether there is a shader; only `()` has none.
+    /// True if there is a shader; only `()` has none.
     fn is_present(&self) -> bool {
         true
     }
@@ -54,7 +54,7 @@ pub trait AnyHit<I: Interface, A>: Sync {
 
 /// Runs on the closest hit (DXR, "Closest hit shaders").
 pub trait ClosestHit<I: Interface, A>: Sync {
-    /// Whether there is a shader; only `()` has none.
+    /// True if there is a shader; only `()` has none.
     fn is_present(&self) -> bool {
         true
     }
@@ -84,7 +84,7 @@ pub trait Callable<I: Interface>: Sync {
     fn run(&self, context: &mut CallableContext<I>, parameter: &mut I::Parameter) -> Result<(), Fault>;
 }
 
-/// What an any-hit shader says. Its context makes them, so no other stage can.
+/// Decision of an any-hit shader. Its context makes them, so no other stage can.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[must_use]
 pub struct Decision(pub(crate) Verdict);

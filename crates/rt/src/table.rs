@@ -54,9 +54,9 @@ pub mod kind {
 /// A record: which shader runs, and data that is for it alone.
 #[derive(Clone, Debug)]
 pub struct Record<K, L> {
-    /// What runs; nothing where it is null.
+    /// The shader or hit group of the record; `None` for a null record, which runs nothing.
     pub handle: Option<Handle<K>>,
-    /// What the shader can read as [`local`](crate::context::MissContext::local).
+    /// Local data, which the shader can read as [`local`](crate::context::MissContext::local).
     pub local: L,
 }
 
@@ -78,9 +78,9 @@ impl<K, L> Record<K, L> {
 pub struct ShaderTable<K, L> {
     /// The memory.
     pub records: Vec<Record<K, L>>,
-    /// Where the region begins (`StartAddress`, `deviceAddress`).
+    /// Index of the first record of the region (`StartAddress`, `deviceAddress`).
     pub base: u32,
-    /// How far indices are apart (`StrideInBytes`, `stride`). With zero all indices are the same record.
+    /// Stride between indices, in records (`StrideInBytes`, `stride`). With zero all indices are the same record.
     pub stride: u32,
 }
 
@@ -114,7 +114,7 @@ impl<K, L> ShaderTable<K, L> {
     }
 }
 
-/// What a call of `trace` adds to the index of hit-group records.
+/// Contributions to the index of a hit-group record, of `trace`, geometry and instance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct HitIndex {
     pub ray_contribution: u32,
@@ -132,7 +132,7 @@ impl HitIndex {
     }
 }
 
-/// How the formula of a shader table comes to a record.
+/// Terms of a shader table's indexing formula, and the resulting record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(tag = "table", rename_all = "snake_case")]
 #[allow(missing_docs)]
@@ -202,7 +202,7 @@ impl<K, L> ShaderTable<K, L> {
         self.plain("callable", index)
     }
 
-    /// How the formula comes to the record of a hit group.
+    /// Indexing of a hit-group record.
     pub(crate) fn hit_group_place(&self, of: HitIndex) -> Place {
         let HitIndex { geometry, instance_offset, .. } = of;
         let (ray_contribution, geometry_multiplier) = (of.ray_contribution & 0xf, of.geometry_multiplier & 0xf);
@@ -218,13 +218,13 @@ impl<K, L> ShaderTable<K, L> {
         }
     }
 
-    /// How the formula comes to a miss record.
+    /// Indexing of a miss record.
     pub(crate) fn miss_place(&self, index: u32) -> Place {
         let index = index & 0xffff;
         Place::Miss { place: self.place(index.into()), base: self.base, stride: self.stride, index }
     }
 
-    /// How the formula comes to a callable record.
+    /// Indexing of a callable record.
     pub(crate) fn callable_place(&self, index: u32) -> Place {
         Place::Callable { place: self.place(index.into()), base: self.base, stride: self.stride, index }
     }
@@ -244,7 +244,7 @@ impl<K, L> ShaderTable<K, L> {
 /// The tables of a launch (DXR, "D3D12_DISPATCH_RAYS_DESC").
 #[derive(Clone, Debug)]
 pub struct ShaderTables<L> {
-    /// What runs for each launch id.
+    /// Ray-generation record, run for each launch id.
     pub ray_generation: Record<kind::RayGeneration, L>,
     /// Miss shaders.
     pub miss: ShaderTable<kind::Miss, L>,

@@ -12,7 +12,7 @@ use steradian_math::{Bounds3, Vec3, transform::Affine};
 /// `VkAccelerationStructureInstanceKHR`).
 #[derive(Clone, Debug)]
 pub struct Instance {
-    /// What is placed.
+    /// The structure placed in the world.
     pub bottom_level: Arc<BottomLevel>,
     /// World space from object space.
     pub transform: Transform3x4,
@@ -20,9 +20,9 @@ pub struct Instance {
     pub custom_index: u32,
     /// Rays meet it only where their mask has a bit in common with this one.
     pub mask: u8,
-    /// What it adds to the index of records of hit groups; 24 bits.
+    /// Contribution to the index of hit-group records; 24 bits.
     pub hit_group_offset: u32,
-    /// What it changes in its geometries.
+    /// Flags that override properties of its geometries.
     pub flags: InstanceFlags,
 }
 
@@ -69,7 +69,7 @@ impl Instance {
         Self { flags, ..self }
     }
 
-    /// What traversal needs of it, when every rule is kept.
+    /// Instance as traversal needs it; an error where a rule is broken.
     fn placed(&self, instance: usize) -> Result<Placed, BuildError> {
         for (field, value) in [("custom index", self.custom_index), ("hit-group offset", self.hit_group_offset)] {
             if value >> 24 != 0 {
@@ -96,7 +96,7 @@ impl Instance {
 #[derive(Clone, Debug)]
 pub(crate) struct Placed {
     pub place: Affine,
-    /// Whether object space is world space.
+    /// True if object space is world space.
     pub is_in_place: bool,
     pub bottom_level: Arc<BottomLevel>,
     pub custom_index: u32,
@@ -160,7 +160,7 @@ impl TopLevel {
         Ok(kept)
     }
 
-    /// How it was built.
+    /// Options of its build.
     pub fn options(&self) -> BuildOptions {
         self.options
     }
@@ -170,7 +170,7 @@ impl TopLevel {
         self.bvh.bounds()
     }
 
-    /// How many instances it has.
+    /// Number of instances.
     pub fn instance_count(&self) -> usize {
         self.instances.len()
     }

@@ -1,4 +1,4 @@
-//! What happens when a shader traces a ray or calls another one (DXR, "TraceRay control flow").
+//! Execution of traced rays and of calls of callable shaders (DXR, "TraceRay control flow").
 
 use crate::RayFlags;
 use crate::context::{
@@ -262,7 +262,7 @@ struct Reporter<'r, 's, 'f, I: Interface, H> {
 }
 
 impl<I: Interface, H: HitGroup<I>> Reporter<'_, '_, '_, I, H> {
-    /// What the any-hit shader says about a hit.
+    /// Verdict of the any-hit shader on a hit.
     fn verdict(&mut self, t: f32, kind: HitKind, attributes: I::Attributes) -> Result<Verdict, Fault> {
         let Some(frame) = &self.any_hit else { return Ok(Verdict::Accept) };
         let context = AnyHitContext {

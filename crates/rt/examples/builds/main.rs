@@ -1,6 +1,6 @@
-//! What can be done with structures: sizes before they are built, a build by two threads, compaction, structures as
-//! bytes and back, and the capture of a launch with its replay. The picture is the same after each; it is written to
-//! `builds.png`, and what all takes in bytes is printed.
+//! Operations on acceleration structures: sizes before they are built, a build by two threads, compaction, structures
+//! as bytes and back, and the capture of a launch with its replay. The picture is the same after each; it is written to
+//! `builds.png`, and the size of each structure in bytes is printed.
 
 pub mod scene;
 

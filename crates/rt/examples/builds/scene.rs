@@ -3,7 +3,7 @@
 use steradian_math::Vec3;
 use steradian_rt::{context::*, *};
 
-/// What the shaders exchange.
+/// Interface of the shaders.
 pub enum Colors {}
 impl Interface for Colors {
     type Payload = Vec3;

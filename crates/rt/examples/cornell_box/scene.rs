@@ -4,12 +4,12 @@ use std::{ops::ControlFlow, sync::Arc};
 use steradian_math::{Bounds3, Vec3, hash::HashRng};
 use steradian_rt::{context::IntersectionContext, *};
 
-/// What a record of a hit group says.
+/// Local data of a hit-group record.
 #[derive(Clone, Copy, Default)]
 pub struct Surface {
     /// The part of light that it reflects, by colours.
     pub albedo: Vec3,
-    /// What it emits.
+    /// Emitted radiance.
     pub emission: f32,
 }
 

@@ -1,5 +1,5 @@
-//! What building takes, counted by the allocator, is within what is said before. A program of its own, since it counts
-//! everything that is allocated.
+//! Memory taken by builds, counted by the allocator, is within the sizes given before. A program of its own, since it
+//! counts everything that is allocated.
 #![allow(unsafe_code)]
 
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -35,7 +35,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static COUNTING: Counting = Counting;
 
-/// What something makes, how many bytes are allocated behind it, and the most that were while it was made.
+/// Result of `make`, the number of bytes that it leaves allocated, and the peak number while it runs.
 fn counted<T>(make: impl FnOnce() -> T) -> (T, u64, u64) {
     let before = NOW.load(Relaxed);
     MOST.store(before, Relaxed);

@@ -33,8 +33,8 @@ fn examples_are_what_they_were() {
     assert_eq!(found, expected);
 }
 
-/// What the example prints but for scratch memory. Compacted: 36 bytes of each of 3200 triangles, 256 of each node and
-/// 320 of each block.
+/// Sizes printed by the example but for scratch memory. Compacted: 36 bytes of each of 3200 triangles, 256 of each node
+/// and 320 of each block.
 #[test]
 fn what_builds_take_is_what_it_was() {
     let (_, said) = builds::picture().expect("valid");

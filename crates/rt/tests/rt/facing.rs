@@ -7,7 +7,7 @@ use steradian_rt::{
     Transform3x4, TriangleGeometry,
 };
 
-/// What is seen of a triangle that lies in z = 0, along +z.
+/// Hit kind of a triangle that lies in z = 0, seen along +z.
 fn seen(vertices: [Vec3; 3], geometry: Option<Transform3x4>, instance: Transform3x4, flags: InstanceFlags) -> HitKind {
     let geometry = TriangleGeometry { transform: geometry, ..TriangleGeometry::new(&vertices) };
     let level = BottomLevel::build(Geometries::Triangles(&[geometry]), BuildOptions::default()).expect("valid");

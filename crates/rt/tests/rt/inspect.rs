@@ -1,4 +1,4 @@
-//! What is told about a launch id.
+//! Inspection of a launch id.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;

@@ -12,10 +12,10 @@ use steradian_rt::{
 enum Deep {}
 
 impl Interface for Deep {
-    /// How many rays follow this one, and how many have arrived.
+    /// Number of rays that follow this one, and of those that have arrived.
     type Payload = (u32, u32);
     type Attributes = ();
-    /// How many calls follow this one, and how many have arrived.
+    /// Number of calls that follow this one, and of those that have arrived.
     type Parameter = (u32, u32);
     type Local = ();
     type Output = [u32; 2];
@@ -25,7 +25,7 @@ struct Mirrors<'s> {
     scene: &'s TopLevel,
     rays: u32,
     calls: u32,
-    /// Whether shaders pass over faults.
+    /// True if shaders pass over faults.
     passes_over: bool,
 }
 

@@ -1,4 +1,4 @@
-//! What the crate promises, held against models that are written from the specifications.
+//! Specified behaviour of the crate, held against models that are written from the specifications.
 
 mod builds;
 mod capture;

@@ -41,7 +41,7 @@ pub fn crossings(
     all
 }
 
-/// Where a triangle is crossed, and whether its front is seen.
+/// Ray parameter of the intersection with a triangle, and true if its front is seen.
 fn cross(instance: &Instance, corners: [Vec3; 3], ray: &RayDesc) -> Option<(f32, bool)> {
     let inverse = instance.transform.to_mat4().as_dmat4().inverse().as_mat4();
     let (origin, direction) = (inverse.transform_point3(ray.origin), inverse.transform_vector3(ray.direction));
@@ -53,7 +53,7 @@ fn cross(instance: &Instance, corners: [Vec3; 3], ray: &RayDesc) -> Option<(f32,
     Some((hit.t, is_clockwise != instance.flags.contains(InstanceFlags::TRIANGLE_FRONT_COUNTERCLOCKWISE)))
 }
 
-/// Whether a hit is opaque: the ray says so, else the instance, else the geometry.
+/// True if a hit is opaque: the ray decides, else the instance, else the geometry.
 pub fn opacity(geometry: bool, instance: InstanceFlags, ray: RayFlags) -> bool {
     if ray.contains(RayFlags::FORCE_OPAQUE) {
         true
@@ -68,7 +68,7 @@ pub fn opacity(geometry: bool, instance: InstanceFlags, ray: RayFlags) -> bool {
     }
 }
 
-/// Whether no flag culls a hit.
+/// True if no flag culls a hit.
 fn counts(is_front: bool, is_opaque: bool, instance: InstanceFlags, ray: RayFlags) -> bool {
     let faces_matter = !instance.contains(InstanceFlags::TRIANGLE_CULL_DISABLE);
     let culled = [

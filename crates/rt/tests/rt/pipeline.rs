@@ -11,7 +11,7 @@ use steradian_rt::{
     TriangleGeometry, TriangleGroup,
 };
 
-/// What was hit, and where.
+/// Hit that was found, and its position.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Seen {
     hit: Option<(f32, PrimitiveId, HitKind, Barycentrics)>,

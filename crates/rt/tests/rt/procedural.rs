@@ -17,7 +17,7 @@ struct Sphere {
     radius: f32,
 }
 
-/// Where a ray enters a sphere and where it leaves it.
+/// Ray parameters of entry into a sphere and of exit.
 fn crossings(sphere: &Sphere, origin: Vec3, direction: Vec3) -> Option<[f32; 2]> {
     let (o, d) = ((origin - sphere.center).as_dvec3(), direction.as_dvec3());
     let (a, b) = (d.dot(d), o.dot(d));

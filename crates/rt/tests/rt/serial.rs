@@ -1,4 +1,4 @@
-//! What is written and read again gives the same bits; what is not a structure is an error.
+//! Structures written and read again have the same bits; bytes of anything else are an error.
 
 use crate::worlds::{in_cube, ray, scene, two_geometries};
 use std::sync::Arc;

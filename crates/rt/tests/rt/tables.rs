@@ -10,7 +10,7 @@ use steradian_rt::{
     TriangleGroup,
 };
 
-/// What ran: the local data of records, with a letter for the stage.
+/// Shaders run: the local data of their records, with a letter for the stage.
 type Ran = Vec<(char, u32)>;
 
 enum Marks {}
@@ -23,7 +23,7 @@ impl Interface for Marks {
     type Output = Ran;
 }
 
-/// What a launch id does.
+/// Actions of a launch id.
 #[derive(Clone, Copy, Debug)]
 struct Call {
     flags: RayFlags,
