@@ -25,7 +25,7 @@ pub(crate) struct Arena {
 }
 
 impl Arena {
-    /// How many lines so many nodes and blocks take.
+    /// Number of cache lines taken by `nodes` nodes and `blocks` blocks.
     pub fn lines(nodes: usize, blocks: usize) -> usize {
         NODE * nodes + BLOCK * blocks
     }
@@ -127,7 +127,7 @@ impl Arena {
         unsafe { &*self.place(child).cast() }
     }
 
-    /// Where what a reference is to begins.
+    /// Address of the first cache line of a child reference.
     #[inline(always)]
     fn place(&self, child: ChildRef) -> *const Line {
         self.lines.as_ptr().wrapping_add(child.index())

@@ -21,11 +21,11 @@ pub(crate) struct Tree {
     pub bounds: Bounds3,
     /// For each geometry the index of its first primitive over all geometries, and at the end the number of primitives.
     pub first: Vec<u32>,
-    /// How many primitives are in it.
+    /// Number of primitives.
     pub primitives: usize,
-    /// Whether triangles are all there is in it.
+    /// True if all primitives are triangles.
     pub only_triangles: bool,
-    /// What made it.
+    /// Builder that made the tree.
     pub builder: Builder,
 }
 
@@ -33,7 +33,7 @@ impl Tree {
     /// With so few primitives rays that go different ways visit much the same nodes. Measured.
     const SMALL: usize = 4096;
 
-    /// Whether it has few primitives.
+    /// True if the tree has few primitives.
     #[inline(always)]
     pub fn is_small(&self) -> bool {
         self.primitives <= Self::SMALL
@@ -49,7 +49,7 @@ impl Tree {
         Ok(kept)
     }
 
-    /// Whether the tree is larger than what is near a processor: rays that go everywhere wait for memory.
+    /// True if the tree is larger than the caches near a processor: incoherent rays wait for memory.
     #[inline(always)]
     pub fn is_large(&self) -> bool {
         self.arena.nodes().len() > LARGE
@@ -166,7 +166,7 @@ impl Bvh {
         nearest_hit(self.isa, &self.tree, ray, &leaves).map(|nearest| leaves.hit(nearest))
     }
 
-    /// Whether anything is hit in `(0, ray.t_max)`; `false` for a ray that is not valid.
+    /// True if anything is hit in `(0, ray.t_max)`; `false` for a ray that is not valid.
     #[inline]
     pub fn occluded<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> bool {
         self.occluded_as(WORLD, ray, user)

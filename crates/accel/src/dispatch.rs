@@ -89,11 +89,11 @@ queries! {
     fn nearest_hit_from<U: UserLeaves>(
         tree: &Tree, ray: &Ray, users: &U, constants: &RayConstants, start: Start<U::Extra>,
     ) -> Option<Nearest<U::Extra>> = |isa, s, l| nearest(s, tree, ray, users, constants, start);
-    /// Whether a tree is hit in `(0, ray.t_max)`; `false` for a ray that is not traceable.
+    /// True if a tree is hit in `(0, ray.t_max)`; `false` for a ray that is not traceable.
     fn any_hit<U: UserLeaves>(tree: &Tree, ray: &Ray, users: &U) -> bool = |isa, s, l| {
         is_traceable(ray) && any(s, tree, ray, users, &RayConstants::new(ray, &tree.bounds), tree.root)
     };
-    /// Whether a tree is hit by a traceable ray in `(0, ray.t_max)` below a child.
+    /// True if a tree is hit by a traceable ray in `(0, ray.t_max)` below a child.
     fn any_hit_from<U: UserLeaves>(tree: &Tree, ray: &Ray, users: &U, constants: &RayConstants, start: ChildRef) -> bool =
         |isa, s, l| any(s, tree, ray, users, constants, start);
     /// Collects all hits in `(0, ray.t_max)` on a tree, in any order.
@@ -185,7 +185,7 @@ impl SupportedIsa {
         if count <= L::COUNT { self.with_width(self.width().min(L::COUNT)) } else { self }
     }
 
-    /// Whether packets need no more lanes than a register has.
+    /// True if packets need no more lanes than a register has.
     #[inline(always)]
     fn is_narrow<L: Lanes>(self, _: L) -> bool {
         self.width() <= L::COUNT

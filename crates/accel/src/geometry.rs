@@ -1,4 +1,4 @@
-//! What a hierarchy is built from, and what its queries give back.
+//! Input of a hierarchy's construction, and results of its queries.
 
 use steradian_math::{Bounds3, Ray, Vec3};
 
@@ -9,9 +9,9 @@ pub enum Error {
     /// More primitives than child references can address.
     #[error("{count} primitives in one hierarchy are too many: at most {limit} can be addressed")]
     TooManyPrimitives {
-        /// How many there are.
+        /// Number of primitives.
         count: u64,
-        /// How many there may be.
+        /// Largest number of primitives.
         limit: u64,
     },
     /// An instance names an object that does not exist.
@@ -21,7 +21,7 @@ pub enum Error {
         instance: usize,
         /// The object it names.
         object: u32,
-        /// How many objects there are.
+        /// Number of objects.
         objects: usize,
     },
 }
@@ -47,8 +47,7 @@ pub enum Shape<'a> {
 pub struct Geometry<'a> {
     /// Its primitives.
     pub shape: Shape<'a>,
-    /// Whether hits on its triangles must pass [`UserPrimitives::accept`]. Geometries without this flag pay nothing for
-    /// it.
+    /// Submits hits on its triangles to [`UserPrimitives::accept`]. Geometries without this flag pay nothing for it.
     pub filtered: bool,
 }
 
@@ -68,7 +67,7 @@ impl<'a> Geometry<'a> {
         Self { filtered, ..self }
     }
 
-    /// How many primitives it has, those left out included.
+    /// Number of primitives, including those that are left out.
     pub fn len(&self) -> usize {
         match self.shape {
             Shape::Triangles { indices, .. } => indices.len(),
@@ -76,7 +75,7 @@ impl<'a> Geometry<'a> {
         }
     }
 
-    /// Whether it has no primitives.
+    /// True if it has no primitives.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -99,21 +98,21 @@ pub struct PrimId {
 /// A hit of a ray on a primitive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// Where along the ray: `0 < t < ray.t_max`.
+    /// Ray parameter of the hit: `0 < t < ray.t_max`.
     pub t: f32,
     /// For triangles the barycentric coordinate of the second vertex: `p = (1 − u − v) p0 + u p1 + v p2`. For user
     /// primitives what [`UserHit`] said.
     pub u: f32,
     /// For triangles the barycentric coordinate of the third vertex.
     pub v: f32,
-    /// What was hit.
+    /// Primitive that was hit.
     pub id: PrimId,
 }
 
 /// A hit on a user primitive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UserHit {
-    /// Where along the ray.
+    /// Ray parameter of the hit.
     pub t: f32,
     /// First surface parameter, handed through to [`Hit::u`].
     pub u: f32,
@@ -121,7 +120,7 @@ pub struct UserHit {
     pub v: f32,
 }
 
-/// What a query asks of its caller. The answers must be pure functions of the arguments.
+/// Callbacks of a query. The answers must be pure functions of the arguments.
 ///
 /// Rays given to these functions are in the space of the hierarchy that holds the primitive, with unnormalised
 /// directions, so that `t` means the same in every space.
@@ -129,12 +128,12 @@ pub trait UserPrimitives {
     /// The nearest hit in `(0, ray.t_max)` on a user primitive. Hits outside of the interval, and NaN, are ignored.
     fn intersect(&self, id: PrimId, ray: &Ray) -> Option<UserHit>;
 
-    /// Whether a user primitive has any hit in `(0, ray.t_max)`.
+    /// True if a user primitive has any hit in `(0, ray.t_max)`.
     fn occluded(&self, id: PrimId, ray: &Ray) -> bool {
         self.intersect(id, ray).is_some()
     }
 
-    /// Whether a hit on a triangle of a geometry with the flag [`Geometry::filtered`] counts. If not, the ray goes on.
+    /// True if a hit on a triangle of a geometry with the flag [`Geometry::filtered`] counts. If not, the ray goes on.
     fn accept(&self, hit: &Hit, ray: &Ray) -> bool {
         let _ = (hit, ray);
         true

@@ -3,7 +3,7 @@
 /// An instruction set level. All levels give the same bits; they differ in speed only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Isa {
-    /// What every processor of the target architecture has.
+    /// Instruction set of every processor of the target architecture.
     Baseline,
     /// x86-64 with AVX2, FMA and BMI.
     Avx2,
@@ -15,7 +15,7 @@ impl Isa {
     /// Every level, slowest first.
     pub const ALL: [Self; 3] = [Self::Baseline, Self::Avx2, Self::Avx512];
 
-    /// Whether this machine can run the level.
+    /// True if this machine can run the level.
     pub fn is_supported(self) -> bool {
         match self {
             Self::Baseline => true,

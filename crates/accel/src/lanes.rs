@@ -6,8 +6,8 @@
 
 use crate::Isa;
 
-/// What is compiled for each instruction set. [`Kernel::run`] and all that it calls must be `#[inline(always)]`, since
-/// what is a function of its own is compiled for the baseline.
+/// Code compiled for each instruction set. [`Kernel::run`] and all that it calls must be `#[inline(always)]`, since a
+/// function of its own is compiled for the baseline.
 pub trait Kernel {
     /// Does it.
     fn run(self);
@@ -23,7 +23,7 @@ impl Lanes {
         Self(Isa::best())
     }
 
-    /// That of a level, or the baseline where this machine lacks it.
+    /// Lanes of a level, or of the baseline if this machine lacks it.
     pub fn of(isa: Isa) -> Self {
         Self(if isa.is_supported() { isa } else { Isa::Baseline })
     }

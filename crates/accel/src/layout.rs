@@ -5,7 +5,7 @@ use crate::simd::{LANES, Row};
 use crate::widened::widened;
 use steradian_math::{Bounds3, Vec3};
 
-/// What a slot of a node refers to, in 32 bits: the kind above, an index below.
+/// Child reference of a node, in 32 bits: the kind above, an index below.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(transparent)]
 pub(crate) struct ChildRef(pub u32);
@@ -40,19 +40,19 @@ impl ChildRef {
         unsafe { &*std::ptr::from_ref(references).cast() }
     }
 
-    /// Whether this is an inner node.
+    /// True for an inner node.
     #[inline(always)]
     pub fn is_node(self) -> bool {
         self.0 < Self::LIMIT
     }
 
-    /// Whether this is a block of triangles.
+    /// True for a block of triangles.
     #[inline(always)]
     pub fn is_block(self) -> bool {
         self.0 >> Self::INDEX_BITS == 1
     }
 
-    /// Whether this is a user primitive.
+    /// True for a user primitive.
     #[inline(always)]
     pub fn is_user(self) -> bool {
         self.0 >> Self::INDEX_BITS == 2

@@ -1,4 +1,4 @@
-//! Where an object is, and where it is once it has been placed.
+//! Bounds of an object, and of its placed instances.
 
 use crate::Instance;
 use glam::Vec3A;

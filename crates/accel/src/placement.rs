@@ -9,9 +9,9 @@ use steradian_math::{Motion, Ray, transform::Affine};
 pub struct Instance {
     /// Index among the objects of the structure.
     pub object: u32,
-    /// Where it is placed.
+    /// Placement of the object.
     pub world_from_object: Affine,
-    /// Where it is at the moments of rays, where it moves; `world_from_object` is not asked then.
+    /// Motion of a moving instance, evaluated at the times of rays; `world_from_object` is not used then.
     pub motion: Option<Arc<Motion>>,
 }
 
@@ -22,7 +22,7 @@ impl Instance {
     }
 }
 
-/// What traversal needs of an instance.
+/// Traversal data of an instance.
 #[derive(Clone, Debug)]
 pub(crate) struct Placement {
     pub object_from_world: Mat4,

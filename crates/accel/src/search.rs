@@ -15,15 +15,15 @@ use steradian_math::Ray;
 
 /// A query on its way.
 pub(crate) trait Query<S: Simd, U: UserLeaves>: Sized {
-    /// What it finds.
+    /// Result of the query.
     type Answer: Copy + Default;
-    /// What waits to be visited.
+    /// Stack of references to be visited.
     type Stack: Waiting;
     /// The answer for a ray that goes alone; the default for one that is not traceable.
     fn ask(isa: SupportedIsa, tree: &Tree, ray: &Ray, users: &U) -> Self::Answer;
     /// At the root of a tree.
     fn at_root(s: S, tree: &Tree, ray: &Ray, constants: &RayConstants) -> Self;
-    /// What is visited next.
+    /// Reference visited next.
     fn current(&self) -> ChildRef;
     /// Visits a node or a leaf: the answer when that was the last one. The ray is the one that it began with, and the
     /// stack the one that was empty then.
@@ -214,7 +214,7 @@ pub(crate) fn nearest_in_block<S: Simd, U: UserLeaves>(
     }
 }
 
-/// Whether a ray hits a triangle of a block.
+/// True if a ray hits a triangle of a block.
 #[inline(always)]
 pub(crate) fn any_in_block<S: Simd, U: UserLeaves>(
     s: S,
@@ -252,7 +252,7 @@ pub(crate) fn nearest<S: Simd, U: UserLeaves>(
     to_the_end(s, tree, ray, users, Closest::new(s, ray, constants, start))
 }
 
-/// Whether a traceable ray has any hit in `(0, ray.t_max)` below a child.
+/// True if a traceable ray has any hit in `(0, ray.t_max)` below a child.
 #[inline(always)]
 pub(crate) fn any<S: Simd, U: UserLeaves>(
     s: S,

@@ -1,4 +1,4 @@
-//! How much memory a hierarchy can take, known from the number of its primitives alone.
+//! Bounds on the memory of a hierarchy, known from the number of its primitives alone.
 
 use crate::bvh::Tree;
 use crate::layout::{Block, Node};
@@ -32,7 +32,7 @@ impl Bvh {
         primitives * (from_ranges + own) + 3 * 4 * (geometries + 4) + SMALL_THINGS
     }
 
-    /// Whether two hierarchies hold the same bits.
+    /// True if two hierarchies hold the same bits.
     pub fn same_bits(&self, other: &Self) -> bool {
         let rows = |rows: &[Row]| rows.iter().flat_map(|row| row.0.map(f32::to_bits)).collect::<Vec<_>>();
         let (a, b) = (self.tree(), other.tree());

@@ -10,7 +10,7 @@ use std::mem::MaybeUninit;
 /// bounds the depth; a push may write a whole group of eight.
 const CAPACITY: usize = (LANES - 1) * MAX_DEPTH + 2 * LANES;
 
-/// How many children are written at once.
+/// Number of children written at once.
 const HALF: usize = LANES / 2;
 
 /// A stack, made in its place: to move one is to copy much that means nothing.

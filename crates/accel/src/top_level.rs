@@ -22,9 +22,9 @@ pub struct TopLevel {
     isa: SupportedIsa,
     objects: Vec<Bvh>,
     placements: Vec<Placement>,
-    /// Whether instances, and triangles here and in the objects, are all there is.
+    /// True if the scene has only instances and triangles, here and in the objects.
     only_triangles: bool,
-    /// Whether instances move: rays then go one by one.
+    /// True if instances move: rays then go one by one.
     moves: bool,
     /// Index of the first instance among the primitives of the tree.
     first_instance: u32,
@@ -192,7 +192,7 @@ impl TopLevel {
         Leaves { scene: self, user: &() }.enter(index, ray)
     }
 
-    /// Whether anything is hit in `(0, ray.t_max)`; `false` for a ray that is not valid.
+    /// True if anything is hit in `(0, ray.t_max)`; `false` for a ray that is not valid.
     #[inline]
     pub fn occluded<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> bool {
         match self.world_alone(user) {
@@ -201,14 +201,14 @@ impl TopLevel {
         }
     }
 
-    /// What is in the tree where there are no instances: queries that need not ask for them are faster.
+    /// User leaves of a tree without instances, `None` with any: queries that need not ask for them are faster.
     #[inline(always)]
     fn world_alone<'a, U>(&'a self, user: &'a U) -> Option<ObjectLeaves<'a, U>> {
         self.placements.is_empty().then_some(ObjectLeaves { tree: &self.tree, instance: WORLD, user })
     }
 }
 
-/// Whether there are only triangles in the world and in all objects.
+/// True if there are only triangles in the world and in all objects.
 fn only_triangles(world: &[Geometry], objects: &[Bvh]) -> bool {
     world.iter().all(|geometry| matches!(geometry.shape, Shape::Triangles { .. }))
         && objects.iter().all(|object| object.tree().only_triangles)
@@ -227,10 +227,10 @@ fn boxes(objects: &[Bvh], instances: &[Instance]) -> Result<Vec<Bounds3>, Error>
     Ok(instances.par_iter().map(placed).collect())
 }
 
-/// How many boxes of an object the box of an instance is made from.
+/// Number of boxes of an object that the box of an instance is made from.
 const BOXES: usize = 100;
 
-/// What is at the user references of the tree: primitives of the world, and instances behind them.
+/// User references of the tree: primitives of the world, and instances behind them.
 struct Leaves<'a, U> {
     scene: &'a TopLevel,
     user: &'a U,

@@ -1,4 +1,4 @@
-//! What the queries share: what they need of a ray, and what they ask of the leaves.
+//! Data shared by the queries: constants of a ray, and callbacks of the leaves.
 #![allow(unsafe_code)]
 
 use crate::dispatch::SupportedIsa;
@@ -10,7 +10,7 @@ use crate::widened::WIDEN;
 use crate::{Hit, UserHit};
 use steradian_math::{Bounds3, Ray, Vec3};
 
-/// What a hit carries beyond [`UserHit`]: nothing, or an index.
+/// Data of a hit beyond [`UserHit`]: nothing, or an index.
 pub(crate) trait Extra: Copy {
     /// As bits.
     fn bits(self) -> u32;
@@ -40,27 +40,27 @@ impl Extra for u32 {
     }
 }
 
-/// What lies below the user references of a tree: user primitives or instances.
+/// Leaves behind the user references of a tree: user primitives or instances.
 pub(crate) trait UserLeaves {
-    /// What a hit carries beyond [`UserHit`].
+    /// Data of a hit beyond [`UserHit`].
     type Extra: Extra;
-    /// What a hit on a triangle of this tree carries.
+    /// Data of a hit on a triangle of this tree.
     fn triangle(&self) -> Self::Extra;
     /// The nearest hit in `(0, ray.t_max)`.
     fn intersect(&self, index: u32, ray: &Ray) -> Option<(UserHit, Self::Extra)>;
-    /// Whether there is any hit in `(0, ray.t_max)`.
+    /// True if there is any hit in `(0, ray.t_max)`.
     fn occluded(&self, index: u32, ray: &Ray) -> bool;
-    /// Whether a hit on a filtered triangle counts.
+    /// True if a hit on a filtered triangle counts.
     fn accept(&self, index: u32, hit: UserHit, ray: &Ray) -> bool;
     /// Collects hits in `(0, ray.t_max)`: of a user primitive the nearest, of an instance all.
     fn every(&self, index: u32, ray: &Ray, hits: &mut Vec<Hit>) {
         let hit = self.intersect(index, ray).filter(|(hit, _)| hit.t > 0.0 && hit.t < ray.t_max);
         hits.extend(hit.map(|(hit, extra)| self.hit(Nearest { hit, index, extra })));
     }
-    /// What the caller of a query gets.
+    /// Hit as the caller of a query gets it.
     fn hit(&self, nearest: Nearest<Self::Extra>) -> Hit;
 
-    /// Whether what is found at the user references does not depend on the order in which they are asked.
+    /// True if the results at the user references do not depend on the order in which these are tested.
     #[inline(always)]
     fn in_any_order(&self) -> bool {
         false
@@ -89,7 +89,7 @@ pub(crate) struct Nearest<E> {
     pub extra: E,
 }
 
-/// Where the search for the nearest hit begins.
+/// Starting point of the search for the nearest hit.
 #[derive(Clone, Copy)]
 pub(crate) struct Start<E> {
     pub child: ChildRef,
@@ -98,7 +98,7 @@ pub(crate) struct Start<E> {
     pub best: Option<Nearest<E>>,
 }
 
-/// What both tests need of a ray: numbers that take divisions to make.
+/// Ray constants of both tests, made by divisions.
 #[derive(Clone, Copy)]
 pub(crate) struct RayConstants {
     /// Reciprocals of the direction, of limited size.
@@ -160,7 +160,7 @@ impl RayConstants {
     }
 }
 
-/// What the slab test needs of a ray.
+/// Ray constants of the slab test.
 pub(crate) struct Slabs<S: Simd> {
     /// See [`RayConstants`].
     inverse: [S::F; 3],
@@ -193,7 +193,7 @@ impl<S: Simd> Slabs<S> {
         (enter, s.bits(s.le(enter, leave)))
     }
 
-    /// Where the ray meets the planes of a row.
+    /// Distances of the ray to the planes of a row.
     #[inline(always)]
     fn plane(&self, s: S, node: &Node, row: usize, side: usize, axis: usize) -> S::F {
         // SAFETY: rows of planes are less than six.
@@ -211,7 +211,7 @@ pub(crate) fn at(v: &Vec3, axis: usize) -> f32 {
     unsafe { *coordinates.get_unchecked(axis) }
 }
 
-/// Whether a ray can hit anything at all.
+/// True if a ray can hit anything at all.
 #[inline(always)]
 pub(crate) fn is_traceable(ray: &Ray) -> bool {
     let (o, d) = (ray.origin, ray.direction);

@@ -5,8 +5,8 @@
 //! functions then decide; two triangles compute the same numbers for a shared edge, so a ray cannot slip between them.
 //! Where an edge function is zero it is computed again in `f64`, where its sign is exact.
 //!
-//! Where rounding may have brought a hit before the origin or behind it, which happens on triangles that are much larger
-//! than the distance, it is computed again in `f64`.
+//! Where rounding may have brought a hit before the origin or behind it, which happens on triangles that are much
+//! larger than the distance, it is computed again in `f64`.
 //!
 //! No hit is before the box of its triangle, where rounding may put those on triangles that are hardly any: it is moved
 //! there, to the greatest of the least distances of the vertices along each axis. The boxes of nodes, which are widened
@@ -19,7 +19,7 @@ use crate::simd::{LANES, Lanes, Simd, WIDE, Wide};
 use crate::traverse::{RayConstants, at};
 use steradian_math::{Ray, Vec3, ray::gamma};
 
-/// What the test needs of a ray.
+/// Ray constants of the triangle test.
 #[derive(Clone, Copy)]
 pub(crate) struct Shear<S: Simd> {
     /// Axes in the order x, y, z of the sheared space; z is where the direction is greatest.
@@ -123,7 +123,7 @@ impl<S: Simd> Shear<S> {
     }
 }
 
-/// Where rays cross triangles, in lanes of either.
+/// Intersections of rays and triangles, in lanes of either.
 pub(crate) struct Crossing<L: Lanes> {
     /// Lanes that are hit within the interval; the others have no meaning.
     pub lanes: u32,
@@ -259,7 +259,7 @@ pub(crate) fn cross_at<L: Lanes>(
     (lanes != 0).then_some(Crossing { lanes, t, v, w, sum, depth: nearest })
 }
 
-/// Where three numbers have one sign, with zero on either side.
+/// Lanes in which three numbers have one sign, with zero on either side.
 #[inline(always)]
 pub(crate) fn of_one_sign<L: Lanes>(s: L, [u, v, w]: [L::F; 3]) -> L::M {
     let zero = s.splat(0.0);
@@ -281,7 +281,7 @@ fn depth_error<L: Lanes>(s: L, x: [L::F; 3], y: [L::F; 3], z: [L::F; 3], edges: 
     s.mul(s.splat(3.0), sum)
 }
 
-/// What is computed again in `f64`, lane by lane.
+/// Inputs and distances that are computed again in `f64`, lane by lane.
 struct Exact {
     /// Vertices and origins, by the axes of the sheared space.
     points: [[Wide; 3]; 4],
@@ -313,8 +313,8 @@ impl Exact {
     }
 }
 
-/// How far along a ray the plane of a triangle is, if that is beyond the origin for certain. Vertices and origin are by
-/// the axes of the sheared space.
+/// Ray distance of a triangle's plane, if it is beyond the origin for certain. Vertices and origin are by the axes of
+/// the sheared space.
 #[cold]
 pub(crate) fn exact_distance(points: [[f32; 3]; 4], [x, y, scale]: [f32; 3]) -> Option<f32> {
     let [a, b, c, origin] = points.map(|p| p.map(f64::from));
@@ -360,7 +360,7 @@ fn edges_in_f64(corners: &[[Wide; 2]; 3], lanes: u32, edges: &mut [Wide; 3]) {
     }
 }
 
-/// Whether a ray can hit the triangle at all: finite, and no two vertices equal.
+/// True if a ray can hit the triangle at all: finite, and no two vertices equal.
 pub(crate) fn is_hittable([a, b, c]: [Vec3; 3]) -> bool {
     a.is_finite() && b.is_finite() && c.is_finite() && a != b && b != c && c != a
 }

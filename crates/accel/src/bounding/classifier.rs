@@ -1,4 +1,4 @@
-//! What kind of test a test is, measured: its answers against the truth.
+//! Classes of geometric tests, measured: a test's answers against the truth.
 
 /// Kinds of tests. A test is *positive* where it says that something may be there: is hit, is visible, overlaps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,7 +13,7 @@ pub enum Class {
     Approximate,
 }
 
-/// How often a test was right and wrong.
+/// Counts of a test's right and wrong answers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Answers {
     /// It said yes, and so it is.
@@ -37,7 +37,7 @@ impl Answers {
         } += 1;
     }
 
-    /// What the answers so far show.
+    /// Class of the test, by the answers so far.
     pub fn class(&self) -> Class {
         match (self.false_positives, self.false_negatives) {
             (0, 0) => Class::Exact,

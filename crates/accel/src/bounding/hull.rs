@@ -23,7 +23,8 @@ pub struct Hull {
     triangles: Vec<[u32; 3]>,
     /// Outward unit normals and their greatest product with a point.
     planes: Vec<(DVec3, f64)>,
-    /// How far points may stick out of the triangles, though not of the planes: what moving them to the lattice does.
+    /// Bound on the distance by which points may stick out of the triangles, though not of the planes, since points are
+    /// moved to the lattice.
     error: f64,
 }
 
@@ -101,8 +102,8 @@ impl Hull {
         &self.triangles
     }
 
-    /// How far points may stick out between the vertices, at most: 2.6·10⁻⁸ of the greatest extent. None is outside the
-    /// planes by which [`Volume::contains`] and [`Volume::intersect`] go.
+    /// Bound on the distance by which points may stick out between the vertices: 2.6·10⁻⁸ of the greatest extent. None
+    /// is outside the planes by which [`Volume::contains`] and [`Volume::intersect`] go.
     pub fn error(&self) -> f64 {
         self.error
     }
@@ -213,7 +214,7 @@ fn simplex(points: &[Point]) -> Result<[usize; 4], Vec<usize>> {
     Ok(if dot(n, sub(points[d], points[a])) < 0 { [a, b, c, d] } else { [a, c, b, d] })
 }
 
-/// What bounds points of a plane, a line, or one place: triangles and normals.
+/// Hull of points of a plane, a line, or one position: triangles and normals.
 fn flat(points: &[Vec3], found: &[usize]) -> (Vec<[usize; 3]>, Vec<DVec3>) {
     let at = |i: usize| points[found[i]].as_dvec3();
     let both = |d: DVec3| [d, -d];
@@ -284,7 +285,7 @@ impl<'a> Quick<'a> {
         self.faces.push(Face { corners, neighbors, normal, outside: Vec::new(), is_gone: false });
     }
 
-    /// How far in front of a face a point is, in units of its own.
+    /// Height of a point in front of a face, in units of the face's own.
     fn height(&self, face: usize, point: usize) -> i128 {
         let face = &self.faces[face];
         dot(face.normal, sub(self.points[point], self.points[face.corners[0]]))

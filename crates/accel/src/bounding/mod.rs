@@ -23,17 +23,17 @@ use steradian_math::{Bounds3, DVec3};
 /// Rounding that is allowed for, relative to the greatest coordinate.
 pub const ROUNDING: f64 = 1e-12;
 
-/// What every bounding volume answers.
+/// Interface of every bounding volume.
 pub trait Volume {
-    /// Whether a point is in it, or no farther outside than rounding explains.
+    /// Tests containment of a point, with a tolerance of the rounding error.
     fn contains(&self, p: DVec3) -> bool;
 
     /// The part of a line `origin + t·direction` that is in it, `t` from −∞ to ∞. `None` where it is missed, and for a
     /// direction of zero or one that is not finite.
     fn intersect(&self, origin: DVec3, direction: DVec3) -> Option<[f64; 2]>;
 
-    /// Whether it has a point in common with another one of its kind. Where they are apart this is `false` but for
-    /// rounding, except for k-DOPs, which are compared by their own directions only and may be apart in others.
+    /// Tests whether it has a point in common with another volume of its kind. For disjoint volumes this is `false` but
+    /// for rounding, except for k-DOPs, which are compared by their own directions only and may be disjoint in others.
     fn overlaps(&self, other: &Self) -> bool;
 
     /// Its volume.

@@ -37,7 +37,7 @@ pub(super) struct BinaryNode<const WIDTH: usize> {
     pub first: u32,
     /// Length of the range.
     pub count: u32,
-    /// Where the second child is, from this node; the first child is at 1. Zero: no children.
+    /// Offset of the second child from this node; the first child is at 1. Zero: no children.
     pub second: u32,
     /// `forest[i]`: how many of `i + 1` subtrees the first child gets in the cheapest forest, or zero when one subtree
     /// less is as cheap. `forest[0]` is one when the range becomes a leaf.
@@ -45,7 +45,7 @@ pub(super) struct BinaryNode<const WIDTH: usize> {
 }
 
 impl<const WIDTH: usize> BinaryNode<WIDTH> {
-    /// Whether the range becomes a leaf of the wide tree.
+    /// True if the range becomes a leaf of the wide tree.
     pub fn is_leaf(&self) -> bool {
         self.forest[0] == 1
     }
@@ -79,7 +79,7 @@ pub(super) fn rescaled<const WIDTH: usize>(costs: Costs<WIDTH>, from: f32, to: f
     costs.map(|cost| cost * ratio * ratio)
 }
 
-/// Whether so many references may be one leaf.
+/// True if `count` references fit into one leaf.
 pub(super) fn fits_leaf(count: usize, triangles: bool) -> bool {
     count == 1 || count <= LANES && triangles
 }

@@ -36,7 +36,7 @@ fn crossing(a: Vec3, b: Vec3, axis: usize, plane: f32) -> Bounds3 {
     Bounds3 { min, max }
 }
 
-/// What two boxes have in common.
+/// Intersection of two boxes.
 pub(super) fn intersection(a: &Bounds3, b: &Bounds3) -> Bounds3 {
     Bounds3 { min: a.min.max(b.min), max: a.max.min(b.max) }
 }

@@ -90,7 +90,7 @@ fn block(primitives: &Primitives, tags: &[Tag], (first, count): (u32, u32)) -> B
     block
 }
 
-/// Where a part of the tree comes from.
+/// Source of the binary nodes of a part.
 #[derive(Clone, Copy)]
 enum Source<'a> {
     Whole(&'a BinaryTree<LANES>),
@@ -112,7 +112,7 @@ impl<'a> Source<'a> {
 struct Child {
     /// Its binary node.
     binary: u32,
-    /// What it is. Nodes and blocks are counted within the part.
+    /// Reference to the child. Nodes and blocks are counted within the part.
     child: ChildRef,
 }
 

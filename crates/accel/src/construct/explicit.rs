@@ -9,7 +9,7 @@ use crate::simd::LANES;
 use rayon::prelude::*;
 use steradian_math::Bounds3;
 
-/// What is below a node.
+/// Content of a node of the explicit tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NodeContent {
     /// Two nodes.
@@ -118,7 +118,7 @@ impl Explicit {
 /// The laying out of a tree.
 struct Layout<'a> {
     tree: &'a Explicit,
-    /// How many references are below each node.
+    /// Number of references below each node.
     counts: Vec<u32>,
 }
 

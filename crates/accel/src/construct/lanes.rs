@@ -36,7 +36,7 @@ pub(super) fn partition(cut: &Cut, refs: &mut [PrimRef]) -> Option<(usize, [Boun
     is_x86_feature_detected!("avx2").then(|| unsafe { partitioned(cut, refs) })
 }
 
-/// What finds the bins of primitives.
+/// Mapping from primitives to bins.
 #[derive(Clone, Copy)]
 struct Places {
     origin: __m128,
@@ -274,7 +274,7 @@ fn unfolded(folded: __m256) -> Span {
     Span { min: Vec3A::from(_mm256_castps256_ps128(own)), max: Vec3A::from(_mm256_extractf128_ps::<1>(own)) }
 }
 
-/// What changes the sign of the greatest corner.
+/// Mask that flips the signs of the greatest corner.
 #[target_feature(enable = "avx2")]
 fn signs() -> __m256 {
     _mm256_setr_ps(0.0, 0.0, 0.0, 0.0, -0.0, -0.0, -0.0, -0.0)

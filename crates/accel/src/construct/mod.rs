@@ -30,7 +30,7 @@ use steradian_math::Bounds3;
 /// and they have less than 2^30 references.
 pub(crate) const MAX_DEPTH: usize = binary::SAH_DEPTH as usize + 31;
 
-/// How the binary tree is made. All give the same hits.
+/// Builder of the binary tree. All give the same hits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Builder {
     /// From the root down by the surface area heuristic over bins.
@@ -65,7 +65,7 @@ pub(crate) fn build(geometries: &[Geometry], builder: Builder) -> Result<Tree, E
     Ok(Tree { primitives: count, ..emit::emit(&primitives, &tags, &nodes, builder)? })
 }
 
-/// What a child of a wide node is.
+/// Child of a wide node.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Part {
     /// Another node.

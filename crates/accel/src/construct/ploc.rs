@@ -11,14 +11,14 @@ use glam::Vec3A;
 use rayon::prelude::*;
 use steradian_math::Bounds3;
 
-/// How far along the curve a cluster looks in each direction.
+/// Search radius: clusters that a cluster looks at along the curve in each direction.
 const RADIUS: usize = 12;
 /// Clusters that a thread looks at in one go.
 const PIECE: usize = 1 << 10;
 
 /// With more references than these in a cell of the curve, they are sorted along a finer one.
 const CROWDED: usize = 1 << 5;
-/// Where primitives are smaller than this share of all, areas are computed in `f64`.
+/// Size of primitives, as a share of the whole extent, below which areas are computed in `f64`.
 const TINY: f32 = 1.0 / (1_u64 << 40) as f32;
 
 /// Builds the tree; there is a reference at least.

@@ -22,7 +22,7 @@ pub(super) struct PrimRef {
     high: Vec4,
 }
 
-/// What a reference refers to, without its box: all that is asked of references once they are sorted.
+/// Primitive of a reference, without its box: all that is needed of references once they are sorted.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tag(u32);
 
@@ -32,7 +32,7 @@ impl Tag {
         self.0 & (PrimRef::NORMAL - 1)
     }
 
-    /// Whether it is a user primitive.
+    /// True for a user primitive.
     pub fn is_user(self) -> bool {
         self.0 & PrimRef::USER != 0
     }
@@ -82,7 +82,7 @@ impl PrimRef {
         Self { low: bounds.min.extend(self.low.w), high: bounds.max.extend(0.0) }
     }
 
-    /// What it refers to.
+    /// Primitive that the reference stands for.
     pub fn tag(&self) -> Tag {
         Tag(self.low.w.to_bits())
     }
@@ -92,7 +92,7 @@ impl PrimRef {
         self.tag().index()
     }
 
-    /// Whether it is a user primitive.
+    /// True for a user primitive.
     pub fn is_user(&self) -> bool {
         self.tag().is_user()
     }
@@ -182,7 +182,7 @@ impl<'a> Primitives<'a> {
         refs
     }
 
-    /// How many primitives a ray can hit.
+    /// Number of primitives that a ray can hit.
     pub fn count(&self) -> usize {
         let of_geometry = |geometry: &'a Geometry<'a>| {
             (0..geometry.len()).into_par_iter().filter(move |&prim| usable(geometry, prim).is_some())
@@ -208,8 +208,8 @@ impl<'a> Primitives<'a> {
         self.indices(index).and_then(Indices::corners)
     }
 
-    /// Where the vertices of the triangle with an index are; `None` for what is not a triangle. Several are looked up
-    /// at once sooner than one after the other with what they lead to.
+    /// Location of the vertices of the triangle with an index; `None` for other primitives. Looking up several of these
+    /// first is faster than following each at once.
     #[inline]
     pub(super) fn indices(&self, index: u32) -> Option<Indices<'a>> {
         let geom = self.geometry(index);

@@ -153,7 +153,7 @@ impl<'a> Work<'a> {
         (best.target != node).then_some(best)
     }
 
-    /// Whether a node is another one or below it.
+    /// True if a node is `above` or below it.
     fn is_below(&self, mut node: u32, above: u32) -> bool {
         while node != above && node != self.tree.root {
             node = self.parents[node as usize];

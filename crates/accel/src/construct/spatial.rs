@@ -31,7 +31,7 @@ pub(super) fn build(primitives: &Primitives, refs: Vec<PrimRef>) -> Explicit {
     Builder { primitives, scale, least_overlap }.build(refs, budget, 0)
 }
 
-/// What is the same for all ranges.
+/// Parameters shared by all ranges.
 struct Builder<'a> {
     primitives: &'a Primitives<'a>,
     scale: f32,
@@ -43,7 +43,7 @@ struct Plane {
     axis: usize,
     at: f32,
     cost: f32,
-    /// What lies on either side: the boxes and how many references.
+    /// Box and number of references on either side.
     sides: [(Bounds3, usize); 2],
 }
 

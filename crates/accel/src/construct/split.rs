@@ -1,4 +1,4 @@
-//! Where to cut a range of primitives: the surface area heuristic over bins (Wald, "On fast Construction of SAH-based
+//! Split of a range of primitives: the surface area heuristic over bins (Wald, "On fast Construction of SAH-based
 //! Bounding Volume Hierarchies", 2007).
 
 #[cfg(target_arch = "x86_64")]
@@ -18,12 +18,12 @@ pub(super) const MAX_BINS: usize = 32;
 /// Ranges longer than this are binned by several threads, in pieces of this size.
 const PIECE: usize = 1 << 14;
 
-/// What is known of a range: the box of its primitives, and the box of their centres.
+/// Extent of a range: the box of its primitives, and the box of their centres.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Extent {
     pub bounds: Bounds3,
     pub centers: Bounds3,
-    /// Whether all of them are triangles.
+    /// True if all of them are triangles.
     pub triangles: bool,
 }
 
@@ -52,7 +52,7 @@ impl Extent {
         }
     }
 
-    /// How many tests so many of the primitives are: triangles are tested by blocks.
+    /// Number of intersection tests for `count` of the primitives: triangles are tested by blocks.
     pub fn tests(&self, count: u32) -> f32 {
         if self.triangles { count.div_ceil(LANES as u32) as f32 } else { count as f32 }
     }

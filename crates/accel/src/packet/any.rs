@@ -40,7 +40,8 @@ pub(crate) fn any_packet<S: Simd, L: Lanes, U: UserLeaves>(
     hits
 }
 
-/// Of the rays that go nearly the same way, or begin near each other, those that hit anything; and what is left to do.
+/// Occlusion of the rays that go nearly the same way, or begin near each other: the rays that hit anything, and the
+/// rays that remain.
 #[inline(always)]
 pub(super) fn any_beams<S: Simd, L: Lanes, U: UserLeaves>(
     isa: SupportedIsa,

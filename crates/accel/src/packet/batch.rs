@@ -16,8 +16,8 @@ use crate::{Hit, UserHit};
 use std::cell::Cell;
 use steradian_math::Ray;
 
-/// Whether enough of some rays for a beam have directions with the same signs and the same greatest axis. Where they
-/// have not, nothing is done in the widest registers, whose use makes a processor slower for a while.
+/// True if some rays include enough for a beam with directions of the same signs and the same greatest axis. Otherwise
+/// nothing is done in the widest registers, whose use makes a processor slower for a while.
 #[inline(always)]
 fn may_be_beam(rays: &[Ray], width: usize) -> bool {
     let mut counts = [0; 32];
@@ -58,7 +58,7 @@ impl Alone {
         }
     }
 
-    /// Whether another packet finds no room.
+    /// True if there is no room for another packet.
     #[inline(always)]
     fn is_full(&self) -> bool {
         self.len + WIDE > Self::MOST
@@ -73,7 +73,7 @@ impl Alone {
 
 /// Many queries of one kind.
 trait Batch<S: Simd, L: Lanes> {
-    /// Whether bundles may be quicker.
+    /// True if bundles may be faster.
     fn may_bundle(&self) -> bool;
     /// Traces the packet that begins at a place and has so many rays, with bundles or without, and says what is left to
     /// do.
@@ -132,8 +132,8 @@ struct ClosestHits<'a, U> {
 }
 
 impl<S: Simd, L: Lanes, U: UserLeaves> Batch<S, L> for ClosestHits<'_, U> {
-    /// Of triangles the hit is the same in whatever order they are visited, see [`crate::triangle`]; user primitives
-    /// say themselves where they are hit.
+    /// Bundles need hits that are independent of the order of visits. Those of triangles are, see [`crate::triangle`];
+    /// user primitives report their own.
     #[inline(always)]
     fn may_bundle(&self) -> bool {
         self.tree.only_triangles || self.users.in_any_order()

@@ -8,7 +8,7 @@ use crate::triangle::{AXES, abs};
 use crate::widened::WIDEN;
 use steradian_math::Vec3;
 
-/// What the tests need of the rays of a packet.
+/// Ray constants of a packet that the intersection tests need.
 #[derive(Clone, Copy)]
 pub(super) struct Rows<L: Lanes> {
     pub origin: [L::F; 3],
@@ -33,7 +33,7 @@ pub(super) struct BeamConstants<L: Lanes> {
     along: [u32; 3],
 }
 
-/// What tests of triangles need of rays with the same greatest axis.
+/// Ray constants of triangle tests, for rays with the same greatest axis.
 #[derive(Clone, Copy)]
 pub(super) struct ShearedRays<L: Lanes> {
     /// Axes in the order x, y, z of the sheared space.
@@ -135,7 +135,7 @@ impl<L: Lanes> BeamConstants<L> {
         Beam { rows: self.rows, axes: AXES[self.greatest_axis(lane)], near, far }
     }
 
-    /// What the rays need when they go on alone.
+    /// Ray constants for tracing the rays singly.
     #[inline(always)]
     pub fn single(&self, l: L) -> SingleRays {
         let zero = [Wide::splat(0.0); 3];
@@ -156,7 +156,7 @@ fn chosen<L: Lanes>(l: L, [first, second]: [L::M; 2], [a, b, c]: [L::F; 3]) -> L
     l.select(first, a, l.select(second, b, c))
 }
 
-/// What the rays of a packet need when they go on alone, or those of one register without the others.
+/// Ray constants of a packet's rays for tracing them singly, or by one register without the others.
 pub(super) struct SingleRays {
     inverse: [Wide; 3],
     offset: [[Wide; 3]; 2],
@@ -165,7 +165,7 @@ pub(super) struct SingleRays {
 }
 
 impl SingleRays {
-    /// Of one of the rays.
+    /// Constants of one of the rays.
     #[inline(always)]
     pub fn get(&self, lane: usize) -> RayConstants {
         let vector = |rows: &[Wide; 3]| Vec3::new(rows[0].0[lane], rows[1].0[lane], rows[2].0[lane]);
@@ -180,7 +180,7 @@ impl SingleRays {
 }
 
 impl<L: Lanes> ShearedRays<L> {
-    /// Of as many rays of a packet as there are lanes, from one on.
+    /// Constants of as many rays of a packet as there are lanes, from `first` on.
     #[inline(always)]
     pub fn new(l: L, packet: &Packet, single: &SingleRays, first: usize, axes: [usize; 3]) -> Self {
         let [x, y, z] = axes;
@@ -219,7 +219,7 @@ impl<L: Lanes> Rows<L> {
 }
 
 impl<L: Lanes> Beam<L> {
-    /// Whether the slopes of some of its rays differ by less than a number, so that their bounds are worth a test.
+    /// True if the slopes of the rays in `lanes` differ by less than `than`, so that their bounds are worth a test.
     #[inline(always)]
     pub fn is_narrow(&self, l: L, lanes: u32, than: f32) -> bool {
         let mask = l.mask(lanes);
@@ -238,7 +238,7 @@ impl<L: Lanes> Beam<L> {
         l.bits(l.le(enter, leave))
     }
 
-    /// Where the rays meet a near or far plane.
+    /// Distances of the rays to a near or far plane.
     #[inline(always)]
     fn plane(&self, l: L, node: &Node, slot: usize, side: usize, axis: usize) -> L::F {
         let row = if side == 0 { self.near[axis] } else { self.far[axis] };

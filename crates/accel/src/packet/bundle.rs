@@ -23,12 +23,12 @@ const BUNDLE: u32 = 8;
 /// With fewer rays than these in a part of the tree, they go on alone. Measured.
 const FEW: u32 = 5;
 
-/// What is left of a packet.
+/// Rays that remain of a packet.
 #[derive(Clone, Copy)]
 pub(super) struct RemainingRays {
     /// Rays that must go alone.
     pub alone: u32,
-    /// Whether a bundle fell apart, so that it had been better to begin alone.
+    /// True if a bundle fell apart, so that tracing its rays singly would have been faster.
     pub poor: bool,
 }
 
@@ -45,11 +45,11 @@ impl RemainingRays {
     }
 }
 
-/// What is asked of the rays of a bundle.
+/// Query of the rays of a bundle.
 pub(super) trait Question<S: Simd, L: Lanes, U: UserLeaves> {
-    /// Whether it is quicker to visit children near the origins first.
+    /// True if visiting children near the origins first is faster.
     const ORDERED: bool;
-    /// Where the intervals of the rays end by now.
+    /// Current ends of the rays' intervals.
     fn ends(&self, l: L, packet: &Packet) -> L::F;
     /// Asks it of a ray and the triangles of a block: whether that was the last thing to ask of this ray.
     fn in_block(&mut self, s: S, lane: usize, block: &Block, ray: &Ray, constants: &RayConstants, users: &U) -> bool;
@@ -66,7 +66,7 @@ pub(super) trait Question<S: Simd, L: Lanes, U: UserLeaves> {
     ) -> bool;
 }
 
-/// Whether there is any hit.
+/// Occlusion query: any hit.
 pub(super) struct AnyHit;
 
 impl<S: Simd, L: Lanes, U: UserLeaves> Question<S, L, U> for AnyHit {

@@ -12,15 +12,15 @@ use std::mem::MaybeUninit;
 use std::time::{Duration, Instant};
 use steradian_math::Ray;
 
-/// How many rays are on their way at once. Measured.
+/// Number of rays in flight at once. Measured.
 const FLIGHT: usize = 6;
 
 /// So many rays are traced either way to see which is faster, when there are [`ENOUGH`] of them.
 const TRIAL: usize = 24;
 const ENOUGH: usize = 5 * TRIAL;
 
-/// What the others take of the time of the first, at most, to be faster: they find in the caches what the first have
-/// brought.
+/// Largest time of the trial in flight, relative to the trial of single rays, at which it counts as faster: its rays
+/// find in the caches the lines that the first have brought.
 const WORTH: f32 = 0.85;
 
 /// Traces the rays with given places alone, and hands over their answers. In a large tree they may wait for

@@ -60,7 +60,7 @@ impl Packet {
     const EMPTY: Self =
         Self { origin: [Wide::splat(0.0); 3], direction: [Wide::splat(0.0); 3], t_max: Wide::splat(0.0) };
 
-    /// Of some rays, of which there are no more than lanes; what follows these has no meaning.
+    /// Packet of some rays, no more than there are lanes; the lanes after these have no meaning.
     #[inline(always)]
     pub fn new<L: Lanes>(l: L, rays: &[Ray]) -> Self {
         if rays.len() < L::COUNT {
@@ -71,7 +71,7 @@ impl Packet {
         Self::full(l, rays)
     }
 
-    /// Of as many rays as there are lanes, from the start of a slice.
+    /// Packet of as many rays as there are lanes, from the start of a slice.
     #[inline(always)]
     fn full<L: Lanes>(l: L, rays: &[Ray]) -> Self {
         const { assert!(size_of::<Ray>() == size_of::<[f32; COLUMNS]>() && align_of::<Ray>() == align_of::<f32>()) };

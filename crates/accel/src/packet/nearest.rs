@@ -245,7 +245,7 @@ pub(super) fn at_user<L: Lanes, U: UserLeaves>(
     true
 }
 
-/// Where the interval of a ray ends for what has an index: what may win a tie sees the hit so far in it.
+/// End of a ray's interval for a primitive with an index: one that may win a tie sees the hit so far in it.
 #[inline(always)]
 fn end(found: &Found, lane: usize, index: u32) -> f32 {
     let t = found.t.0[lane];

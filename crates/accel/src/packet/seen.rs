@@ -11,7 +11,7 @@ use crate::simd::{LANES, Lanes, Simd};
 use crate::triangle::{Corners, Crossing, cross_at, edges, of_one_sign};
 use std::mem::MaybeUninit;
 
-/// What is known of the triangles of a block.
+/// Culling results for the triangles of a block.
 pub(super) struct Seen<L: Lanes> {
     /// Bit `i`: triangle `i` may be hit.
     pub slots: u32,
@@ -22,7 +22,7 @@ pub(super) struct Seen<L: Lanes> {
 }
 
 impl<L: Lanes> Seen<L> {
-    /// Those in `rest`, none of which has been looked at.
+    /// Results for the triangles in `rest`, none of which has been looked at.
     #[inline(always)]
     pub fn new(rest: u32) -> Self {
         Self { slots: 0, rest, edges: [const { MaybeUninit::uninit() }; LANES] }

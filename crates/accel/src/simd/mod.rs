@@ -77,7 +77,7 @@ impl Wide {
 
 /// Operations on [`Lanes::COUNT`] lanes.
 pub(crate) trait Lanes: Copy {
-    /// How many lanes there are: eight, sixteen or thirty-two.
+    /// Number of lanes: eight, sixteen or thirty-two.
     const COUNT: usize;
     /// Half of them, where these are several registers; else the same.
     type Half: Lanes;

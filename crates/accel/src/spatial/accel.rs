@@ -88,7 +88,7 @@ impl Accelerator {
         }
     }
 
-    /// How the eight-wide hierarchy is built, if it is that.
+    /// Builder of the eight-wide hierarchy; `None` for other structures.
     pub fn builder(self) -> Option<Builder> {
         match self {
             Self::Bvh => Some(Builder::Sah),
@@ -194,7 +194,7 @@ impl Accel {
         }
     }
 
-    /// Whether anything is hit in `(0, ray.t_max)`; `false` for a ray that is not valid.
+    /// True if anything is hit in `(0, ray.t_max)`; `false` for a ray that is not valid.
     #[inline]
     pub fn occluded<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> bool {
         match self {
@@ -253,7 +253,7 @@ impl Accel {
         }
     }
 
-    /// What [`Accel::intersect`] costs. Of the hierarchy nodes and blocks are steps, and each triangle of a block is a
+    /// Cost of [`Accel::intersect`]. In the hierarchy, nodes and blocks are steps, and each triangle of a block is a
     /// test.
     pub fn intersect_cost<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> Steps {
         match self {
@@ -262,7 +262,7 @@ impl Accel {
         }
     }
 
-    /// What [`Accel::occluded`] costs.
+    /// Cost of [`Accel::occluded`].
     pub fn occluded_cost<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> Steps {
         match self {
             Self::Bvh(top) => cost(top, Query::Any, ray, user),

@@ -11,7 +11,7 @@ impl Budget {
         Self(each * n as u64 + 1024)
     }
 
-    /// What remains when `n` entries become `below`; `None` if that is too many.
+    /// Budget that remains when `n` entries become `below`; `None` if that is too many.
     pub fn spend(self, n: usize, below: usize) -> Option<Self> {
         let added = below.saturating_sub(n) as u64;
         self.0.checked_sub(added).map(Self)

@@ -1,5 +1,5 @@
-//! What queries on the hierarchy cost. The hierarchy itself counts nothing, to lose no time; this walk visits what it
-//! visits, one box after another.
+//! Cost of queries on the hierarchy. The hierarchy itself counts nothing, to lose no time; this walk visits the same
+//! nodes, one box after another.
 
 use super::line::is_askable;
 use super::scene::Total;
@@ -14,14 +14,14 @@ use crate::traverse::RayConstants;
 use crate::{Hit, PrimId, TopLevel, UserHit, UserPrimitives};
 use steradian_math::{Ray, Vec3};
 
-/// Whether the nearest hit is asked for, or any.
+/// Kind of query: for the nearest hit, or for any.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Query {
     Nearest,
     Any,
 }
 
-/// What a query costs.
+/// Cost of a query.
 pub(super) fn cost<U: UserPrimitives>(top: &TopLevel, query: Query, ray: &Ray, user: &U) -> Steps {
     if !is_askable(ray) {
         return Steps::default();
@@ -45,7 +45,7 @@ fn ask<U: UserPrimitives>(user: &U, query: Query, id: PrimId, ray: &Ray) -> Opti
     }
 }
 
-/// Where a ray enters the box of a slot before `t`, as [`crate::traverse::Slabs`] finds it.
+/// Entry distance of a ray into the box of a slot, if before `t`, as [`crate::traverse::Slabs`] finds it.
 fn entered(constants: &RayConstants, node: &Node, lane: usize, t: f32) -> Option<f32> {
     let (mut enter, mut leave) = (0.0_f32, t);
     for axis in 0..3 {

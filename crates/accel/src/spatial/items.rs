@@ -23,13 +23,13 @@ impl Item {
         self.tag & (Self::FILTERED - 1)
     }
 
-    /// Whether it is a user primitive.
+    /// True for a user primitive.
     #[inline]
     pub fn is_user(&self) -> bool {
         self.tag & Self::USER != 0
     }
 
-    /// Whether its hits must be accepted.
+    /// True if its hits must be accepted.
     #[inline]
     pub fn is_filtered(&self) -> bool {
         self.tag & Self::FILTERED != 0
@@ -96,8 +96,8 @@ impl Items {
         PrimId { instance, geom: geom as u32, prim: index - self.first[geom] }
     }
 
-    /// How far from a primitive a ray may pass, at least, and yet be listed with it: what the structures add around
-    /// primitives when they sort them into cells. See [`super::line::Line`].
+    /// Padding of primitives when the structures sort them into cells: a lower bound on the distance at which a ray may
+    /// pass a primitive and yet be listed with it. See [`super::line::Line`].
     pub fn padding(&self) -> f64 {
         if self.list.is_empty() {
             return 0.0;

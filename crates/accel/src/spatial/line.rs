@@ -18,9 +18,9 @@ pub(super) struct Line {
     pub direction: DVec3,
     /// Reciprocals; infinite for zero.
     pub inverse: DVec3,
-    /// Where it is within the bounds.
+    /// Interval within the bounds.
     pub t: [f64; 2],
-    /// How far from the line cells must be visited: zero, but for rays from far away.
+    /// Distance from the line within which cells must be visited: zero, but for rays from far away.
     pub reach: f64,
 }
 
@@ -63,13 +63,13 @@ impl Line {
     }
 }
 
-/// Whether a ray can hit anything at all.
+/// True if a ray can hit anything at all.
 #[inline]
 pub(super) fn is_askable(ray: &Ray) -> bool {
     ray.is_valid() && ray.t_max > 0.0
 }
 
-/// Whether cells that begin at `entry` cannot hold a hit before `t`, whatever rounding did to `t`.
+/// True if cells that begin at `entry` cannot hold a hit before `t`, for any rounding of `t`.
 #[inline]
 pub(super) fn is_beyond(entry: f64, t: f32) -> bool {
     entry * (1.0 - 4.0 * ROUNDING) > f64::from(t)

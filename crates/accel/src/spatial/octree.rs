@@ -84,7 +84,7 @@ impl Octree {
         tree
     }
 
-    /// What lies in each of the eight parts of a cell.
+    /// Primitives in each of the eight octants of a cell.
     fn divide(&self, items: &Items, low: [u32; 3], depth: u32, slots: &[u32]) -> [([u32; 3], Vec<u32>); 8] {
         let half = 1 << (DEPTH - depth - 1);
         let padding = items.padding();

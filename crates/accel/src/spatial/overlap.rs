@@ -1,10 +1,11 @@
-//! Whether a primitive overlaps a cell: the thirteen separating axes of a triangle and a box (Akenine-Möller, "Fast 3D
-//! Triangle-Box Overlap Testing", JGT 6(1), 2001).
+//! Overlap test of a primitive and a cell: the thirteen separating axes of a triangle and a box (Akenine-Möller, "Fast
+//! 3D Triangle-Box Overlap Testing", JGT 6(1), 2001).
 
 use super::items::Item;
 use steradian_math::{DVec3, Vec3};
 
-/// Whether a primitive overlaps a closed box, which has its padding already. User primitives count as their whole box.
+/// Tests whether a primitive overlaps a closed box, which has its padding already. User primitives count as their whole
+/// box.
 pub(super) fn overlaps(item: &Item, [min, max]: [DVec3; 2]) -> bool {
     let [a, b, c] = item.corners.map(Vec3::as_dvec3);
     let (low, high) = (a.min(b).min(c), a.max(b).max(c));

@@ -13,7 +13,7 @@ use crate::traverse::{Nearest, UserLeaves};
 use crate::{Error, Geometry};
 use steradian_math::{Bounds3, Ray};
 
-/// How space is divided.
+/// Subdivision of space.
 #[derive(Clone, Debug)]
 enum Cells {
     Grid(Grid),
@@ -111,7 +111,7 @@ impl Partition {
         (search.best, search.tally)
     }
 
-    /// Whether there is any hit in `(0, ray.t_max)`.
+    /// True if there is any hit in `(0, ray.t_max)`.
     pub(super) fn any<U: UserLeaves, T: Tally>(&self, ray: &Ray, users: &U, tally: T) -> (bool, T) {
         if !is_askable(ray) {
             return (false, tally);

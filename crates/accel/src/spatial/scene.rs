@@ -73,7 +73,7 @@ impl PartitionedScene {
         (nearest.map(|nearest| leaves.hit(nearest)), tally.plus(leaves.below.take()))
     }
 
-    /// Whether anything is hit, and what it cost to know.
+    /// True if anything is hit, and the cost of the query.
     pub(super) fn occluded<U: UserPrimitives, T: Tally + Total>(&self, ray: &Ray, user: &U, tally: T) -> (bool, T) {
         let leaves = Leaves { scene: self, user, below: Cell::new(T::default()) };
         let (found, tally) = self.world.any(ray, &leaves, tally);
@@ -97,11 +97,11 @@ impl Total for Steps {
     }
 }
 
-/// What is behind the user primitives of the world: those of the caller, and instances.
+/// User primitives of the world: those of the caller, and instances.
 struct Leaves<'a, U, T> {
     scene: &'a PartitionedScene,
     user: &'a U,
-    /// What the walks through instances cost.
+    /// Cost of the walks through instances.
     below: Cell<T>,
 }
 

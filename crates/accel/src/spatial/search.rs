@@ -1,4 +1,4 @@
-//! What a walk does with the primitives it meets: the two queries, and the counting of their steps.
+//! Visitors of a walk's primitives: the two queries, and the counting of their steps.
 
 use super::items::Items;
 use super::shear::Shear;
@@ -20,7 +20,7 @@ impl Tally for () {
     fn test(&mut self) {}
 }
 
-/// What queries cost, in numbers that do not depend on the machine.
+/// Cost of queries, in numbers that do not depend on the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Steps {
     /// Nodes or cells visited.
@@ -38,7 +38,7 @@ impl Tally for Steps {
     }
 }
 
-/// What meets the primitives along a ray.
+/// Visitor of the primitives along a ray.
 pub(super) trait Visitor {
     /// A node or cell is entered.
     fn step(&mut self);
@@ -54,7 +54,7 @@ pub(super) trait Visitor {
 struct Mailbox([u32; 64]);
 
 impl Mailbox {
-    /// Whether a primitive is new, as far as the table knows.
+    /// True if a primitive is new, as far as the table knows.
     #[inline]
     fn admits(&mut self, slot: u32) -> bool {
         let place = &mut self.0[slot as usize % 64];

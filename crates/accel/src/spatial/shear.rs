@@ -4,7 +4,7 @@
 use crate::{UserHit, triangle::exact_distance};
 use steradian_math::{Ray, Vec3, ray::gamma};
 
-/// What the test needs of a ray.
+/// Ray constants of the triangle test.
 #[derive(Clone, Copy)]
 pub(super) struct Shear {
     axes: [usize; 3],

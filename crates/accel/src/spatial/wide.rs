@@ -10,7 +10,7 @@ use crate::widened::widened;
 use crate::{Error, Geometry};
 use steradian_math::{Bounds3, Ray, Vec3};
 
-/// What a child is: nothing, a node, or up to eight slots. The number of slots is above, an index below.
+/// Child of a node: nothing, a node, or up to eight slots. The number of slots is above, an index below.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Child(u32);
 
@@ -25,7 +25,7 @@ impl Child {
         }
     }
 
-    /// How many slots, zero for a node, and the index of the node or of the first slot.
+    /// Number of slots, zero for a node, and the index of the node or of the first slot.
     fn get(self) -> (usize, usize) {
         ((self.0 >> Self::INDEX_BITS) as usize, (self.0 & ((1 << Self::INDEX_BITS) - 1)) as usize)
     }

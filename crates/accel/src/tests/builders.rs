@@ -1,4 +1,4 @@
-//! What the ways to build differ in, and what they do not.
+//! Differences between the builders, and invariants that all keep.
 
 use super::{Mesh, assorted_rays, in_cube, soup};
 use crate::{Accel, Accelerator, Builder, Bvh, Geometry, Hit, TopLevel};

@@ -1,4 +1,4 @@
-//! What every hierarchy must do, tested through the public interface: fixtures here, one property in each file.
+//! Properties of every hierarchy, tested through the public interface: fixtures here, one property in each file.
 
 mod batch;
 mod brute_force;

@@ -1,4 +1,4 @@
-//! What follows moved geometry answers like what is built from it.
+//! Updated structures answer like structures built from the moved geometry.
 
 use super::{Mesh, assorted_rays, build, icosphere, in_cube, soup};
 use crate::{Bvh, Geometry, Instance, TopLevel};

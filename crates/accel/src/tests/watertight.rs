@@ -111,7 +111,7 @@ fn rays_along_axes_hit_the_seams_of_a_cube() {
     }
 }
 
-/// How many rays a long run shoots: `STERADIAN_RAYS`, else as given.
+/// Number of rays of a long run: `STERADIAN_RAYS`, or else `usual`.
 fn rays_wanted(usual: usize) -> usize {
     std::env::var("STERADIAN_RAYS").ok().and_then(|n| n.parse().ok()).unwrap_or(usual)
 }

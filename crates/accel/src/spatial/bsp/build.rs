@@ -108,7 +108,7 @@ impl Builder {
         Ok((plane, coplanar, [back, ahead], budget))
     }
 
-    /// How far from a plane counts as in it.
+    /// Distance from a plane within which a point counts as in it.
     fn tolerance(&self) -> f64 {
         self.padding * 0.25
     }

@@ -44,7 +44,7 @@ enum Child {
 #[derive(Clone, Copy, Debug)]
 struct Node {
     plane: Plane,
-    /// What lies in the plane.
+    /// List of the primitives in the plane.
     coplanar: u32,
     /// Behind and in front.
     children: [Child; 2],

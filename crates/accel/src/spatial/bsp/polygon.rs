@@ -50,7 +50,7 @@ impl Fragment {
         plane.offset.is_finite().then_some(plane)
     }
 
-    /// Where it is; points within the tolerance count as in the plane.
+    /// Side of the plane; points within the tolerance count as in the plane.
     pub fn side(&self, plane: &Plane, tolerance: f64) -> Side {
         let heights = self.points.iter().map(|&p| plane.height(p));
         let (low, high) = heights.fold((0.0_f64, 0.0_f64), |(low, high), h| (low.min(h), high.max(h)));

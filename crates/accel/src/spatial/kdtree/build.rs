@@ -16,10 +16,10 @@ const MEDIAN_LEAF: usize = 8;
 /// Nodes with more are divided in parallel.
 const PARALLEL: usize = 4096;
 
-/// Where the planes are put.
+/// Placement of the splitting planes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::spatial) enum Planes {
-    /// Where the expected cost of a ray is least.
+    /// Minimum of the expected cost of a ray.
     Sah,
     /// Through the middle of the primitives, across the longest axis.
     Median,

@@ -9,7 +9,7 @@ use steradian_math::DVec3;
 /// Beyond the outer faces.
 const NONE: u32 = u32::MAX;
 
-/// What is tied to a leaf: faces in the order low x, y, z, high x, y, z.
+/// Ropes of a leaf: faces in the order low x, y, z, high x, y, z.
 #[derive(Clone, Copy, Debug)]
 struct Leaf {
     faces: [f32; 6],

@@ -103,7 +103,7 @@ fn bins(refs: &[Reference], axis: usize, [min, max]: [f32; 2], consider: &mut im
     }
 }
 
-/// What lies below a plane, and what above. What is on neither side is in both.
+/// Partition of references by a plane, below and above. Those on neither side are in both.
 pub(super) fn divide(items: &Items, refs: &[Reference], axis: usize, plane: f32) -> [Vec<Reference>; 2] {
     let (mut low, mut high) = (Vec::new(), Vec::new());
     for &r in refs {
