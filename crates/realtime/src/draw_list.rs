@@ -1,4 +1,4 @@
-//! What of a scene is drawn, and how.
+//! Draw list: the geometries of a scene to be drawn, in order.
 
 use steradian_accel::WORLD;
 use steradian_core::{
@@ -21,7 +21,7 @@ pub struct Item {
 /// All that can be seen, in a fixed order.
 #[derive(Clone, Debug)]
 pub struct DrawList {
-    /// What is drawn.
+    /// Items to be drawn.
     pub items: Vec<Item>,
 }
 
@@ -47,7 +47,7 @@ impl DrawList {
 }
 
 impl Item {
-    /// Where its group is.
+    /// World transform of its group.
     pub fn place(&self, scene: &Scene) -> Affine {
         match scene.placements().get(self.instance as usize) {
             Some(placement) if self.instance != WORLD => placement.world_from_group,
@@ -56,7 +56,7 @@ impl Item {
     }
 }
 
-/// How many parts a shape is drawn in, by boxes around them; `None` for meshes, which are drawn by their triangles.
+/// Number of boxes that a shape is drawn as; `None` for meshes, which are drawn by their triangles.
 pub fn box_count(shape: &Shape) -> Option<u32> {
     match shape {
         Shape::Mesh(_) => None,

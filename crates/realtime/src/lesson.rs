@@ -56,7 +56,7 @@ pub fn picture(
     }))
 }
 
-/// Whether a scene has what a view shows.
+/// Checks that a scene has what a view needs.
 ///
 /// # Errors
 /// What it needs.
@@ -85,8 +85,8 @@ fn heat(share: f32) -> Vec3 {
     (Vec3::splat(3.0 * share) - Vec3::new(0.0, 1.0, 2.0)).clamp(Vec3::ZERO, Vec3::ONE)
 }
 
-/// What a triangle's corners are beyond: grey if nothing, red the near plane, green the sides; of other shapes dark
-/// grey.
+/// Colour of the clip planes that a triangle's corners are beyond: grey if none, red the near plane, green the sides;
+/// dark grey for other shapes.
 pub(crate) fn clipping(scene: &Scene, list: &DrawList, projected: &Projected, item: u32, seen: &Seen) -> Vec3 {
     let item = &list.items[item as usize];
     let Shape::Mesh(mesh) = &list.geometry(scene, item).shape else { return Vec3::splat(0.2) };
@@ -104,7 +104,7 @@ fn triangles(scene: &Scene, list: &DrawList, projected: &Projected) -> Result<Ve
     Ok(casters.triangles.iter().flatten().map(|p| projected.clip(*p)).collect())
 }
 
-/// How many triangles of meshes cover each pixel, by rows.
+/// Number of mesh triangles that cover each pixel, by rows.
 ///
 /// # Errors
 /// Those of the pipeline, and more than 119 million triangles.
@@ -123,7 +123,7 @@ pub fn overdraw(scene: &Scene, list: &DrawList, projected: &Projected) -> Result
     Ok(bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect())
 }
 
-/// How many triangles of meshes each tile of 64² pixels lists, by rows; and the size of the picture.
+/// Number of mesh triangles that each tile of 64² pixels lists, by rows; and the size of the picture.
 ///
 /// # Errors
 /// Those of the pipeline, and more than 119 million triangles.

@@ -37,7 +37,7 @@ pub use world::World;
 use steradian_core::Scene;
 use steradian_math::{Vec2, Vec3};
 
-/// What cannot be drawn.
+/// Errors of rasterised renders.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Error {
     /// An option of the integrator.

@@ -2,7 +2,7 @@
 
 use crate::Error;
 
-/// How it is told whether a light is seen.
+/// Shadow technique.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shadows {
     /// It always is.
@@ -35,7 +35,7 @@ pub enum Shadows {
     Planar,
 }
 
-/// What keeps a surface from casting shadows on itself in maps.
+/// Depth bias of shadow maps, against self-shadowing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BiasBy {
     /// The surface is moved towards the light in proportion to its slope.
@@ -78,13 +78,13 @@ pub const SHADOWS: &[(&str, Shadows, &str)] = &[
 ];
 
 impl Shadows {
-    /// Whether it holds for the pixels of one picture alone.
+    /// True if the result holds for the pixels of one picture alone.
     pub(crate) fn is_of_pixels(self) -> bool {
         matches!(self, Self::Volume | Self::VolumePass | Self::Planar)
     }
 }
 
-/// How it is told which triangle of meshes a pixel sees. All give one picture, but for pixels whose centres are within
+/// Hidden-surface algorithm for triangles of meshes. All give one picture, but for pixels whose centres are within
 /// rounding of an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
@@ -109,7 +109,7 @@ const METHODS: [(&str, Method); 5] = [
     ("warnock", Method::Warnock),
 ];
 
-/// What is shown.
+/// View that is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Show {
     /// The shaded picture.
@@ -120,54 +120,54 @@ pub enum Show {
     Primitives,
     /// The shading normal, each axis from −1…1 to 0…1.
     Normal,
-    /// How many triangles of meshes cover a pixel: black 0, red 4, yellow 8, white 12.
+    /// Number of mesh triangles that cover a pixel: black 0, red 4, yellow 8, white 12.
     Overdraw,
     /// The edges of triangles.
     Wireframe,
     /// Triangles that reach beyond the view: red the near plane, green the sides, yellow both.
     Clip,
-    /// How many triangles each tile of the pipeline lists, on a logarithmic scale up to 2¹⁴.
+    /// Number of triangles that each tile of the pipeline lists, on a logarithmic scale up to 2¹⁴.
     Tiles,
-    /// How many shadow volumes of the first light a pixel is in: black 0, white 8.
+    /// Number of shadow volumes of the first light that a pixel is in: black 0, white 8.
     Stencil,
     /// The shadow maps of the first light that has some.
     ShadowMap,
-    /// Of hybrid frames: what surfaces emit, and the background.
+    /// Term of hybrid frames: emission of surfaces, and the background.
     Emission,
-    /// Of hybrid frames: light of lights over albedo.
+    /// Term of hybrid frames: direct light over albedo.
     Direct,
-    /// Of hybrid frames: light after one diffuse bounce over albedo.
+    /// Term of hybrid frames: light after one diffuse bounce over albedo.
     Indirect,
-    /// Of hybrid frames: glossy and mirror reflections.
+    /// Term of hybrid frames: glossy and mirror reflections.
     Reflections,
-    /// Of hybrid frames: light that is let through.
+    /// Term of hybrid frames: transmitted light.
     Transparency,
-    /// Of hybrid frames: the part of the hemisphere that is open nearby.
+    /// Term of hybrid frames: the part of the hemisphere that is open nearby.
     Occlusion,
     /// The passes of hybrid frames, drawn as a graph.
     Graph,
 }
 
 impl Show {
-    /// Whether it is a pass of hybrid frames.
+    /// True for a pass of hybrid frames.
     pub(crate) fn is_of_hybrid(self) -> bool {
         use Show::{Direct, Emission, Graph, Indirect, Occlusion, Reflections, Transparency};
         matches!(self, Emission | Direct | Indirect | Reflections | Transparency | Occlusion | Graph)
     }
 }
 
-/// How a frame is made.
+/// Kind of frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameKind {
-    /// What is seen is shaded at once.
+    /// Forward shading of visible surfaces.
     Forward,
-    /// What is seen by rasterisation, light by rays, pass by pass.
+    /// Visibility by rasterisation, light by rays, pass by pass.
     Hybrid,
-    /// What is seen is shaded at once, with light after bounces by few paths, and freed of noise.
+    /// Forward shading of visible surfaces, with light after bounces by few paths, denoised.
     Preview,
 }
 
-/// Whether something is done, by name.
+/// Names of the states of a switch.
 const SWITCH: [(&str, bool); 2] = [("true", true), ("false", false)];
 
 const FRAMES: [(&str, FrameKind); 3] =
@@ -197,29 +197,29 @@ const SHOWN: [(&str, Show); 17] = [
 /// The options.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// How frames are made.
+    /// Kind of frame.
     pub frame: FrameKind,
-    /// Whether the terms of hybrid frames are freed of noise.
+    /// Enables denoising of the terms of hybrid frames.
     pub filter: bool,
-    /// How it is told whether a light is seen.
+    /// Shadow technique.
     pub shadows: Shadows,
     /// Side of a shadow map in texels.
     pub size: u32,
     /// Depth bias of shadow maps in texels: how far a surface is moved, times its slope for [`BiasBy::Slope`].
     pub bias: f32,
-    /// What the bias does.
+    /// Kind of the depth bias.
     pub bias_by: BiasBy,
     /// Maps of parallel light, one behind the other along the view.
     pub cascades: u32,
     /// Texels that are compared around a point, along each axis; 1 for one.
     pub pcf: u32,
-    /// How it is told what is seen.
+    /// Hidden-surface algorithm.
     pub visibility: Method,
     /// Points on each light that has an extent, and directions of environments.
     pub points: u32,
-    /// How many mirrors and panes of glass are looked through one after the other.
+    /// Largest number of mirrors and panes of glass that are looked through one after the other.
     pub bounces: u32,
-    /// What is shown.
+    /// View that is shown.
     pub show: Show,
 }
 
@@ -307,7 +307,7 @@ impl Options {
     }
 }
 
-/// What has this name, or the names there are.
+/// Value of this name, or an error with the names there are.
 fn named<T: Copy>(list: &[(&str, T)], name: &str) -> Result<T, String> {
     let names = || list.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
     list.iter().find(|(n, _)| *n == name).map(|(_, value)| *value).ok_or_else(|| format!("one of {}", names()))

@@ -1,10 +1,10 @@
-//! What renders by the pipeline make before their first pass, and why they ended.
+//! Preparation of renders by the pipeline before their first pass, and the fault that ended them.
 
 use crate::{Error, draw_list::DrawList};
 use std::sync::{Mutex, PoisonError};
 use steradian_engine::Run;
 
-/// What is drawn and the threads that draw it, once they are there, and the fault that ended the render.
+/// Draw list and thread pool, once they are there, and the fault that ended the render.
 #[derive(Debug, Default)]
 pub struct Preparation {
     made: Option<(DrawList, rayon::ThreadPool)>,
@@ -21,12 +21,12 @@ impl Preparation {
         self.made.is_some().then_some(())
     }
 
-    /// What was made.
+    /// Draw list and thread pool, once they are made.
     pub fn get(&self) -> Option<&(DrawList, rayon::ThreadPool)> {
         self.made.as_ref()
     }
 
-    /// What a pass found; a fault is kept, and ends the render.
+    /// Result of a pass; a fault is kept, and ends the render.
     pub fn outcome<T>(&self, found: Result<Option<T>, Error>) -> Option<T> {
         found.unwrap_or_else(|e| {
             self.fail(e.to_string());

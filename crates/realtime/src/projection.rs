@@ -18,14 +18,14 @@ pub struct Projected {
     /// x0 + x1, x1 − x0, y0 + y1, y1 − y0 of the window on z = 1 that the full frame shows.
     window: [f32; 4],
     perspective: bool,
-    /// Where the view starts along the axis, and its length where rays are parallel.
+    /// Start of the view along the axis, and its length where rays are parallel.
     near: f32,
     length: f32,
     /// The place in each pixel that is looked at.
     offset: Vec2,
-    /// Of a light's view; none for the scene's camera.
+    /// Frame of a light's view; `None` for the scene's camera.
     light: Option<LightFrame>,
-    /// Whether what emits is left out: of cameras from which lights are hidden.
+    /// True if emitters are left out: for cameras from which lights are hidden.
     hide_emitters: bool,
 }
 
@@ -34,7 +34,7 @@ pub struct Projected {
 struct LightFrame {
     /// Its side in texels.
     size: u32,
-    /// What the picture is bent by; none leaves it as it is.
+    /// Warp of the picture; `None` leaves it as it is.
     warp: Option<Warp>,
 }
 
@@ -71,7 +71,7 @@ impl Projected {
         Self { hide_emitters, ..self }
     }
 
-    /// Whether this view leaves a geometry out.
+    /// True if this view leaves a geometry out.
     pub(crate) fn hides(&self, geometry: &Geometry) -> bool {
         self.hide_emitters && geometry.emitter.is_some()
     }
@@ -156,12 +156,12 @@ impl Projected {
         }
     }
 
-    /// Whether rays start at one point.
+    /// True if rays start at one point.
     pub(crate) fn is_perspective(&self) -> bool {
         self.perspective
     }
 
-    /// How far a point is from the eye along the axis of the view.
+    /// Distance of a point from the eye along the axis of the view.
     pub(crate) fn along_axis(&self, p: Vec3) -> f32 {
         self.camera_from_world.point(p).z
     }
@@ -189,7 +189,7 @@ impl Projected {
         [(x_sum - x_size) / 2.0, (x_sum + x_size) / 2.0, (y_sum - y_size) / 2.0, (y_sum + y_size) / 2.0]
     }
 
-    /// Where a distance along the axis is between the start and the end of the view, from 0 to 1.
+    /// Normalised distance along the axis, from 0 at the start of the view to 1 at its end, clamped.
     pub(crate) fn share_of(&self, distance: f32) -> f32 {
         ((distance - self.near) / self.length).clamp(0.0, 1.0)
     }
@@ -217,7 +217,7 @@ impl Projected {
         (Extent::new(crop.width(), crop.height()), Viewport { x: -(crop.x0 as f32), y: -(crop.y0 as f32), ..viewport })
     }
 
-    /// Whether pictures are mirrored against space: a counter-clockwise triangle appears clockwise.
+    /// True if pictures are mirrored against space: a counter-clockwise triangle appears clockwise.
     pub(crate) fn is_mirrored(&self) -> bool {
         // Right, up and forward are a left-handed system.
         self.camera_from_world.m.determinant() > 0.0

@@ -27,7 +27,7 @@ pub struct Rasterizer {
     options: Options,
     depth: Depth,
     transparent: bool,
-    /// Whether the light of each group of lights is kept for itself.
+    /// Enables a separate picture for each group of lights.
     by_light: bool,
     preparation: Preparation,
     /// Made once, for kinds of shadows that hold for all passes.
@@ -42,13 +42,13 @@ struct Found {
     lights: Vec<Vec3>,
 }
 
-/// What a pass draws with.
+/// Inputs of a pass.
 struct Drawing<'a> {
     run: &'a Run<'a>,
     list: &'a DrawList,
     number: u32,
     projected: Projected,
-    /// What the filter gives its samples.
+    /// Weight of its samples by the pixel filter.
     weight: f32,
     visibility: Visibility,
 }
@@ -115,7 +115,7 @@ impl Rasterizer {
         Ok(Some(counters))
     }
 
-    /// What a pass sees.
+    /// Inputs of a pass, with the visibility from its subpixel position.
     fn drawing<'a>(&self, run: &'a Run<'a>, list: &'a DrawList, number: u32) -> Result<Drawing<'a>, Error> {
         let (offset, weight) = place(run.scene.film(), number);
         // One sample alone is the whole pixel.

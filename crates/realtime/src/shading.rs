@@ -1,4 +1,4 @@
-//! What a seen point sends to the eye.
+//! Radiance of visible points towards the eye.
 
 use steradian_bsdf::{BsdfSample, TransportMode};
 use steradian_core::{
@@ -43,7 +43,7 @@ pub struct Point<'a> {
     pub scattering: Scattering<'a>,
     pub ctx: LightContext,
     pub lambda: Wavelengths,
-    /// What the path carries to it.
+    /// Path throughput β up to the point.
     pub beta: Spectrum,
     pub numbers: &'a Numbers,
     /// Its number among the points of the path.
@@ -53,22 +53,22 @@ pub struct Point<'a> {
 /// A path from the camera, as far as it is followed.
 #[derive(Clone, Copy, Debug)]
 pub struct CameraPath {
-    /// Where it goes on, and what is met there.
+    /// Next ray of the path, and its hit.
     pub ray: Ray,
     pub hit: Option<Hit>,
     pub differential: Option<RayDifferential>,
-    /// What it carries.
+    /// Path throughput β.
     pub beta: Spectrum,
     /// Scattering events so far.
     pub events: u32,
     /// The round whose random numbers come first.
     pub round: u32,
-    /// Whether lights that it meets count.
+    /// True if lights on the path count.
     pub sees_lights: bool,
 }
 
 impl CameraPath {
-    /// Whether it passes a surface straight: what emits, where lights are hidden from the camera.
+    /// True if the path passes a surface straight: an emitter, where lights are hidden from the camera.
     pub fn passes_straight(&self, scene: &Scene, i: &Interaction) -> bool {
         self.events == 0 && !self.sees_lights && scene.geometries()[i.geometry as usize].emitter.is_some()
     }
@@ -130,7 +130,7 @@ impl<'a> Shader<'a> {
         Numbers { pixel, start: self.pass.wrapping_mul(self.options.points), is_shared: false }
     }
 
-    /// Whether directions that surfaces draw find lights with an area, too, and pixels share a sequence.
+    /// True for previews: rays drawn by surfaces find area lights, too, and pixels share a sequence.
     fn is_preview(&self) -> bool {
         self.options.frame == FrameKind::Preview
     }
@@ -229,7 +229,7 @@ impl<'a> Shader<'a> {
         sum
     }
 
-    /// What a point of a surface emits to the eye.
+    /// Radiance emitted by a surface point towards the eye.
     pub fn emission(&self, i: &Interaction, beta: Spectrum, lambda: &Wavelengths, trace: &mut Trace<'_>) -> Spectrum {
         let scene = self.scene;
         let Some(emitter) = scene.geometries()[i.geometry as usize].emitter else { return Spectrum::ZERO };
@@ -342,7 +342,7 @@ impl<'a> Shader<'a> {
         sum
     }
 
-    /// What a light with an area sends to a point along a ray that the surface drew there with a density, weighted.
+    /// Light from an area light that a ray drawn by the surface with density `pdf` meets, weighted by MIS.
     fn met(&self, point: &Point<'_>, (ray, hit): (&Ray, &Hit), pdf: f32, chosen: bool) -> Spectrum {
         let (scene, lights) = (self.scene, self.scene.lights());
         if scene.geometry(hit.id).emitter.is_none() {

@@ -1,11 +1,11 @@
-//! What shading and shadows ask of rays, and what they keep of a pixel's light.
+//! Ray queries of shading and shadows, and the record of a pixel's light.
 
 use crate::world::World;
 use steradian_core::{Scene, scene::Hit};
 use steradian_engine::Counters;
 use steradian_math::Ray;
 
-/// What follows the way of a pixel's light.
+/// Tracer of a pixel's rays and recorder of its light.
 pub struct Trace<'a> {
     /// Counts rays, and keeps the light of each group of lights.
     pub counters: &'a mut Counters,
@@ -16,7 +16,7 @@ pub struct Trace<'a> {
 }
 
 impl Trace<'_> {
-    /// What a ray meets first; nothing once a stop is asked for.
+    /// Nearest hit of a ray; `None` once a stop is asked for.
     pub fn nearest(&mut self, scene: &Scene, ray: &Ray) -> Option<Hit> {
         if self.counters.stop.is_asked() {
             return None;
@@ -28,7 +28,7 @@ impl Trace<'_> {
         }
     }
 
-    /// Whether anything is on a ray; so it is said once a stop is asked for.
+    /// True if a ray is occluded, or once a stop is asked for.
     pub fn is_occluded(&mut self, scene: &Scene, ray: &Ray) -> bool {
         if self.counters.stop.is_asked() {
             return true;

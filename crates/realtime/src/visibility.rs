@@ -23,10 +23,10 @@ use crate::{
     projection::Projected,
 };
 
-/// What a pixel sees.
+/// Visible surface of a pixel.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen {
-    /// Where the pixel's ray meets it.
+    /// Hit of the pixel's ray.
     pub hit: Hit,
     /// Number of the primitive in the picture, from 0.
     pub number: u32,
@@ -41,7 +41,7 @@ pub struct Visibility {
     pub(crate) depths: Vec<f32>,
     width: u32,
     parts: Parts,
-    /// What the pipeline did.
+    /// Counters of the pipeline.
     pub counters: Counters,
 }
 
@@ -115,7 +115,7 @@ impl Visibility {
         Ok(Self { numbers, depths, width: extent.width, parts: stage.parts, counters: stage.counters })
     }
 
-    /// How many pixels see another primitive than in another picture of the same view.
+    /// Number of pixels that see another primitive than in another picture of the same view.
     pub fn differing(&self, other: &Self) -> usize {
         self.numbers.iter().zip(&other.numbers).filter(|(a, b)| a != b).count()
     }
@@ -125,7 +125,7 @@ impl Visibility {
         self.parts.find(self.numbers[pixel].checked_sub(1)?).map(|(item, _)| item)
     }
 
-    /// What a pixel of the picture sees.
+    /// Visible surface of a pixel.
     pub fn seen(&self, scene: &Scene, list: &DrawList, projected: &Projected, at: [u32; 2]) -> Option<Seen> {
         let number = self.numbers[(at[1] * self.width + at[0]) as usize].checked_sub(1)?;
         let (item, part) = self.parts.find(number)?;
@@ -150,15 +150,15 @@ pub(crate) fn fill_depths(target: &mut Framebuffer, depths: &[f32]) -> Result<()
     Ok(())
 }
 
-/// Whether a ray that misses a triangle narrowly is said to meet it at its border: the pipeline rounds corners to 1/256
-/// pixel.
+/// Treatment of rays that narrowly miss a triangle, as a hit on its border or as none: the pipeline rounds corners to
+/// 1/256 pixel.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Border {
     Included,
     Excluded,
 }
 
-/// What is drawn with, and into.
+/// Inputs and target of a drawing.
 struct Stage<'a> {
     scene: &'a Scene,
     list: &'a DrawList,
@@ -186,7 +186,7 @@ impl Stage<'_> {
         Ok((start, self.parts.count))
     }
 
-    /// Whether the box around an item may be in the view: not if all its corners are outside one plane.
+    /// True if the box around an item may be in the view: not if all its corners are outside one plane.
     fn in_view(&self, item: &Item, shape: &Shape) -> bool {
         let bounds = shape.bounds();
         if bounds.is_empty() {
@@ -385,12 +385,12 @@ pub(crate) fn local(scene: &Scene, item: &Item, ray: &Ray) -> Ray {
     if item.instance == WORLD { *ray } else { item.place(scene).inverse().ray(ray) }
 }
 
-/// Whether a hit counts, by the opacity of its shape.
+/// True if a hit counts, by the opacity of its shape.
 fn opaque(scene: &Scene, item: &Item, hit: &Hit, ray: &Ray) -> bool {
     scene.counts(hit, &local(scene, item, ray))
 }
 
-/// Where a ray of the world meets a part of an item.
+/// Intersection of a world-space ray with a part of an item.
 pub(crate) fn meet(scene: &Scene, item: &Item, part: u32, ray: &Ray, border: Border) -> Option<Hit> {
     let id = PrimId { instance: item.instance, geom: item.in_group, prim: part };
     let ray = local(scene, item, ray);

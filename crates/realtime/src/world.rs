@@ -26,11 +26,11 @@ const SHAPE: HitKind = match HitKind::procedural(0) {
     None => HitKind::TRIANGLE_BACK_FACE,
 };
 
-/// What rays of a frame go through.
+/// Acceleration structures for the rays of a frame.
 #[derive(Debug)]
 pub struct World {
     top: TopLevel,
-    /// What is drawn; instances are numbered by it.
+    /// Draw list, which numbers the instances.
     list: DrawList,
     /// Infinite planes among it, which have no boxes.
     planes: Vec<Item>,
@@ -68,12 +68,12 @@ impl World {
         Ok(Self { top, list: list.clone(), planes })
     }
 
-    /// What a ray meets first.
+    /// Nearest hit of a ray.
     pub fn nearest(&self, scene: &Scene, ray: &Ray) -> Option<Hit> {
         self.search(scene, ray, RayFlags::NONE)
     }
 
-    /// Whether anything is on a ray.
+    /// True if a ray is occluded.
     pub fn is_occluded(&self, scene: &Scene, ray: &Ray) -> bool {
         self.search(scene, ray, RayFlags::ACCEPT_FIRST_HIT_AND_END_SEARCH).is_some()
     }
@@ -115,7 +115,7 @@ impl World {
         self.nearest_with_planes(scene, ray, committed)
     }
 
-    /// What is met first, with infinite planes.
+    /// Nearest hit of a ray, infinite planes included.
     fn nearest_with_planes(&self, scene: &Scene, ray: &Ray, found: Option<Hit>) -> Option<Hit> {
         self.planes.iter().fold(found, |nearest, item| {
             let end = Ray { t_max: nearest.map_or(ray.t_max, |hit| hit.t), ..*ray };

@@ -11,7 +11,7 @@ use steradian_math::{Vec2, Vec3};
 /// The object of pixels that see nothing.
 const NOTHING: u32 = u32::MAX;
 
-/// What filters the terms of frames, one after the other.
+/// Denoisers of the terms of frames, applied one after the other.
 #[derive(Clone, Debug)]
 pub struct Filters {
     pub light: Denoiser,
@@ -45,7 +45,7 @@ pub fn filter(
     run().map_err(|e| Error::Scene(format!("filtering: {e}")))
 }
 
-/// What guides the filter.
+/// G-buffer that guides the filter.
 fn guides(surfaces: &[Option<Surface>], width: u32, height: u32) -> steradian_denoise::Result<GBuffer> {
     fn image<T>(
         surfaces: &[Option<Surface>],

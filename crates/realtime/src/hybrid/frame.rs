@@ -20,7 +20,7 @@ use steradian_engine::Counters;
 use steradian_math::{Ray, Spectrum, Vec3, spectra::Wavelengths, warp};
 use steradian_transport::nee;
 
-/// Of the radius of the scene, how near things are that darken a point.
+/// Reach of ambient occlusion, as a fraction of the scene's radius.
 const OCCLUSION_REACH: f32 = 0.1;
 /// Rounds between the random numbers of the terms.
 const ROUNDS: u32 = 200;
@@ -36,10 +36,10 @@ pub struct Frame<'a> {
     pub visibility: Option<Visibility>,
     /// By the pass of the G-buffer; `None` where nothing is seen.
     pub surfaces: Vec<Option<Surface>>,
-    /// What other passes wrote.
+    /// Pictures written by the other passes.
     pub pictures: BTreeMap<Resource, Picture>,
     pub counters: Counters,
-    /// What remembers frames before, and then this one.
+    /// Denoisers with the history of frames before, and then of this one.
     pub filters: Filters,
 }
 
@@ -82,7 +82,7 @@ impl<'a> Frame<'a> {
         Ok(())
     }
 
-    /// What surfaces emit themselves, and the background.
+    /// Emission of visible surfaces, and the background.
     pub fn emission(&mut self) -> Result<(), Error> {
         self.write(Resource::Emission, |frame, at, shader, trace| {
             let lambda = shader.wavelengths(at);
@@ -179,7 +179,7 @@ impl<'a> Frame<'a> {
         })
     }
 
-    /// What a pass wrote.
+    /// Takes the picture that a pass wrote.
     pub fn picture(&mut self, resource: Resource) -> Picture {
         self.pictures.remove(&resource).unwrap_or_default()
     }
@@ -209,7 +209,7 @@ impl<'a> Frame<'a> {
         })
     }
 
-    /// What is found at the point that a pixel sees, as RGB.
+    /// Light found by `find` at the visible point of a pixel, as RGB.
     fn at(
         &self,
         seen: &Seen<'_>,

@@ -2,14 +2,14 @@
 
 use std::fmt;
 
-/// What passes hand to each other: pictures of the frame, or what it was drawn from.
+/// Resources of the frame graph: pictures of the frame, or their inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Resource {
     /// Which primitive each pixel sees.
     Visibility,
     /// Surfaces that are seen: position, normal, albedo, motion.
     Surfaces,
-    /// What surfaces emit themselves, and the background.
+    /// Emission of visible surfaces, and the background.
     Emission,
     /// Light of lights, shadowed by rays, over albedo.
     Direct,
@@ -61,9 +61,9 @@ impl Resource {
 pub struct Node {
     /// Its name.
     pub name: &'static str,
-    /// What it needs.
+    /// Resources that it reads.
     pub reads: &'static [Resource],
-    /// What it makes.
+    /// Resources that it writes.
     pub writes: &'static [Resource],
 }
 

@@ -29,7 +29,7 @@ use steradian_math::{Ray, Vec2, spectra::Wavelengths};
 use steradian_transport::Depth;
 use surface::Before;
 
-/// What a pass of the graph does.
+/// Function of a pass of the graph.
 type Step = fn(&mut Frame<'_>) -> Result<(), Error>;
 
 /// The terms of the picture, with noise and without, and which are over albedo.
@@ -92,7 +92,7 @@ fn passes(filter: bool) -> Vec<(Node, Step)> {
     passes
 }
 
-/// What frames are drawn with.
+/// Inputs of a frame.
 struct Setting<'a> {
     run: &'a Run<'a>,
     list: &'a DrawList,
@@ -122,9 +122,9 @@ pub struct Hybrid {
     depth: Depth,
     prepared: Option<Prepared>,
     before: Option<Arc<Before>>,
-    /// What the last pass over the picture leaves to the next frame.
+    /// Projection and denoisers of the last pass over the picture, kept for the next frame.
     after: Mutex<Option<(Projected, Filters)>>,
-    /// How long each pass of the graph took, in all passes over the picture.
+    /// Times of each pass of the graph, in all passes over the picture.
     times: Mutex<Vec<(&'static str, Duration)>>,
     failure: Mutex<Option<String>>,
 }
@@ -203,7 +203,7 @@ fn graph(passes: &[(Node, Step)], wanted: &[Resource]) -> Result<Graph, Error> {
     Graph::new(&nodes, &[Resource::History], wanted).map_err(|fault| Error::Scene(fault.to_string()))
 }
 
-/// What is shown, with noise or without.
+/// Resource that is shown, with noise or without.
 fn shown(show: Show, filter: bool) -> Resource {
     let (noisy, filtered) = match show {
         Show::Emission => (Resource::Emission, Resource::Emission),

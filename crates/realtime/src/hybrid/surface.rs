@@ -1,4 +1,4 @@
-//! What passes know of a surface that a pixel sees, and where it was in the frame before.
+//! Surface that a pixel sees, as the passes know it, and its position in the frame before.
 
 use super::filter::Filters;
 use crate::projection::Projected;
@@ -16,7 +16,7 @@ const LEAST_ALBEDO: f32 = 1e-3;
 /// A surface that a pixel sees.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
-    /// Where the pixel's ray meets it.
+    /// Hit of the pixel's ray.
     pub hit: Hit,
     /// Distance from the eye along the axis of the view, and how much more it is a pixel to the right, and below.
     pub depth: f32,
@@ -27,11 +27,11 @@ pub struct Surface {
     pub albedo: Vec3,
     /// Tells objects apart.
     pub object: u32,
-    /// Where it was in the frame before; `None` where there was none, or it was not in front.
+    /// Position in the frame before; `None` where there was none, or it was not in front.
     pub before: Option<Place>,
 }
 
-/// Where a point is on a frame.
+/// Position of a point in a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
     /// In pixels from the corner of the picture.
@@ -80,16 +80,16 @@ pub fn surface(
 /// The frame before.
 #[derive(Clone, Debug)]
 pub struct Before {
-    /// What it showed.
+    /// Its scene.
     pub scene: Arc<Scene>,
     /// And how.
     pub projected: Projected,
-    /// What remembers it.
+    /// Denoisers with its history.
     pub filters: Filters,
 }
 
 impl Before {
-    /// Where on that frame the point of a surface was.
+    /// Position of a surface point in that frame.
     pub fn place(&self, scene: &Scene, i: &Interaction) -> Option<Place> {
         let p = scene.position_in(&self.scene, i);
         let (clip, film) = (self.projected.clip(p), self.scene.film());

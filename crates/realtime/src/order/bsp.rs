@@ -7,7 +7,7 @@ use steradian_raster::glam::{DVec3, DVec4};
 use super::Polygon;
 use crate::Error;
 
-/// Where it is looked from.
+/// Viewpoint.
 #[derive(Clone, Copy, Debug)]
 pub enum From {
     Point(DVec3),
@@ -153,8 +153,8 @@ mod tests {
         Polygon { number, corners: corners.to_vec(), cuts: Vec::new() }
     }
 
-    /// How far a line goes to a polygon that it passes through; an error where that is not sure, near the rim or nearly
-    /// along the plane.
+    /// Distance along a line to its intersection with a polygon; an error where that is not sure, near the rim or
+    /// nearly along the plane.
     fn distance(polygon: &Polygon, origin: DVec3, d: DVec3) -> Result<Option<f64>, ()> {
         let corners = &polygon.corners;
         let (mut left, mut right) = (false, false);
@@ -173,8 +173,8 @@ mod tests {
         if n.dot(d).abs() < 0.01 { Err(()) } else { Ok(Some(n.dot(corners[0] - origin) / n.dot(d))) }
     }
 
-    /// M242: what a line of sight passes through comes from the back to the front, and so, turned round, from the front to
-    /// the back; parts have the area of the whole.
+    /// M242: what a line of sight passes through comes from the back to the front, and so, turned round, from the front
+    /// to the back; parts have the area of the whole.
     #[test]
     fn polygons_come_in_order_both_ways() {
         let mut rng = HashRng::new(93);

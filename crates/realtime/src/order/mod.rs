@@ -35,7 +35,7 @@ pub struct Cut {
     above: bool,
 }
 
-/// What a method found.
+/// Result of a method.
 pub enum Found {
     /// Polygons from the back to the front, and the space of their cuts.
     Ordered(Vec<Polygon>, Space),
@@ -52,7 +52,7 @@ pub enum Space {
     Picture,
 }
 
-/// What is seen of triangles of the world, and the number that depths of the picture were divided by.
+/// Visible parts of triangles of the world, and the number that depths of the picture were divided by.
 ///
 /// # Errors
 /// More triangles than the method is good for, or more cuts than it may make.
@@ -154,8 +154,8 @@ fn half<T: Copy>(corners: &[T], distance: impl Fn(&T) -> f64, between: impl Fn(&
 }
 
 impl Polygon {
-    /// Whether a point of the whole triangle, in the space of the cuts, is of this part. What is not finite is of the
-    /// lower ones.
+    /// True if a point of the whole triangle, in the space of the cuts, is in this part. Points that are not finite are
+    /// below every cut.
     pub fn has(&self, p: DVec3) -> bool {
         self.cuts.iter().all(|cut| (cut.plane.dot(p.extend(1.0)) >= 0.0) == cut.above)
     }

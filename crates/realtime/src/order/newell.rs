@@ -19,7 +19,7 @@ struct Entry {
     polygon: Polygon,
     /// With the normal towards the eye.
     plane: DVec4,
-    /// Of z.
+    /// Range of z.
     range: [f64; 2],
     low: DVec2,
     high: DVec2,
@@ -45,12 +45,12 @@ impl Entry {
         of.polygon.corners.iter().map(|c| self.plane.dot(c.extend(1.0)))
     }
 
-    /// Whether all of this lies behind the plane of another, or all of the other before the plane of this.
+    /// True if all of this lies behind the plane of another, or all of the other before the plane of this.
     fn is_behind(&self, other: &Self) -> bool {
         other.distances(self).all(|d| d <= WITHIN) || self.distances(other).all(|d| d >= -WITHIN)
     }
 
-    /// Whether the pictures of both have nothing in common but borders.
+    /// True if the projections of both have nothing in common but borders.
     fn is_apart(&self, other: &Self) -> bool {
         let clear = |a: &Self, b: &Self| {
             let corners = &a.polygon.corners;

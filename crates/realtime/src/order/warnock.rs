@@ -14,7 +14,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Where the centre of a pixel is: x right and y up from −1 to 1.
+    /// Centre of a pixel: x right and y up from −1 to 1.
     pub fn position(&self, pixel: [u32; 2]) -> DVec2 {
         let share = |axis: usize| (f64::from(pixel[axis]) + 0.5 - self.start[axis]) / self.view[axis];
         DVec2::new(2.0 * share(0) - 1.0, 1.0 - 2.0 * share(1))
@@ -35,7 +35,7 @@ const STEPS: f64 = 256.0;
 /// A polygon in the window, clockwise with y down.
 struct InWindow {
     number: u32,
-    /// Of each edge: a·x + b·y + c ≥ 0 inside, and > 0 unless borders count.
+    /// Edge functions: a·x + b·y + c ≥ 0 inside, and > 0 unless borders count.
     edges: Vec<([f64; 3], bool)>,
     /// z = x·d0 + y·d1 + d2.
     depth: [f64; 3],
@@ -97,7 +97,7 @@ impl InWindow {
         })
     }
 
-    /// Whether no pixel centre between these corners can be in it.
+    /// True if no pixel centre between these corners can be in it.
     fn misses(&self, low: [f64; 2], high: [f64; 2]) -> bool {
         let apart = (0..2).any(|k| self.high[k] < low[k] || self.low[k] > high[k]);
         let outside = |[a, b, c]: [f64; 3]| {
@@ -106,7 +106,7 @@ impl InWindow {
         apart || self.edges.iter().any(|(edge, _)| outside(*edge))
     }
 
-    /// Whether it hides another at a place.
+    /// True if it hides another at a place.
     fn is_before(&self, other: &Self, at: [f64; 2]) -> bool {
         let (z, other_z) = (self.z(at), other.z(at));
         z > other_z || (z == other_z && self.number <= other.number)

@@ -56,7 +56,7 @@ fn guides(size: [u32; 2], pixels: &[Pixel]) -> Result<GBuffer> {
     })
 }
 
-/// How distance changes from a pixel to the next along each axis: the smaller of the differences to those of the same
+/// Screen-space gradient of distance along each axis: the smaller of the differences to the neighbours of the same
 /// object on both sides.
 fn gradient([width, height]: [u32; 2], pixels: &[Pixel], k: usize) -> Vec2 {
     let Some(here) = &pixels[k].surface else { return Vec2::ZERO };

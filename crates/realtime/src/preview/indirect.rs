@@ -23,7 +23,7 @@ pub struct Blocks<'a> {
     angle: f32,
 }
 
-/// How many blocks a picture has along each axis.
+/// Number of blocks of a picture along each axis.
 pub fn blocks([width, height]: [u32; 2]) -> [u32; 2] {
     [width.div_ceil(BLOCK), height.div_ceil(BLOCK)]
 }
@@ -90,8 +90,8 @@ impl<'a> Blocks<'a> {
         (weights > 1e-4).then(|| sum / weights)
     }
 
-    /// How much the light at another surface tells of that at this one: by their normals, and the distance of one from
-    /// the plane of the other in blocks.
+    /// Weight of the light at another surface for this one: max(n·n′, 0)⁸ · exp(−d²), with the distance d of the other
+    /// point from the plane of this one in blocks.
     fn likeness(&self, surface: &Surface, other: &Surface) -> f32 {
         let facing = surface.normal.dot(other.normal).max(0.0).powi(NORMAL_POWER);
         let off = surface.normal.dot(other.p - surface.p) / (self.angle * surface.distance);

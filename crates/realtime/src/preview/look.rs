@@ -1,4 +1,5 @@
-//! What a pixel of a preview shows: the first surface that scatters light apart, and what is added to its light.
+//! Visible point of a pixel of a preview: the first surface that scatters light diffusely or glossily, and the light
+//! added to its own.
 
 use crate::{
     shading::{CameraPath, MOST_PASSED, Numbers, Point, Shader},
@@ -20,7 +21,7 @@ pub struct Look<'a> {
     pub aside: Spectrum,
     /// The surface that scatters.
     pub point: Option<Point<'a>>,
-    /// How far it is, along the path.
+    /// Distance of the point, along the path.
     pub distance: f32,
 }
 
@@ -85,8 +86,9 @@ pub fn look<'a>(
     look
 }
 
-/// What mirrors at a point: the way that carries most, which is gone on where nothing else scatters, and the other. The
-/// choice between lobes is made by the first random number, in proportion to what they carry: its ends take both.
+/// Specular samples at a point: the one of largest weight, which is followed where nothing else scatters, and the
+/// other. The choice between lobes is made by the first random number, in proportion to their weights: its ends take
+/// both.
 fn ways(point: &Point<'_>) -> (Option<BsdfSample>, Option<BsdfSample>) {
     let wo = point.frame.to_local(point.i.wo);
     let draw = |u| {
@@ -106,7 +108,7 @@ fn ways(point: &Point<'_>) -> (Option<BsdfSample>, Option<BsdfSample>) {
     }
 }
 
-/// What is seen in a reflection, or through a pane.
+/// Light seen in a reflection, or through a pane.
 fn reflected(
     shader: &Shader<'_>,
     point: &Point<'_>,

@@ -53,14 +53,14 @@ struct Surface {
     direct: Vec3,
 }
 
-/// What a pixel shows: light that needs no filter, and a surface that scatters.
+/// Contents of a pixel: light that needs no filter, and a surface that scatters.
 #[derive(Clone, Copy, Debug, Default)]
 struct Pixel {
     aside: Vec3,
     surface: Option<Surface>,
 }
 
-/// What a picture is drawn with.
+/// Inputs of a picture.
 struct Drawing<'a> {
     run: &'a Run<'a>,
     list: &'a DrawList,
@@ -71,9 +71,9 @@ struct Drawing<'a> {
     offset: Vec2,
     shadows: Shadowing,
     number: u32,
-    /// Whether a light at the camera shows the scene, which has none.
+    /// True for a scene without lights, which is lit by a light at the camera.
     is_dark: bool,
-    /// Of the way that is filtered, and of reflections beside it.
+    /// Options of the path that is filtered, and of reflections beside it.
     options: [Options; 2],
     depth: Depth,
 }
@@ -153,7 +153,7 @@ impl Drawing<'_> {
         self.options.each_ref().map(shader)
     }
 
-    /// What the pixels show, by rows.
+    /// Contents of the pixels, by rows.
     fn pixels(&self, [width, height]: [u32; 2]) -> Option<(Vec<Pixel>, Counters)> {
         let (rows, counters) = self.run.in_order(height as usize, |row, counters| {
             (0..width)
@@ -283,7 +283,7 @@ impl Drawing<'_> {
     }
 }
 
-/// How many triangles and boxes are drawn.
+/// Number of triangles and boxes that are drawn.
 fn primitives(scene: &Scene, list: &DrawList) -> u64 {
     let count = |item: &Item| match &list.geometry(scene, item).shape {
         Shape::Mesh(mesh) => mesh.triangles.len() as u64,
@@ -292,12 +292,12 @@ fn primitives(scene: &Scene, list: &DrawList) -> u64 {
     list.items.iter().map(count).sum()
 }
 
-/// Whether a scene has no light at all.
+/// True if a scene has no light at all.
 fn is_dark(scene: &Scene) -> bool {
     scene.lights().lights.is_empty() && scene.geometries().iter().all(|g| g.emitter.is_none())
 }
 
-/// What a light at the camera would show of a point, whose radiance falls off with nothing.
+/// Radiance reflected from a light at the camera without falloff: β · f(ωo, ωo) · π.
 fn head_light(point: &Point<'_>) -> Spectrum {
     let wo = point.frame.to_local(point.i.wo);
     point.beta * point.scattering.eval(wo, wo, TransportMode::Radiance).value * std::f32::consts::PI

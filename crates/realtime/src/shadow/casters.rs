@@ -12,12 +12,12 @@ pub struct Casters {
     pub triangles: Vec<[Vec3; 3]>,
     /// Index in the draw list of each triangle's mesh.
     pub items: Vec<u32>,
-    /// Whether anything else casts shadows: other shapes, and meshes with masks.
+    /// True if anything else casts shadows: other shapes, and meshes with masks.
     pub others: bool,
 }
 
 impl Casters {
-    /// Those of a scene, if the technique asks for them.
+    /// Casters of a scene, if the technique asks for them.
     ///
     /// # Errors
     /// More than 119 million triangles.
@@ -25,7 +25,7 @@ impl Casters {
         if kind.is_of_pixels() || kind == Shadows::Cube { Self::all(scene, list) } else { Ok(Self::default()) }
     }
 
-    /// Those of a scene.
+    /// Casters of a scene.
     ///
     /// # Errors
     /// More than 119 million triangles.

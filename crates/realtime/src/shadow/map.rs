@@ -10,7 +10,7 @@ use crate::{Error, draw_list::DrawList, options::BiasBy, projection::Projected, 
 /// Slopes are taken to be no steeper than this.
 pub const STEEPEST: f32 = 100.0;
 
-/// How maps are compared with.
+/// Comparison with shadow maps.
 #[derive(Clone, Copy, Debug)]
 pub struct Filter {
     /// In texels.
@@ -20,7 +20,7 @@ pub struct Filter {
     pub pcf: u32,
 }
 
-/// What a light sees in a square view.
+/// Shadow map: distances in a square view from a light.
 #[derive(Debug)]
 pub struct Map {
     pub view: Projected,
@@ -38,8 +38,8 @@ pub struct InMap {
     pub at: Vec2,
     /// Width of a texel there, in space.
     pub texel: f32,
-    /// How the distance along the axis changes from texel to texel on the surface, in widths of a texel: the sum of
-    /// both axes.
+    /// Change of the distance along the axis from texel to texel on the surface, in widths of a texel: the sum of both
+    /// axes.
     pub slope: f32,
 }
 
@@ -50,7 +50,7 @@ impl Map {
         Ok(Self::of_depths(view, &seen.depths, size))
     }
 
-    /// Of a picture of reversed depths.
+    /// Shadow map of a picture of reversed depths.
     pub fn of_depths(view: Projected, depths: &[f32], size: u32) -> Self {
         let mut map = Self { view, distances: Vec::new(), size };
         let distance = |(i, depth): (usize, &f32)| -> f32 {
@@ -74,7 +74,7 @@ impl Map {
         self.view.unwarped(center.x, center.y).0 * self.view.half()
     }
 
-    /// Where a point of the world with this normal is; `None` behind the view.
+    /// Position in the map of a world point with this normal; `None` behind the view.
     pub fn locate(&self, p: Vec3, n: Vec3) -> Option<InMap> {
         let (local, clip) = (self.view.local(p), self.view.clip(p));
         if clip.w.is_nan() || clip.w <= 0.0 {
@@ -140,7 +140,8 @@ impl Map {
         Some(lit as f32 / (pcf * pcf) as f32)
     }
 
-    /// How much further along the axis the plane through a point with normal `n` is at the centre of a texel.
+    /// Change of the distance along the axis, from a point to the plane through it with normal `n` at the centre of a
+    /// texel.
     fn on_plane(&self, local: Vec3, n: Vec3, column: u32, row: u32) -> f32 {
         let direction = self.direction(column, row);
         let change = if self.view.is_perspective() {

@@ -1,5 +1,5 @@
-//! Whether a point sees a light. Each technique is a file: all give a share from 0 (dark) to 1 (lit), and leave to rays
-//! what they cannot tell.
+//! Visibility of lights from points. Each technique is a file: all give a share from 0 (dark) to 1 (lit), and leave to
+//! rays what they cannot tell.
 
 mod cascades;
 mod casters;
@@ -36,7 +36,7 @@ use volume::Volumes;
 /// More lights than this have no means of their own: rays tell their shadows.
 const MOST_LIGHTS: usize = 16;
 
-/// What the eye sees.
+/// Visible surfaces from the eye.
 #[derive(Clone, Copy, Debug)]
 pub struct Eye<'a> {
     /// From where.
@@ -45,7 +45,7 @@ pub struct Eye<'a> {
     pub visibility: &'a Visibility,
 }
 
-/// What tells the shadows of one light.
+/// Shadow data of one light.
 #[derive(Debug)]
 enum Means {
     Rays,
@@ -67,7 +67,7 @@ pub struct Shadowing {
     lights: Vec<Means>,
 }
 
-/// Where light comes from that has no extent.
+/// Position or direction of a light without extent.
 #[derive(Clone, Copy, Debug)]
 enum Source {
     /// A point.
@@ -107,7 +107,7 @@ impl Shadowing {
         Ok(Self { kind: options.shadows, filter, lights })
     }
 
-    /// How much of a light reaches a point: 1 where it is lit, 0 in its shadow.
+    /// Visibility of a light from a point: 1 where it is lit, 0 in its shadow.
     pub fn lit(&self, scene: &Scene, light: u32, i: &Interaction, sample: &LightSample, trace: &mut Trace<'_>) -> f32 {
         let (p, n) = (i.surface.p, i.surface.n);
         let told = match self.lights.get(light as usize).unwrap_or(&Means::Rays) {
@@ -153,18 +153,18 @@ impl Shadowing {
         Some((0..height).flat_map(|y| (0..width).map(move |x| pixel(x, y))).collect())
     }
 
-    /// Whether nothing lies on the way of a ray to the sky.
+    /// True if nothing lies on the way of a ray to the sky.
     pub fn is_open(&self, scene: &Scene, ray: &Ray, trace: &mut Trace<'_>) -> bool {
         self.kind == Shadows::None || !trace.is_occluded(scene, ray)
     }
 }
 
-/// Whether a scene has a light without extent.
+/// True if a scene has a light without extent.
 pub fn has_sharp_light(scene: &Scene) -> bool {
     scene.lights().lights.iter().any(|light| Source::of(light).is_some())
 }
 
-/// Whether there are shadow maps in a scene by such options.
+/// True if these options give a scene shadow maps.
 pub fn has_maps(scene: &Scene, options: &Options) -> bool {
     let lights = &scene.lights().lights;
     let has_some = match options.shadows {
@@ -177,7 +177,8 @@ pub fn has_maps(scene: &Scene, options: &Options) -> bool {
     has_some && lights.len() <= MOST_LIGHTS
 }
 
-/// How many shadow volumes of the first light without extent each pixel is in; `None` where there is no such light.
+/// Number of shadow volumes of the first light without extent that each pixel is in; `None` where there is no such
+/// light.
 pub fn stencil_counts(scene: &Scene, casters: &Casters, eye: &Eye) -> Result<Option<Vec<u8>>, Error> {
     let Some(source) = scene.lights().lights.iter().find_map(Source::of) else { return Ok(None) };
     Ok(Some(Volumes::new(scene, casters, source, eye, true)?.into_counts()))
@@ -222,7 +223,7 @@ fn parallel_axes(wi: Vec3) -> [Vec3; 3] {
     [right, forward.cross(right), forward]
 }
 
-/// What means are made of.
+/// Inputs of the shadow data of lights.
 struct Maker<'a> {
     scene: &'a Scene,
     list: &'a DrawList,

@@ -9,14 +9,14 @@ use crate::projection::Projected;
 /// The means of z, z², z³ and z⁴ around each texel, z from 0 at the start of the view to 1 at its end.
 #[derive(Debug)]
 pub struct Moments {
-    /// What the moments are those of; its distances are given away.
+    /// Shadow map of the moments, without its distances.
     map: Map,
     moments: Vec<[f32; 4]>,
     by_variance: bool,
 }
 
-/// How much of the moments of the uniform distribution is mixed in, so that rounding does not make them impossible
-/// (Peters, Klein 2015, §3.3).
+/// Weight of the moments of the uniform distribution mixed in, so that rounding does not make them impossible (Peters,
+/// Klein 2015, §3.3).
 const MIXED: f64 = 3e-5;
 
 impl Moments {
@@ -48,7 +48,7 @@ impl Moments {
         Self { map, moments, by_variance }
     }
 
-    /// How much of the light reaches a point.
+    /// Visibility of the light from a point.
     pub fn lit(&self, p: Vec3, n: Vec3) -> f32 {
         let Some(found) = self.map.locate(p, n) else { return 1.0 };
         let view: &Projected = &self.map.view;

@@ -16,7 +16,8 @@ use crate::{
 };
 
 varyings! {
-    /// How far a point is on the light's side of the plane, and of the light itself.
+    /// Signed distances from the plane of the receiver, towards the light: of a point above the plane, and below the
+    /// light.
     struct Between {
         above: f32 => clip,
         below_light: f32 => clip,
@@ -47,7 +48,7 @@ impl Planar {
         Ok(Self { dark })
     }
 
-    /// Whether the point that a pixel sees is lit.
+    /// Visibility of the light from the visible point of a pixel: 1 lit, 0 dark.
     pub fn lit(&self, pixel: usize) -> f32 {
         if self.dark[pixel] { 0.0 } else { 1.0 }
     }

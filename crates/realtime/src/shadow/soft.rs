@@ -27,7 +27,7 @@ pub struct Soft {
     least: f32,
 }
 
-/// What the light looks like from afar.
+/// Outline of the light as seen from afar.
 #[derive(Clone, Copy, Debug)]
 enum Outline {
     /// Two edges from a corner.
@@ -83,7 +83,7 @@ impl Soft {
         Ok(Some(Self { center: place, outline, maps, least }))
     }
 
-    /// Those of +x, −x, +y, −y, +z, −z.
+    /// Shadow maps of the directions +x, −x, +y, −y, +z, −z.
     pub fn maps(&self) -> &[Map] {
         &self.maps
     }

@@ -24,11 +24,11 @@ use steradian_raster::{
 use super::{Eye, Source, casters::Casters};
 use crate::{Error, visibility::fill_depths};
 
-/// How many volumes the pixels are in.
+/// Number of shadow volumes that each pixel is in.
 #[derive(Debug)]
 pub struct Volumes {
     counts: Vec<u8>,
-    /// Whether shapes that are no whole meshes cast shadows, too: of these rays tell.
+    /// True if shapes other than whole meshes cast shadows, too: these are traced by rays.
     others: bool,
 }
 
@@ -36,7 +36,7 @@ pub struct Volumes {
 /// counts.
 pub struct Silhouette {
     pub edges: Vec<([Vec3; 2], u32)>,
-    /// Whether a triangle's corners are counter-clockwise as the light sees them.
+    /// Per triangle: true if its corners are counter-clockwise as the light sees them.
     pub faces_light: Vec<bool>,
 }
 
@@ -76,7 +76,7 @@ impl Silhouette {
     }
 }
 
-/// Whether the corners are counter-clockwise as the light sees them.
+/// True if the corners are counter-clockwise as the light sees them.
 fn faces([a, b, c]: &[Vec3; 3], source: Source) -> bool {
     let n = (b.as_dvec3() - a.as_dvec3()).cross(c.as_dvec3() - a.as_dvec3());
     let to_light = match source {
@@ -123,12 +123,12 @@ impl Volumes {
         Ok(Self { counts: counting.counts(), others: casters.others })
     }
 
-    /// How many volumes each pixel is in, modulo 256.
+    /// Number of volumes that each pixel is in, modulo 256.
     pub fn into_counts(self) -> Vec<u8> {
         self.counts
     }
 
-    /// Whether the point that a pixel sees is lit from `wi`; `None` where rays must tell.
+    /// True if the visible point of a pixel is lit from `wi`; `None` where rays must tell.
     pub fn lit(&self, scene: &Scene, i: &Interaction, wi: Vec3, pixel: usize) -> Option<f32> {
         // The far side of a triangle is in the volume of the triangle itself, which casts no shadow on it.
         let geometry = &scene.geometries()[i.geometry as usize];

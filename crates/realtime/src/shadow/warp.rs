@@ -16,7 +16,7 @@ use crate::projection::{Projected, Warp};
 /// Share of the frame that what is seen may take; the rest is for what lies between the pixels that are looked at.
 const FILLED: f32 = 0.97;
 
-/// What the map of a light is bent by; `None` where nothing is seen.
+/// Perspective warp of a light's shadow map; `None` where nothing is seen.
 pub fn warp(scene: &Scene, eye: &Eye, light: &Projected, trapezoid: bool) -> Option<Warp> {
     let (place, forward) = eye.projected.eye();
     let forward = forward.normalize_or_zero();
