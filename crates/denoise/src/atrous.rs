@@ -20,7 +20,7 @@ use crate::{
     svgf::{Settings, Surface, filter_spatially},
 };
 
-/// How finished pictures are filtered. Normals and depths may differ more than in frames of a rasteriser, since they
+/// Filter settings of finished pictures. Normals and depths may differ more than in frames of a rasteriser, since they
 /// are means over pixels.
 pub const SETTINGS: Settings = Settings {
     alpha: 1.0,
@@ -98,13 +98,13 @@ fn deviation(variance: Vec3) -> Vec3 {
     Vec3::new(of(variance.x), of(variance.y), of(variance.z))
 }
 
-/// Whether all samples found the same light, and not none.
+/// True if all samples found the same light, and not none.
 fn is_sure(radiance: Vec3, variance: Vec3) -> bool {
     let (most, noise) = (radiance.max_element(), deviation(variance).max_element());
     variance.is_finite() && most > 0.0 && noise <= ROUNDING * most
 }
 
-/// What a pixel shows, with what its depth changes by from column to column and row to row.
+/// Surface of a pixel, with the depth differences to its neighbouring columns and rows.
 fn surface(picture: &Picture<'_>, [x, y]: [u32; 2]) -> Surface {
     let normal = picture.normal.map_or(Vec3::ZERO, |normal| normal.at(x, y).normalize_or_zero());
     let id = u32::from(picture.has_surface(y as usize * picture.size()[0] + x as usize));

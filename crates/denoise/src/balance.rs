@@ -27,14 +27,14 @@ use crate::image::Image;
 
 /// Pixels from node to node.
 const SPACING: usize = 8;
-/// How far the tent reaches, in nodes: with 4, the gain is noisier and the error larger by a few per cent.
+/// Radius of the tent, in nodes: with 4, the gain is noisier and the error larger by a few per cent.
 const REACH: usize = 20;
 /// From how many of its standard deviations on a loss begins to be detail, and from how many on it is so wholly. Of
 /// one bright sample among n it is 1, of k about √k.
 const NOISES: [f64; 2] = [1.5, 2.5];
 /// Likewise of those of the 3×3 pixels around that lost as much, together: a lamp is in several of them.
 const NOISES_AROUND: [f64; 2] = [2.0, 3.0];
-/// How many times what is left a loss must be for that, likewise.
+/// Ratio of a loss to the remaining value at which it begins to be detail, and at which it is so wholly.
 const FACTORS: [f64; 2] = [1.0, 3.0];
 /// Which part of all that those within reach may take a pixel may lose to them: beyond, it keeps its loss as well.
 const CAPACITIES: [f64; 2] = [0.02, 0.05];
@@ -73,12 +73,12 @@ pub(crate) fn give_back(
     });
 }
 
-/// What a channel of a pixel has lost, and may take.
+/// Loss of a channel of a pixel, and the light that it may take.
 #[derive(Clone, Copy, Debug, Default)]
 struct Pixel {
-    /// What it gets back itself.
+    /// Part of the loss that the pixel itself gets back.
     detail: f64,
-    /// What else it has lost.
+    /// The rest of its loss.
     lost: f64,
     /// The most that it may take.
     most: f64,
@@ -197,8 +197,8 @@ impl Nodes {
         along(&along(nodes, columns, 1), rows, columns)
     }
 
-    /// What pixels may take: no more than they have, and than the standard deviation that the mean of the variances
-    /// around tells, where one is known.
+    /// Light that pixels may take: no more than they have, and than the standard deviation from the mean of the
+    /// variances around, where one is known.
     fn shares(&self, pixels: &[Pixel]) -> Vec<f64> {
         let sums = self.collect(|place| pixels[place].variance.unwrap_or(0.0));
         let counts = self.collect(|place| f64::from(u8::from(pixels[place].variance.is_some())));
@@ -219,7 +219,7 @@ impl Nodes {
         pixels.iter().zip(parts).map(kept).collect()
     }
 
-    /// What each pixel of a channel is given.
+    /// Light given to each pixel of a channel.
     fn gains(&self, pixels: &[Pixel]) -> Vec<f64> {
         let shares = self.shares(pixels);
         let capacity = self.spread(&self.collect(|place| shares[place]));

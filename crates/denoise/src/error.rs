@@ -1,4 +1,4 @@
-//! What is refused.
+//! Errors of the filters.
 
 use std::fmt;
 
@@ -11,7 +11,7 @@ pub enum Error {
         what: &'static str,
         /// Its width and height.
         found: [u32; 2],
-        /// Those of the frame.
+        /// Width and height of the frame.
         expected: [u32; 2],
     },
     /// The number of values is not that of the pixels.
@@ -27,12 +27,12 @@ pub enum Error {
     Setting {
         /// Which.
         what: &'static str,
-        /// What it may be.
+        /// Allowed values.
         range: &'static str,
     },
 }
 
-/// What functions of this crate give.
+/// Result of this crate's functions.
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl fmt::Display for Error {

@@ -1,4 +1,4 @@
-//! How weights fall off with differences.
+//! Falloff of weights with differences.
 
 use std::f32::consts::LOG2_E;
 

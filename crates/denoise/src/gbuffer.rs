@@ -1,4 +1,4 @@
-//! What is known of the surface that each pixel shows.
+//! Surface data of each pixel.
 
 use steradian_math::{Vec2, Vec3};
 
@@ -7,9 +7,9 @@ use crate::{
     image::Image,
 };
 
-/// What is known of the surface that each pixel shows: its first hit from the camera, through the middle of the pixel.
-/// All images have the size of the frame. Where a pixel shows no surface, depths may be infinite and normals zero, with
-/// an id that no surface has.
+/// Surface data of each pixel: its first hit from the camera, through the middle of the pixel. All images have the size
+/// of the frame. For a pixel that shows no surface, depths may be infinite and normals zero, with an id that no surface
+/// has.
 ///
 /// Depths have any unit of length, but one and the same. Values that are not finite are treated as those of another
 /// surface than the neighbours'.
@@ -17,9 +17,9 @@ use crate::{
 pub struct GBuffer {
     /// Linear depth: distance from the camera along its axis.
     pub depth: Image<f32>,
-    /// How depth changes on the surface from a pixel to the next: to the right, and downwards. Depth per pixel; for a
-    /// surface of normal n at depth z, from derivatives of z or the plane of the triangle, not from neighbours in the
-    /// picture, which may be others.
+    /// Screen-space gradient of depth on the surface: to the right, and downwards. Depth per pixel; for a surface of
+    /// normal n at depth z, from derivatives of z or the plane of the triangle, not from neighbours in the picture,
+    /// which may be others.
     pub depth_gradient: Image<Vec2>,
     /// The depth that this point of the surface had in the frame before, from the camera there. That of `depth` where
     /// neither moved along the axis.
@@ -31,8 +31,8 @@ pub struct GBuffer {
     pub albedo: Image<Vec3>,
     /// Number of the object. Nothing is filtered from an object to another.
     pub id: Image<u32>,
-    /// Where this point of the surface was in the frame before, relative to the pixel, in pixels: to the right, and
-    /// downwards. A point at (10, 5) that was at (7.5, 5) has motion (−2.5, 0).
+    /// Motion vector: position of this surface point in the frame before, relative to the pixel, in pixels: to the
+    /// right, and downwards. A point at (10, 5) that was at (7.5, 5) has motion (−2.5, 0).
     pub motion: Image<Vec2>,
 }
 
@@ -42,7 +42,7 @@ impl GBuffer {
         self.depth.size()
     }
 
-    /// That all images have the same size, with a pixel at least.
+    /// Checks that all images have the same size, with a pixel at least.
     pub(crate) fn check(&self) -> Result<()> {
         let size = self.size();
         let images = [
@@ -60,7 +60,7 @@ impl GBuffer {
     }
 }
 
-/// That an image has the size of the frame.
+/// Checks that an image has the size of the frame.
 pub(crate) fn check_size(what: &'static str, found: [u32; 2], expected: [u32; 2]) -> Result<()> {
     if found == expected { Ok(()) } else { Err(Error::Size { what, found, expected }) }
 }

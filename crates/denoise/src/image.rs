@@ -13,7 +13,7 @@ pub struct Image<T> {
 }
 
 impl<T> Image<T> {
-    /// Of values in rows.
+    /// Image of values in rows.
     ///
     /// # Errors
     /// Where their number is not `width` times `height`.
@@ -25,7 +25,7 @@ impl<T> Image<T> {
         }
     }
 
-    /// Of one value.
+    /// Image of one value.
     pub fn filled(width: u32, height: u32, value: T) -> Self
     where
         T: Clone,
@@ -33,7 +33,7 @@ impl<T> Image<T> {
         Self { width, height, values: vec![value; width as usize * height as usize] }
     }
 
-    /// Of what a function gives for column and row of each pixel, in order.
+    /// Image of a function's values at column and row of each pixel, in order.
     pub fn from_fn(width: u32, height: u32, mut value: impl FnMut(u32, u32) -> T) -> Self {
         let values = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| value(x, y)).collect();
         Self { width, height, values }

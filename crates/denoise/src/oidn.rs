@@ -49,7 +49,7 @@ pub enum Error {
     Lacks(&'static str),
     /// A version that is not 2: major and minor.
     Version([c_int; 2]),
-    /// What it says itself.
+    /// Error message of the library.
     Said(String),
     /// Images that are refused.
     Image(error::Error),
@@ -220,7 +220,7 @@ impl Oidn {
         Ok(outcome)
     }
 
-    /// What the library says of the calls before, if they failed.
+    /// Error of the library's earlier calls, if they failed.
     fn told(&self) -> Result<(), Error> {
         let mut message = null();
         // SAFETY: a device that is there, or null for what made none. The text is the library's until its next call.

@@ -19,7 +19,7 @@ pub(crate) struct Rows<T = f32> {
 }
 
 impl<T: Copy + Send + Sync> Rows<T> {
-    /// Of one value for each plane.
+    /// Rows of one value for each plane.
     pub fn filled([width, height]: [u32; 2], planes: &[T], margin: usize) -> Self {
         let (width, height) = (width as usize, height as usize);
         let rows = Self { width, height, planes: planes.len(), margin, values: Vec::new() };
@@ -38,7 +38,7 @@ impl<T: Copy + Send + Sync> Rows<T> {
         self.width
     }
 
-    /// How many planes there are.
+    /// Number of planes.
     #[inline(always)]
     pub fn planes(&self) -> usize {
         self.planes

@@ -24,8 +24,8 @@ fn what_is_constant_stays() {
     }
 }
 
-/// Where nothing tells pixels apart, variance falls by the sum of the squares of the kernel's weights: 70/256 along
-/// each axis for one passage. Several are the convolution of B₃ splines with gaps of 1, 2, 4, ….
+/// Without distinguishing features, variance falls by the sum of the squares of the kernel's weights: 70/256 along each
+/// axis for one passage. Several are the convolution of B₃ splines with gaps of 1, 2, 4, ….
 #[test]
 fn noise_falls_by_what_the_kernel_gives() {
     let (size, sigma) = (420, 0.1);

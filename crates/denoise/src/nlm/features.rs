@@ -1,4 +1,4 @@
-//! How alike the surfaces of two pixels are.
+//! Likeness of the surfaces of two pixels.
 
 use rayon::prelude::*;
 use steradian_accel::{Lanes, kernel};
@@ -11,7 +11,7 @@ use super::{
 };
 use crate::falloff::falloff;
 
-/// How many columns and rows away variances are averaged.
+/// Radius in columns and rows over which variances are averaged.
 pub(super) const SMOOTHED: usize = 2;
 
 /// The features of surfaces, scaled to what they may differ by.
@@ -26,7 +26,7 @@ pub(super) struct Features {
 }
 
 impl Features {
-    /// Of a picture.
+    /// Features of a picture.
     pub fn new(picture: &Picture<'_>, settings: &Settings) -> Self {
         let (size, margin) = (picture.size(), settings.margin());
         let plane = |values: &[f32]| Plane::new(size, margin, |place| values[place]);
@@ -73,7 +73,8 @@ impl Features {
         means
     }
 
-    /// How alike the surfaces of a block's pixels are to those some columns and rows away, beyond what noise explains.
+    /// Likeness of the surfaces of a block's pixels to those some columns and rows away, beyond differences explained
+    /// by noise.
     #[inline(always)]
     pub fn likeness<'a>(&'a self, [x, y]: [i64; 2], [dx, dy]: [i64; 2]) -> Block {
         let both = |plane: &'a Plane| [plane.block([x, y]), plane.block([x + dx, y + dy])];

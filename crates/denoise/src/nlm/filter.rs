@@ -16,7 +16,7 @@ use crate::falloff::falloff;
 
 /// Rows of a tile.
 const ROWS: usize = 32;
-/// How far patches reach at most, on both sides together.
+/// Largest reach of patches, on both sides together.
 const PATCHES: usize = 16;
 /// Weights below this are none: what is far brighter would be seen through them.
 const CUT: f32 = 0.02;
@@ -37,7 +37,7 @@ pub(super) struct Estimate {
 }
 
 impl Estimate {
-    /// Of values and variances.
+    /// Estimate with these values, variances and weights.
     pub fn new(size: [usize; 2], settings: &Settings, channels: [(Vec<f32>, Vec<f32>); 3], weights: Vec<f32>) -> Self {
         let margin = settings.margin();
         let plane = |values: &Vec<f32>| Plane::new(size, margin, |place| values[place]);
@@ -60,7 +60,7 @@ impl Estimate {
         (self.value[channel].at(place), self.variance[channel].at(place))
     }
 
-    /// How much a pixel counts for others.
+    /// Weight of a pixel for others.
     pub fn count(&self, place: usize) -> f32 {
         self.weight.at(place)
     }
@@ -85,7 +85,7 @@ pub(super) struct Pass<'a> {
     pub guide: &'a Estimate,
     pub source: &'a Estimate,
     pub features: &'a Features,
-    /// How far patches reach; at most as far as the settings say.
+    /// Radius of patches; at most that of the settings.
     pub patch: u32,
     pub settings: &'a Settings,
 }
@@ -97,7 +97,7 @@ type Sums = [Block; 7];
 struct Tile {
     /// Its first column and row.
     at: [i64; 2],
-    /// Of each of its rows.
+    /// Sums of each of its rows.
     sums: Vec<Sums>,
     /// Likeness of surfaces of pairs, of its rows and those that patches reach, from the first column that they reach.
     alike: Vec<Block>,

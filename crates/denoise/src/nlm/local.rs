@@ -1,4 +1,4 @@
-//! What a neighbourhood tells of noise.
+//! Noise estimates from a neighbourhood.
 
 use rayon::prelude::*;
 

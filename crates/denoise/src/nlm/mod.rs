@@ -34,7 +34,7 @@ pub use picture::Picture;
 pub use sequence::Sequence;
 pub use settings::Settings;
 
-/// How far patches of the second pass reach at most, in pixels.
+/// Largest radius of patches of the second pass, in pixels.
 const SECOND_PATCH: u32 = 2;
 
 /// A picture without most of its noise.

@@ -1,4 +1,4 @@
-//! What is filtered: a picture with what is known of its noise and its surfaces.
+//! Input of the filter: a picture with its variance and the features of its surfaces.
 
 use steradian_accel::Lanes;
 use steradian_math::Vec3;
@@ -42,7 +42,7 @@ pub struct Picture<'a> {
 }
 
 impl Picture<'_> {
-    /// That images have one size, with a pixel at least.
+    /// Checks that images have one size, with a pixel at least.
     pub(crate) fn check(&self) -> Result<()> {
         let size = self.radiance.size();
         if size.contains(&0) {
@@ -58,13 +58,13 @@ impl Picture<'_> {
         self.radiance.size().map(|n| n as usize)
     }
 
-    /// Whether a pixel shows a surface; where that is not known, it does.
+    /// True if a pixel shows a surface, or if that is not known.
     pub(crate) fn has_surface(&self, place: usize) -> bool {
         let by_normal = self.normal.is_none_or(|i| i.values()[place] != Vec3::ZERO);
         by_normal && self.depth.is_none_or(|i| i.values()[place] < f32::INFINITY)
     }
 
-    /// What the radiance of a pixel is divided by.
+    /// Divisor of a pixel's radiance: its albedo, at most 1 and not too small to divide by.
     pub(crate) fn factor(&self, place: usize) -> Vec3 {
         let held = |a: f32| if a > LEAST_ALBEDO { a.min(1.0) } else { LEAST_ALBEDO };
         self.albedo.map_or(Vec3::ONE, |i| Vec3::from_array(i.values()[place].to_array().map(held)))

@@ -18,7 +18,7 @@ pub(super) struct Plane {
 }
 
 impl Plane {
-    /// Of the values of pixels; those beyond the edge are that of the pixel at the edge.
+    /// Plane of the pixels' values; columns beyond the edge repeat the pixel at the edge.
     pub fn new([width, height]: [usize; 2], margin: usize, value: impl Fn(usize) -> f32 + Sync) -> Self {
         let stride = width + 2 * margin + BLOCK;
         let mut values = vec![0.0; stride * height];

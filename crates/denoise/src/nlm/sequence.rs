@@ -42,18 +42,18 @@ pub struct Sequence {
     before: Option<Memory>,
 }
 
-/// What a frame leaves to the next.
+/// Memory of a frame for the next.
 #[derive(Clone, Debug)]
 struct Memory {
-    /// What frames saw, averaged, and filtered; over albedo. Pixels count by the frames that they are the mean of.
+    /// Averaged frames, noisy and filtered; over albedo. Pixels count by the frames that they are the mean of.
     noisy: Estimate,
     filtered: Estimate,
-    /// How far from its middle a pixel saw it, in the mean.
+    /// Mean offset of a pixel's samples from its middle.
     offsets: Vec<Vec2>,
     guides: Guides,
 }
 
-/// What tells surfaces apart.
+/// Features that distinguish surfaces.
 #[derive(Clone, Debug)]
 struct Guides {
     surface: Vec<bool>,
@@ -62,7 +62,7 @@ struct Guides {
     depth: Option<Image<f32>>,
 }
 
-/// Where a pixel finds what is remembered of what it sees.
+/// Pixel of the memory that matches a pixel of the frame.
 #[derive(Clone, Copy, Debug, Default)]
 struct Found {
     place: usize,
@@ -123,8 +123,8 @@ impl Guides {
         }
     }
 
-    /// Whether a pixel can see what a pixel of the frame before saw, at a depth that has changed by so much, where the
-    /// slope of the surface explains a difference.
+    /// True if a pixel can see the surface that a pixel of the frame before saw, at a depth that has changed by
+    /// `deeper`, where the slope of the surface explains a difference.
     fn fits(&self, place: usize, before: &Self, at: usize, deeper: f32, slope: f32) -> bool {
         let near = |a: &Option<Image<Vec3>>, b: &Option<Image<Vec3>>, most: f32| match (a, b) {
             (Some(a), Some(b)) => (a.values()[place] - b.values()[at]).length() <= most,
@@ -161,8 +161,8 @@ impl Guides {
 }
 
 impl Memory {
-    /// Where the pixels of a frame find what they see: at the pixel, of those nearest to where it was, whose mean is
-    /// nearest to that.
+    /// Matches the pixels of a frame to the memory: of the pixels nearest to the former position, the one whose mean
+    /// position is nearest to that.
     fn find(&self, guides: &Guides, motion: &Image<Vec3>) -> Vec<Option<Found>> {
         let size = self.noisy.size();
         map(size, |x, y| {
@@ -182,8 +182,8 @@ impl Memory {
         })
     }
 
-    /// What a frame sees with what is remembered, as far as that is trusted: values and variances, and how far from
-    /// the middles of pixels.
+    /// Joins a frame with the memory, as far as that is trusted: values and variances, and mean offsets from the
+    /// middles of pixels.
     fn join(
         &self,
         frame: &Estimate,
@@ -221,8 +221,7 @@ impl Memory {
     }
 }
 
-/// How far what is remembered is to be trusted, from 0 to 1: by the distance of patches, as in the filter. Pixels that
-/// find nothing do not count.
+/// Trust in the memory, from 0 to 1: by the distance of patches, as in the filter. Pixels without a match do not count.
 fn trust(frame: &Estimate, before: &Estimate, found: &[Option<Found>], settings: &Settings) -> Vec<f32> {
     let size = frame.size();
     let square = (PATIENCE * settings.damping).powi(2);

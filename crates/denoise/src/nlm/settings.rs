@@ -1,9 +1,9 @@
-//! How a picture is filtered.
+//! Settings of the filter.
 
 use super::features::SMOOTHED;
 use crate::error::{Error, Result};
 
-/// How a picture is filtered.
+/// Settings of the filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// Pixels up to so many columns and rows away are averaged: 1 to 32. 8.
@@ -41,12 +41,12 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// How far around a pixel others are looked at.
+    /// Largest distance at which other pixels are read.
     pub(super) fn margin(&self) -> usize {
         ((self.radius + self.patch) as usize).max(SMOOTHED)
     }
 
-    /// That all are in their ranges.
+    /// Checks that all are in their ranges.
     pub(super) fn check(&self) -> Result<()> {
         let rules = [
             ("radius", (1..=32).contains(&self.radius), "from 1 to 32"),

@@ -12,7 +12,7 @@ use crate::{gbuffer::GBuffer, image::Image, rows::Rows};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Accumulated {
     pub color: Vec3,
-    /// Of luminance and its square.
+    /// Means of luminance and of its square.
     pub moments: Vec2,
     /// Frames; 0 where there is no value yet.
     pub length: u32,

@@ -55,7 +55,7 @@ kernel! {
 }
 
 impl Pass<'_> {
-    /// How alike the pixels beneath the filter are, but the middle, which is so wholly.
+    /// Likeness to the pixels beneath the filter, but for the middle, whose weight is whole.
     #[inline(always)]
     fn compare(&self, at: [usize; 2], taps: &mut [[Likeness; 5]; 5]) {
         for (j, taps) in taps.iter_mut().enumerate() {

@@ -24,7 +24,7 @@ pub struct Denoiser {
     settings: Settings,
     lanes: Lanes,
     history: Option<History>,
-    /// What the frame before was filtered in: memory that is not asked for anew.
+    /// Buffers of the frame before, kept so that memory is not allocated anew.
     estimates: Option<[Estimates; 2]>,
 }
 
@@ -90,7 +90,7 @@ impl Denoiser {
         Ok(result)
     }
 
-    /// Of columns, so many that no tap of a filter is beyond them: none that is in the picture, at least.
+    /// Margin in columns, so wide that no tap of a filter is beyond it: none that is in the picture, at least.
     fn margin(&self, width: u32) -> usize {
         let filter = 1 << self.settings.iterations;
         filter.min(width as usize).max(REACH)

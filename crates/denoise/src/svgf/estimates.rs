@@ -1,4 +1,4 @@
-//! What is filtered, in columns.
+//! Input of the filter, in columns.
 
 use steradian_math::{Vec3, color::space::REC709};
 
@@ -15,10 +15,10 @@ pub(super) const GREEN: usize = 1;
 pub(super) const BLUE: usize = 2;
 pub(super) const LUMINANCE: usize = 3;
 pub(super) const VARIANCE: usize = 4;
-/// How many planes a term has.
+/// Number of planes of a term.
 pub(super) const PLANES: usize = 5;
 
-/// What is known of the pixels of all terms: the planes of one after those of another. Nothing outside the picture.
+/// Estimates of the pixels of all terms: the planes of one after those of another. Nothing outside the picture.
 #[derive(Clone, Debug)]
 pub(super) struct Estimates {
     pub rows: Rows,
@@ -27,13 +27,13 @@ pub(super) struct Estimates {
 }
 
 impl Estimates {
-    /// Of terms of which nothing is known.
+    /// Estimates of terms of which nothing is known.
     pub fn unknown(size: [u32; 2], terms: usize, margin: usize) -> Self {
         let planes = [0.0, 0.0, 0.0, f32::NAN, 0.0].repeat(terms);
         Self { rows: Rows::filled(size, &planes, margin), luminance: REC709.luminance_weights_f32() }
     }
 
-    /// Whether they are of so many terms of a size.
+    /// True if they are of so many terms of a size.
     pub fn are_of(&self, size: [u32; 2], terms: usize) -> bool {
         self.rows.size() == size && self.rows.planes() == terms * PLANES
     }

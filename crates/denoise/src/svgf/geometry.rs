@@ -1,4 +1,4 @@
-//! How much pixels count for each other by what surfaces they show, for many pixels at once.
+//! Edge-stopping weights of pixels by the surfaces that they show, for many pixels at once.
 
 use rayon::prelude::*;
 
@@ -9,7 +9,7 @@ use crate::{
     rows::{Column, Rows, WIDTH},
 };
 
-/// How much depths may differ beyond what gradients tell, relative to them: surfaces are curved.
+/// Relative tolerance of depths beyond their gradients: surfaces are curved.
 const CURVATURE: f32 = 1e-3;
 /// Less than this is no likeness of normals.
 const LEAST: f32 = 1e-12;
@@ -27,7 +27,7 @@ pub(super) struct Geometry {
 }
 
 impl Geometry {
-    /// Of surfaces, with a margin.
+    /// Geometry of surfaces, with a margin.
     pub fn new(surfaces: &Image<Surface>, margin: usize) -> Self {
         let mut shape = Rows::filled(surfaces.size(), &[f32::NAN; PLANES], margin);
         let mut id = Rows::filled(surfaces.size(), &[0], margin);
@@ -52,7 +52,7 @@ impl Geometry {
         }
     }
 
-    /// How alike the pixels of a block and those at an offset are, in row `y` of the picture.
+    /// Likeness of the pixels of a block and those at an offset, in row `y` of the picture.
     #[inline(always)]
     pub fn compare(&self, at: [usize; 2], y: usize, offset: [i64; 2], settings: &Settings, to: &mut Likeness) {
         let here = |plane| self.shape.block(plane, at, 0);
@@ -83,7 +83,7 @@ impl Geometry {
     }
 }
 
-/// How much the pixels of a block count for others: w_z and w_n of the paper's equations 3 and 4.
+/// Edge-stopping weights of the pixels of a block: w_z and w_n of the paper's equations 3 and 4.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Likeness {
     /// w_n, 0 for another object.
@@ -93,7 +93,7 @@ pub(super) struct Likeness {
 }
 
 impl Likeness {
-    /// Of what is wholly alike.
+    /// Likeness of equal surfaces: w_z = w_n = 1.
     pub const WHOLE: Self = Self { factor: [1.0; WIDTH], depth: [0.0; WIDTH] };
 
     /// The product of both.

@@ -1,9 +1,9 @@
-//! What is kept from frame to frame.
+//! History kept from frame to frame.
 
 use super::{accumulate::Accumulated, surface::Surface};
 use crate::{image::Image, rows::Rows};
 
-/// What was accumulated until a frame, and which surfaces it showed.
+/// Accumulated values until a frame, and the surfaces that it showed.
 #[derive(Clone, Debug)]
 pub(super) struct History {
     pub surfaces: Image<Surface>,

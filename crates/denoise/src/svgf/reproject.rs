@@ -1,4 +1,4 @@
-//! Where a pixel was in the frame before.
+//! Reprojection of a pixel to the frame before.
 
 use steradian_math::{Vec2, Vec3};
 
@@ -7,7 +7,7 @@ use crate::{gbuffer::GBuffer, image::Image, rows::Rows};
 
 /// The least cosine of the angle between the normals of a point now and before.
 const NORMALS: f32 = 0.9;
-/// How much depths may differ from what is expected beyond a pixel's gradient, relative to them.
+/// Relative tolerance of depths around the expected one, beyond a pixel's gradient.
 const DEPTHS: f32 = 0.02;
 /// Less weight of the bilinear filter than this is no history.
 const LEAST_WEIGHT: f32 = 0.01;
@@ -68,7 +68,7 @@ impl Former {
     }
 }
 
-/// Whether a tap of the frame before shows the surface, which was at `depth` there, `offset` pixels from it.
+/// True if a tap of the frame before shows the surface, which was at `depth` there, `offset` pixels from it.
 fn is_same(surface: &Surface, depth: f32, tap: &Surface, offset: Vec2) -> bool {
     let expected = depth + surface.gradient.dot(offset);
     let tolerance = surface.gradient.abs().element_sum() + DEPTHS * depth.abs();
@@ -77,7 +77,7 @@ fn is_same(surface: &Surface, depth: f32, tap: &Surface, offset: Vec2) -> bool {
         && (tap.depth == expected || (tap.depth - expected).abs() <= tolerance)
 }
 
-/// Whether normals are near each other. Pixels without a surface have zero.
+/// True if normals are near each other. Pixels without a surface have zero.
 fn is_same_direction(a: Vec3, b: Vec3) -> bool {
     a.dot(b) >= NORMALS || (a == Vec3::ZERO && b == Vec3::ZERO)
 }

@@ -1,20 +1,20 @@
-//! How terms are filtered.
+//! Filter settings of terms.
 
 use crate::error::{Error, Result};
 
-/// How terms are filtered. The default is what the paper recommends.
+/// Filter settings of terms. The default is that of the paper.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// The least weight of the newest frame in the sum of frames: above 0, at most 1. Frame n of a history has weight
     /// 1/n until then. 0.2.
     pub alpha: f32,
-    /// That of the moments, from which the variance is told. 0.2.
+    /// The same weight for the moments, from which the variance is estimated. 0.2.
     pub moments_alpha: f32,
-    /// Whether colours of the history are limited to the box of those that the 3×3 pixels around have in the newest
-    /// frame (Karis, "High Quality Temporal Supersampling", SIGGRAPH 2014). Follows light that changes, at the price of
-    /// noise: good for terms whose frames have little of it. False.
+    /// Clamps colours of the history to the box of those that the 3×3 pixels around have in the newest frame (Karis,
+    /// "High Quality Temporal Supersampling", SIGGRAPH 2014). Follows light that changes, at the price of noise: good
+    /// for terms whose frames have little of it. False.
     pub clamp_history: bool,
-    /// How often the filter goes over the picture, from 0 to 16; the last time with gaps of 2^(iterations − 1) pixels.
+    /// Number of passes of the filter over the picture, from 0 to 16; the last has gaps of 2^(iterations − 1) pixels.
     /// 5.
     pub iterations: u32,
     /// σ_z, above 0: by how many times what its gradient tells depth may differ. 1.
@@ -44,7 +44,7 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// That all are in their ranges.
+    /// Checks that all are in their ranges.
     pub(crate) fn check(&self) -> Result<()> {
         let is_weight = |w: f32| w > 0.0 && w <= 1.0;
         let rules = [

@@ -1,4 +1,4 @@
-//! What filters compare of two pixels.
+//! Surface data compared by the filters.
 
 use steradian_math::{Vec2, Vec3};
 
@@ -14,7 +14,7 @@ pub(crate) struct Surface {
 }
 
 impl Surface {
-    /// Those of all pixels.
+    /// Surfaces of all pixels.
     pub fn all(gbuffer: &GBuffer) -> Image<Self> {
         let [width, height] = gbuffer.size();
         Image::by_rows(width, height, |x, y| Self {

@@ -1,4 +1,4 @@
-//! What is filtered, and what comes out.
+//! Input and output of the filter.
 
 use rayon::prelude::*;
 use steradian_math::Vec3;
@@ -16,7 +16,7 @@ const MOST: f32 = 1e15;
 pub struct Term<'a> {
     /// Radiance in linear RGB, or whatever else has noise.
     pub radiance: &'a Image<Vec3>,
-    /// Whether it has the G-buffer's albedo as a factor, as diffuse light has: what is filtered is illumination, and
+    /// True if it has the G-buffer's albedo as a factor, as diffuse light has: illumination is then filtered, and
     /// textures stay sharp.
     pub has_albedo: bool,
 }
@@ -24,12 +24,12 @@ pub struct Term<'a> {
 /// A term without noise.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Filtered {
-    /// What [`Term::radiance`] is an estimate of.
+    /// Filtered estimate of [`Term::radiance`].
     pub radiance: Image<Vec3>,
     /// Variance of the luminance of one frame's sample, filtered with it: for illumination without its albedo, as the
     /// filter sees it. Assumes that what is averaged is independent, so it is too small after several iterations.
     pub variance: Image<f32>,
-    /// How many frames each pixel is a mean of: 1 where the history began with this frame, 0 where no value was finite
+    /// Number of frames averaged in each pixel: 1 where the history began with this frame, 0 where no value was finite
     /// yet.
     pub history: Image<u32>,
     /// Pixels of this frame whose radiance was not finite.
@@ -37,7 +37,7 @@ pub struct Filtered {
 }
 
 impl Term<'_> {
-    /// What the filter sees of a pixel: radiance over albedo. None where it is left out.
+    /// Filter input of a pixel: radiance over albedo. `None` where it is left out.
     #[inline]
     pub(super) fn sample(&self, gbuffer: &GBuffer, [x, y]: [u32; 2]) -> Option<Vec3> {
         let radiance = self.radiance.at(x, y);
@@ -45,12 +45,12 @@ impl Term<'_> {
         radiance.is_finite().then(|| limited / self.factor(gbuffer, x, y))
     }
 
-    /// How many pixels are left out.
+    /// Number of pixels left out.
     pub(super) fn left_out(&self) -> u64 {
         self.radiance.values().par_iter().filter(|radiance| !radiance.is_finite()).count() as u64
     }
 
-    /// What the filter's result is multiplied by: the albedo, at most 1 and not too small to divide by.
+    /// Factor on the filter's result: the albedo, at most 1 and not too small to divide by.
     #[inline]
     pub(super) fn factor(&self, gbuffer: &GBuffer, x: u32, y: u32) -> Vec3 {
         let albedo = gbuffer.albedo.at(x, y);
@@ -61,7 +61,7 @@ impl Term<'_> {
         }
     }
 
-    /// What has been filtered, as the term at a place among all.
+    /// Result of the filter for the term at a place among all.
     pub(super) fn filtered(
         &self,
         place: usize,

@@ -1,4 +1,4 @@
-//! How noisy pixels are.
+//! Variance estimation of pixels.
 
 use rayon::prelude::*;
 use steradian_accel::{Lanes, kernel};
@@ -35,7 +35,7 @@ fn of_moments(moments: Vec2) -> f32 {
     (moments.y - moments.x * moments.x).max(0.0)
 }
 
-/// What variances are told from.
+/// Inputs of the variance estimates.
 struct All<'a> {
     accumulated: &'a Rows<Accumulated>,
     geometry: &'a Geometry,
@@ -43,7 +43,7 @@ struct All<'a> {
 }
 
 kernel! {
-    /// Those of a row.
+    /// Variances of a row.
     fn variances_of_row(all: &'a All<'a>, y: usize, row: &'a mut Row<'a>) {
         for x in (0..all.accumulated.width()).step_by(WIDTH) {
             if all.temporal([x, y], row) {
@@ -72,7 +72,7 @@ impl All<'_> {
         is_enough
     }
 
-    /// How much pixels count for those of the block.
+    /// Weights of the pixels around those of the block.
     #[inline(always)]
     fn weights(&self, at: [usize; 2]) -> [[Column; TAPS]; TAPS] {
         let (mut weights, mut likeness) = ([[[0.0; WIDTH]; TAPS]; TAPS], Likeness::WHOLE);

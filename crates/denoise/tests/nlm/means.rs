@@ -19,7 +19,7 @@ struct Sampled {
     normal: Image<Vec3>,
 }
 
-/// What samples of a pixel find: a colour with a probability, else another.
+/// Distribution of a pixel's samples: a colour with a probability, else another.
 type Odds = (f32, Vec3, Vec3);
 
 impl Sampled {
@@ -51,7 +51,7 @@ impl Sampled {
     }
 }
 
-/// How far a pixel's middle is from a place.
+/// Distance of a pixel's middle from a place.
 fn far(x: u32, y: u32, at: [f32; 2]) -> f32 {
     (x as f32 - at[0]).hypot(y as f32 - at[1])
 }

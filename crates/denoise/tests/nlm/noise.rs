@@ -1,4 +1,4 @@
-//! How much noise is left.
+//! Noise left after filtering.
 
 use steradian_denoise::{
     Image,
@@ -20,7 +20,8 @@ fn what_is_constant_stays() {
     }
 }
 
-/// Where nothing tells pixels apart, each becomes the mean of its window, and variance falls by the number of pixels.
+/// Without distinguishing features, each pixel becomes the mean of its window, and variance falls by the number of
+/// pixels.
 #[test]
 fn without_a_guide_it_is_the_mean_of_the_window() {
     let truth = Image::filled(60, 60, Vec3::ONE);
@@ -56,7 +57,7 @@ fn noise_on_a_plane_falls() {
     assert!(left < 0.01 / 30.0, "{left}");
 }
 
-/// What noise does not explain stays: a step of ten standard deviations is not smeared.
+/// Differences that noise does not explain stay: a step of ten standard deviations is not smeared.
 #[test]
 fn edges_of_colour_stay() {
     let truth = Image::from_fn(64, 40, |x, _| Vec3::splat(if x < 32 { 1.0 } else { 2.0 }));

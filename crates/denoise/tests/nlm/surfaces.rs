@@ -1,4 +1,4 @@
-//! What surfaces tell.
+//! Effect of surface features.
 
 use steradian_denoise::{
     Image,

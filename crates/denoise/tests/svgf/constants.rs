@@ -1,4 +1,4 @@
-//! What has no noise stays.
+//! Pictures without noise stay as they are.
 
 use steradian_denoise::{
     Image,

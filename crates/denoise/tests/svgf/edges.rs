@@ -1,4 +1,4 @@
-//! What edges hold back.
+//! Edges that stop the filter.
 
 use steradian_denoise::{
     GBuffer, Image,

@@ -5,7 +5,7 @@ use steradian_math::Vec3;
 
 use crate::scene::{blind, frame, noise, wall};
 
-/// What the passages with gaps of 1, 2, 4, … are together, along an axis: 2 (2ⁿ − 1) on either side.
+/// Combined kernel of the passages with gaps of 1, 2, 4, … along an axis: 2 (2ⁿ − 1) on either side.
 fn together(iterations: u32) -> Vec<f64> {
     let mut kernel = vec![1.0];
     for step in (0..iterations).map(|i| 1usize << i) {
@@ -95,7 +95,7 @@ fn variance_is_filtered_with_squared_weights() {
     }
 }
 
-/// Of the history, the first passage alone.
+/// The history takes the first passage alone.
 #[test]
 fn the_first_passage_is_the_next_history() {
     let size = 65;

@@ -13,7 +13,7 @@ const SIZE: [u32; 2] = [96, 64];
 const SPEED: f32 = 3.5;
 const FRAMES: u32 = 14;
 
-/// Whether a pixel shows the square.
+/// True if a pixel shows the square.
 fn is_square(x: u32, y: u32, frame: f32) -> bool {
     let left = 8.0 + SPEED * frame;
     (left..left + 24.0).contains(&(x as f32)) && (20..44).contains(&y)
@@ -78,7 +78,7 @@ fn the_error_falls_below_a_third() {
     }
 }
 
-/// Where the square has left, the picture is what it would be if the square had never been there.
+/// Behind the moving square, the picture is what it would be if the square had never been there.
 #[test]
 fn nothing_stays_behind() {
     let last = (FRAMES - 1) as f32;

@@ -1,4 +1,4 @@
-//! What filtering is for: the picture looks as it should, and is as bright as it was.
+//! Purpose of filtering: the picture looks as it should, and is as bright as it was.
 
 use steradian_denoise::{Image, svgf::Settings};
 use steradian_math::{Vec3, color::luminance};
