@@ -2,7 +2,7 @@
 
 use statrs::function::gamma::checked_gamma_ur;
 
-/// What the test says.
+/// Result of the χ² test.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ChiSquare {
     /// `Σ (o − e)²/e`.
@@ -14,8 +14,8 @@ pub(crate) struct ChiSquare {
 }
 
 impl ChiSquare {
-    /// Of counts and expectations with the same sum. Cells that expect fewer than five are taken together,
-    /// the smallest first.
+    /// Test of counts against expectations with the same sum. Cells that expect fewer than five are taken together, the
+    /// smallest first.
     pub fn of(observed: &[f64], expected: &[f64]) -> Self {
         let mut sorted: Vec<(f64, f64)> = observed.iter().copied().zip(expected.iter().copied()).collect();
         sorted.sort_by(|a, b| a.1.total_cmp(&b.1));

@@ -45,7 +45,7 @@ pub fn best(fits: &[Fit]) -> Option<Model> {
     fits.iter().min_by(|a, b| a.residual.total_cmp(&b.residual)).map(|f| f.model)
 }
 
-/// What a fit found.
+/// Result of a fit.
 #[derive(Clone, Debug, Serialize)]
 pub struct Fit {
     /// The model.

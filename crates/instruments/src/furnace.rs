@@ -9,7 +9,7 @@ use steradian_bsdf::{BsdfSample, Lobe};
 use steradian_core::material::{Material, Model};
 use steradian_math::{Vec2, Vec3, sobol::shuffled_scrambled_sobol_4d};
 
-/// How a fibre lies in its shading frame.
+/// Orientation of a fibre in its shading frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Fibre {
     /// Along the tangent: `h` is twice the second texture coordinate, less one.
@@ -19,7 +19,7 @@ enum Fibre {
 }
 
 impl Fibre {
-    /// What a material is, or a part of it.
+    /// Orientation of the fibre that a material is, or has as a part; `None` without one.
     fn of(materials: &[Material], material: u32) -> Option<Self> {
         let mut is_part = vec![false; materials.len()];
         *is_part.get_mut(material as usize)? = true;
@@ -51,7 +51,7 @@ impl Fibre {
         }
     }
 
-    /// Whether a direction leads on behind the fibre, as a viewer sees it.
+    /// True if a direction leads on behind the fibre, as a viewer sees it.
     fn is_behind(self, wo: Vec3, wi: Vec3) -> bool {
         match self {
             Self::Strip => wo.y * wi.y + wo.z * wi.z < 0.0,

@@ -36,7 +36,7 @@ impl Bins {
     }
 }
 
-/// What a piece of geometry reflects of light from a direction.
+/// Light from one direction reflected by a piece of geometry.
 #[derive(Clone, Debug)]
 pub struct Scattered {
     /// Mean `f` (sr⁻¹) in each bin, and its standard error.

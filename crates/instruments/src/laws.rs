@@ -23,13 +23,13 @@ pub struct Law {
     pub law: &'static str,
     /// Angle of the fixed direction from the normal, degrees, beyond 90 from below; none for pairs of all angles.
     pub angle: Option<f64>,
-    /// What was found: the least value, the greatest relative difference, an albedo, a probability, or χ².
+    /// Measured value: the least value, the greatest relative difference, an albedo, a probability, or χ².
     pub found: f64,
-    /// What it should be, or may be at most (at least for the least value); degrees of freedom for χ².
+    /// Expected value, or the upper bound (for the least value, the lower); degrees of freedom for χ².
     pub expected: f64,
     /// The probability of a deviation as great as this or greater by chance, where chance has a part.
     pub p: Option<f64>,
-    /// Whether the law is kept.
+    /// True if the law is kept.
     pub holds: bool,
 }
 
@@ -40,7 +40,7 @@ pub struct Laws {
     pub laws: Vec<Law>,
     /// Probabilities below this break a law.
     pub level: f64,
-    /// Whether all hold.
+    /// True if all hold.
     pub hold: bool,
 }
 

@@ -4,7 +4,7 @@
 //! Press et al., Numerical Recipes, 15.5). Derivatives are central differences. Written out here because the libraries
 //! that have it bring a whole linear algebra.
 
-/// Where a search ended.
+/// Minimum found by a search.
 #[derive(Clone, Debug)]
 pub struct Minimum {
     /// The parameters.

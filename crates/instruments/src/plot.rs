@@ -54,7 +54,7 @@ pub fn slice(specimen: &Specimen<'_>, theta_i: f64) -> Slice {
     Slice { theta_i, values, specular }
 }
 
-/// How far from the middle a value is drawn.
+/// Radial scale of values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Radius {
     /// In proportion to it.
@@ -72,7 +72,7 @@ struct Scale {
 }
 
 impl Scale {
-    /// Of the values up to a largest one; the outer circle is at a round one.
+    /// Scale of values up to a largest one; the outer circle is at a round one.
     fn new(radius: Radius, largest: f64) -> Self {
         let unit = 10f64.powf(largest.max(f64::MIN_POSITIVE).log10().floor());
         let round = [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0].map(|m| m * unit);
@@ -195,7 +195,7 @@ fn lobe(out: &mut String, slice: &Slice, colour: &str, scale: &Scale) {
     }
 }
 
-/// Where light came from: an arrow outside the circles, and the angle.
+/// Mark of the incident direction: an arrow outside the circles, and the angle.
 fn arrow(out: &mut String, theta: f64, colour: &str) {
     let at = |along: f64, aside: f64| {
         let ((x, y), (sin, cos)) = (point(-theta, RADIUS + along), theta.to_radians().sin_cos());

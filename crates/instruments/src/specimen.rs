@@ -8,7 +8,7 @@ use steradian_core::{
 use steradian_math::{Spectrum, Vec2, Vec3, spectra::Wavelengths};
 use steradian_texture::TextureContext;
 
-/// How finely mixtures, which choose one of their parts by a number, are averaged over it.
+/// Number of strata over which mixtures, which choose one of their parts by a number, are averaged.
 pub(crate) const MIXTURE_STRATA: u32 = 64;
 
 /// One material of a scene, at one point of a surface.
@@ -61,7 +61,7 @@ impl<'a> Specimen<'a> {
         Self { lambda: Wavelengths::at(lambda), ..self }
     }
 
-    /// What the lanes of its values are.
+    /// Meaning of the lanes of its values.
     pub fn mode(&self) -> ColorMode {
         self.scene.mode()
     }
@@ -71,7 +71,7 @@ impl<'a> Specimen<'a> {
         self.lambda.lambda
     }
 
-    /// How it scatters seen from a side, with a number in [0, 1) for the choices of mixtures.
+    /// Scattering seen from a side, with a number in [0, 1) for the choices of mixtures.
     fn scattering(&self, front: bool, choice: f32) -> Option<Scattering<'a>> {
         let at = TextureContext::new(Vec3::ZERO, self.uv);
         let mut lambda = self.lambda;
@@ -79,7 +79,7 @@ impl<'a> Specimen<'a> {
         material::scattering(s.materials(), s.textures(), self.material, &at, front, choice, &mut lambda)
     }
 
-    /// Whether it may be a mixture.
+    /// True if it may be a mixture.
     pub(crate) fn is_mixed(&self) -> bool {
         self.scene.has_mixtures()
     }

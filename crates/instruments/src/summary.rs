@@ -36,16 +36,16 @@ pub struct White {
     pub transmittance: f32,
 }
 
-/// What is said of a material.
+/// Summary of a material.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// Its lobes, the strongest at 45° first.
     pub lobes: Vec<Met>,
     /// White light at 0°, 45° and 80°.
     pub white: [White; 3],
-    /// Whether light gets through.
+    /// True if light is transmitted.
     pub is_transmitting: bool,
-    /// Whether no lane gains energy at any angle that was tried, beyond four standard errors.
+    /// True if no lane gains energy at any angle that was tried, beyond four standard errors.
     pub conserves_energy: bool,
     /// The largest part of a lane that is scattered, at the angle that was tried.
     pub largest_albedo: f32,

@@ -1,5 +1,5 @@
-//! What pictures in SVG share: text of a known width, so that nothing is cut off, and legends below what they explain.
-//! They are 600 wide with letters of 15, so that these have 10 pixels where the picture has 400.
+//! Shared parts of SVG pictures: text of a known width, so that nothing is cut off, and legends below the plot. They
+//! are 600 wide with letters of 15, so that these have 10 pixels where the picture has 400.
 
 use std::fmt::Write;
 
@@ -67,9 +67,9 @@ pub fn paragraph(svg: &mut String, text: &str, top: f64, style: &str) -> f64 {
 pub struct Entry<'a> {
     /// The line beside it, as attributes of a path or, of dots, of a circle.
     pub stroke: String,
-    /// Whether it is a dot.
+    /// True for a dot.
     pub is_dot: bool,
-    /// What it says.
+    /// Text of the entry.
     pub text: &'a str,
 }
 

@@ -1,4 +1,4 @@
-//! What importance sampling gains: `∫ cosⁿθ dω` over the hemisphere, with directions drawn by `p ∝ cosᵐθ`.
+//! Gain of importance sampling: `∫ cosⁿθ dω` over the hemisphere, with directions drawn by `p ∝ cosᵐθ`.
 //!
 //! With `p = (m + 1)/(2π) cosᵐθ` one estimate is `2π/(m + 1) cosⁿ⁻ᵐθ`, its mean `2π/(n + 1)`, and its second moment
 //! `4π²/((m + 1)(2n − m + 1))`, so the variance is known for `m < 2n + 1`, zero at `m = n`, and infinite from there on.

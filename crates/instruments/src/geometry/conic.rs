@@ -58,7 +58,7 @@ fn sum(terms: &[f64]) -> f64 {
     if sum.abs() <= 1e-12 * size { 0.0 } else { sum }
 }
 
-/// What `A x² + B xy + C y² + D x + E y + F = 0` is; `None` where all coefficients of variables are zero.
+/// Conic section of `A x² + B xy + C y² + D x + E y + F = 0`; `None` where all coefficients of variables are zero.
 fn classify(coefficients: [f64; 6]) -> Option<Conic> {
     let size = coefficients[..5].iter().fold(0.0, |m: f64, c| m.max(c.abs()));
     if size == 0.0 {
@@ -265,7 +265,7 @@ fn describe(conic: &Conic, report: &mut Report) -> (Vec<Vec<DVec2>>, Vec<DVec2>,
     }
 }
 
-/// What ellipses and hyperbolas have in common.
+/// Report of the quantities common to ellipses and hyperbolas.
 fn central(report: &mut Report, center: DVec2, axis: DVec2, radii: DVec2, eccentricity: f64) {
     tell2(report, "centre", center);
     report.quantity("first semi-axis", radii.x, "");
@@ -342,8 +342,8 @@ mod tests {
         assert!(run_with(&EXPERIMENT, &["A", "B", "C", "D", "E"].map(|n| (n, "0"))).is_err());
     }
 
-    /// What is made of a focus, a directrix and an eccentricity has them: e = 1/2 with the focus 3 from the directrix
-    /// is an ellipse with a = ep/(1 − e²) = 2 and b = √3; e = 2 a hyperbola with a = 2 as well.
+    /// Conics of a given focus, directrix and eccentricity have these: e = 1/2 with the focus 3 from the directrix is
+    /// an ellipse with a = ep/(1 − e²) = 2 and b = √3; e = 2 a hyperbola with a = 2 as well.
     #[test]
     fn focus_and_directrix() {
         for angle in [0.0f64, 30.0, 100.0] {

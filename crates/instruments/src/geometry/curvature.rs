@@ -7,7 +7,7 @@
 
 use steradian_math::{geometry::surface::Parametric, quadrature::gauss_legendre};
 
-/// What the derivatives say at a point.
+/// Fundamental forms of a surface at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Forms {
     /// `E`, `F`, `G`.
@@ -17,7 +17,7 @@ pub struct Forms {
 }
 
 impl Forms {
-    /// Of a surface at its parameters, for the outward normal.
+    /// Fundamental forms of a surface at its parameters, for the outward normal.
     pub fn at(surface: &impl Parametric, u: f64, v: f64) -> Self {
         let ([pu, pv], n) = (surface.partials(u, v), surface.normal_at(u, v));
         Self { first: [pu.dot(pu), pu.dot(pv), pv.dot(pv)], second: surface.second_partials(u, v).map(|p| p.dot(n)) }

@@ -3,7 +3,7 @@
 use crate::laboratory::{Axis, Chart, Series};
 use glam::DVec3;
 
-/// Where a point is drawn: seen from the direction (1, 1, 1), z up (isometric projection, to scale).
+/// Isometric projection of a point, to scale: seen from the direction (1, 1, 1), z up.
 fn project(p: DVec3) -> (f64, f64) {
     let (x, y) = (DVec3::new(-1.0, 1.0, 0.0) / 2f64.sqrt(), DVec3::new(-1.0, -1.0, 2.0) / 6f64.sqrt());
     (p.dot(x), p.dot(y))

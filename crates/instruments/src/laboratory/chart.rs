@@ -6,9 +6,9 @@ use std::fmt::Write;
 /// An axis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Axis {
-    /// What it shows, with the unit.
+    /// Quantity on the axis, with its unit.
     pub label: String,
-    /// Whether it is logarithmic; values that are not positive are left out then.
+    /// Enables a logarithmic scale; values that are not positive are left out then.
     pub is_log: bool,
     /// From where to where; by the data where not given.
     pub range: Option<(f64, f64)>,
@@ -31,7 +31,7 @@ impl Axis {
     }
 }
 
-/// How a series is drawn.
+/// Mark of a series.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub enum Marker {
     /// A line through the points.
@@ -52,7 +52,7 @@ pub struct Series {
     pub name: String,
     /// The points.
     pub points: Vec<(f64, f64)>,
-    /// How it is drawn.
+    /// Mark of the series.
     pub marker: Marker,
     /// An sRGB colour; one by its place in the chart where not given.
     pub color: Option<[u8; 3]>,
@@ -84,11 +84,11 @@ pub struct Chart {
     pub x: Axis,
     /// Up.
     pub y: Axis,
-    /// Whether a unit has the same length on both axes.
+    /// True if a unit has the same length on both axes.
     pub is_isometric: bool,
-    /// What it shows.
+    /// Series drawn in the chart.
     pub series: Vec<Series>,
-    /// What is behind it; the ground is dark then.
+    /// Background picture; the ground is dark then.
     #[serde(skip)]
     pub backdrop: Option<Backdrop>,
     /// Words at points.
@@ -108,7 +108,7 @@ pub struct Backdrop {
 pub struct Label {
     /// The point.
     pub at: (f64, f64),
-    /// What they say.
+    /// Text of the label.
     pub text: String,
 }
 

@@ -124,7 +124,7 @@ fn curve(svg: &mut String, series: &Series, color: &str, x: &Scale, y: &Scale) {
     let _ = writeln!(svg, "<path d=\"{d}{style}\"/>");
 }
 
-/// Where the axes are.
+/// Scales of the axes.
 struct Frame {
     x: Scale,
     y: Scale,

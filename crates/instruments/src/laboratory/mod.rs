@@ -1,4 +1,4 @@
-//! What every experiment is made of: parameters, numbers, charts and pictures.
+//! Parts of every experiment: parameters, numbers, charts and pictures.
 //!
 //! An [`Experiment`] has a name, parameters with ranges and units, and a function that computes a [`Report`].
 
@@ -16,7 +16,7 @@ use serde::Serialize;
 use steradian_image::Image;
 use thiserror::Error;
 
-/// What keeps an experiment from being carried out.
+/// Errors that keep an experiment from being carried out.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -25,7 +25,7 @@ pub enum Error {
     UnknownParameter {
         /// The experiment.
         experiment: &'static str,
-        /// What was given.
+        /// The name given.
         name: String,
         /// "; did you mean …", or the parameters that there are.
         hint: String,
@@ -35,7 +35,7 @@ pub enum Error {
     BadValue {
         /// The parameter.
         name: &'static str,
-        /// What is wrong, and what is expected.
+        /// Description of the fault, and of the expected values.
         why: String,
     },
     /// Values that are possible each but not together.
@@ -49,7 +49,7 @@ pub enum Error {
 /// A measured or computed number.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Quantity {
-    /// What it is.
+    /// Its name.
     pub name: String,
     /// Its value.
     #[serde(serialize_with = "number_or_word")]
@@ -67,19 +67,19 @@ fn number_or_word<S: serde::Serializer>(value: &f64, to: S) -> Result<S::Ok, S::
     }
 }
 
-/// What is said in words: which of several kinds something is, or why a number is missing.
+/// Finding in words: the kind of something, or the reason why a number is missing.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Fact {
-    /// What it is about.
+    /// Its subject.
     pub name: &'static str,
-    /// What is said.
+    /// The finding.
     pub text: String,
 }
 
-/// What an experiment gives.
+/// Result of an experiment.
 #[derive(Debug, Default)]
 pub struct Report {
-    /// What is said in words.
+    /// Findings in words.
     pub facts: Vec<Fact>,
     /// Numbers.
     pub quantities: Vec<Quantity>,
@@ -138,7 +138,7 @@ impl Picture {
     }
 }
 
-/// How an experiment is carried out.
+/// Function that carries out an experiment.
 #[derive(Clone, Copy, Debug)]
 pub enum Run {
     /// From parameters alone.
@@ -152,9 +152,9 @@ pub enum Run {
 pub struct Experiment {
     /// Its name on the command line.
     pub name: &'static str,
-    /// What it shows, in a sentence.
+    /// Description in a sentence.
     pub doc: &'static str,
-    /// Where its equations come from.
+    /// Source of its equations.
     pub source: &'static str,
     /// Its parameters.
     pub parameters: &'static [Parameter],
@@ -179,7 +179,7 @@ impl Experiment {
         }
     }
 
-    /// Whether it works on a picture.
+    /// True if it works on a picture.
     pub fn needs_picture(&self) -> bool {
         matches!(self.run, Run::OnPicture(_))
     }

@@ -3,7 +3,7 @@
 use super::{Error, Experiment};
 use steradian_scene::names::nearest;
 
-/// What a parameter takes.
+/// Kind of a parameter's values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
     /// A number in a closed range.
@@ -33,11 +33,11 @@ pub enum Kind {
 pub struct Parameter {
     /// Its name.
     pub name: &'static str,
-    /// What it is.
+    /// Description of the parameter.
     pub doc: &'static str,
     /// Its unit; empty for names and pure numbers.
     pub unit: &'static str,
-    /// What it takes.
+    /// Kind of its values.
     pub kind: Kind,
 }
 
@@ -72,7 +72,7 @@ impl Parameter {
         }
     }
 
-    /// What may be given, as text: a range, or the names.
+    /// Allowed values as text: a range, or the names.
     pub fn range_text(&self) -> String {
         match self.kind {
             Kind::Number { min, max, .. } => format!("{min} to {max}"),
@@ -174,7 +174,7 @@ impl Values {
         }
     }
 
-    /// Whether the user gave a value.
+    /// True if the user gave a value.
     pub fn is_given(&self, name: &str) -> bool {
         self.values.iter().any(|v| v.0 == name && v.2)
     }

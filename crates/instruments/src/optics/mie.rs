@@ -23,7 +23,7 @@ pub const EXPERIMENT: Experiment = Experiment {
     run: Run::Alone(run),
 };
 
-/// What a sphere does to light.
+/// Scattering by a sphere.
 #[derive(Clone, Debug)]
 pub(super) struct Sphere {
     /// Extinction and scattering cross sections over the cross section of the sphere.
@@ -38,7 +38,7 @@ pub(super) struct Sphere {
 }
 
 impl Sphere {
-    /// Of size parameter `x = 2π r n_medium/λ` and relative index `m` (imaginary part positive: absorption).
+    /// Sphere of size parameter `x = 2π r n_medium/λ` and relative index `m` (imaginary part positive: absorption).
     pub fn new(x: f64, m: C) -> Self {
         // Wiscombe's number of terms.
         let terms = (x + 4.05 * x.cbrt() + 2.0).ceil() as usize;

@@ -32,8 +32,8 @@ pub const EXPERIMENT: Experiment = Experiment {
     run: Run::Alone(run),
 };
 
-/// What is behind the screen: relative intensities of the middle `n × n` of a `2n × 2n` window. The axis goes through
-/// the middle of pixel `(n/2, n/2)`.
+/// Relative intensities behind the screen, in the middle `n × n` of a `2n × 2n` window. The axis goes through the
+/// middle of pixel `(n/2, n/2)`.
 fn intensities(shape: &str, size: f64, distance: f64, lambda: f64, view: f64, n: usize) -> Vec<f64> {
     let edge = 2 * n;
     let pixel = view / n as f64;
@@ -152,7 +152,7 @@ mod tests {
         assert!((at_edge - 0.25).abs() < 0.02, "{at_edge}");
     }
 
-    /// What passes the screen arrives, but for what is diffracted out of the window: `2/(π v)` of the light of a hole
+    /// Energy through the screen arrives, but for that diffracted out of the window: `2/(π v)` of the light of a hole
     /// is beyond `v = k a θ`.
     #[test]
     fn energy_is_kept() {

@@ -66,7 +66,7 @@ fn locus() -> Vec<(f64, f64)> {
     (390..=700).map(|nm| spectral(f64::from(nm))).chain([spectral(390.0)]).collect()
 }
 
-/// Whether a point is inside a closed outline (even–odd rule).
+/// Tests containment of a point in a closed outline (even–odd rule).
 fn is_inside(outline: &[(f64, f64)], (x, y): (f64, f64)) -> bool {
     outline
         .windows(2)
@@ -96,8 +96,8 @@ fn correlated_temperature(at: (f64, f64)) -> Option<(f64, f64)> {
     (20.0..=1000.0).contains(&mired).then(|| (1e6 / mired, distance(mired)))
 }
 
-/// Where the line from white D65 through a chromaticity meets the spectrum: the dominant wavelength, or `None` at
-/// purples.
+/// Intersection of the line from white D65 through a chromaticity with the spectral locus: the dominant wavelength, or
+/// `None` at purples.
 fn dominant_wavelength(at: (f64, f64)) -> Option<f64> {
     let white = (0.3127, 0.3290);
     let d = (at.0 - white.0, at.1 - white.1);
@@ -247,8 +247,8 @@ mod tests {
         assert!((kelvin - 2856.0).abs() < 3.0 && distance < 1e-4, "{kelvin}");
     }
 
-    /// Where there is no colour temperature, that is said and no end of the search is printed: a blue beyond infinitely
-    /// hot bodies (x = 0.2399, y = 0.2341), a red beyond 1000 K, a green far off, what is no colour.
+    /// Without a colour temperature, that is said and no end of the search is printed: a blue beyond infinitely hot
+    /// bodies (x = 0.2399, y = 0.2341), a red beyond 1000 K, a green far off, a point that is no colour.
     #[test]
     fn what_has_no_temperature_is_told() {
         for ((x, y), why) in [

@@ -38,7 +38,7 @@ fn anchor(nm: f64) -> DVec3 {
     lms_from_rgb() * (REC709.rgb_from_xyz() * DVec3::from(cie::matching_linear(nm)))
 }
 
-/// What a dichromat sees (cone responses): Brettel's two half-planes, or Viénot's one.
+/// Cone responses of a dichromat: Brettel's two half-planes, or Viénot's one.
 fn dichromat(lms: DVec3, cone: usize, model: &str) -> DVec3 {
     let white = DVec3::ONE;
     if model == "vienot" {

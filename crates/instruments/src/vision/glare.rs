@@ -44,7 +44,7 @@ const RADIUS: f64 = 24.0;
 /// Edge of the function that is laid over pictures.
 const SPREAD: usize = 512;
 
-/// How open the aperture is at a place, in units of its radius.
+/// Transmittance of the aperture at a place, in units of its radius.
 fn opening(kind: &str, blades: usize, lashes: &[(f64, f64, f64)], x: f64, y: f64) -> f64 {
     let r = x.hypot(y);
     match kind {
