@@ -13,7 +13,7 @@ use std::{
 };
 use steradian_math::Transform;
 
-/// Where a description comes from; decides the defaults the format promises.
+/// Source format of a description; decides the defaults the format promises.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Format {
@@ -51,7 +51,7 @@ pub struct Shape {
     pub interior: Option<NodeId>,
     /// Family `Medium`: what is on the side the normals point to.
     pub exterior: Option<NodeId>,
-    /// Whether the shape separates media: with it `interior`/`exterior` of `None` mean vacuum.
+    /// True if the shape separates media: with it `interior`/`exterior` of `None` mean vacuum.
     pub is_medium_boundary: bool,
 }
 
@@ -88,9 +88,9 @@ pub struct Instance {
     pub group: usize,
     /// Places group space in the world; where it moves, at the beginning of its motion.
     pub world_from_group: Transform,
-    /// How it moves, if it does.
+    /// Motion of the instance, if any.
     pub movement: Option<Movement>,
-    /// Where the file says so.
+    /// Source span in the file.
     pub span: Option<Span>,
 }
 
@@ -111,21 +111,21 @@ pub struct Movement {
     pub times: [f64; 2],
 }
 
-/// How a document moves, where it can be read as of a moment.
+/// Animation of a document, which can be read as of a moment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Animation {
     /// Its name in the document.
     pub name: Option<String>,
-    /// Of its first and last key frame, seconds.
+    /// Times of its first and last key frame, seconds.
     pub times: [f64; 2],
-    /// How many values it changes.
+    /// Number of values it changes.
     pub channels: usize,
 }
 
 /// A scene as pure data. Importers make it, `compile` turns it into what is rendered.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct SceneDesc {
-    /// Where it comes from.
+    /// Source format.
     pub format: Format,
     /// The scene file.
     pub path: Option<PathBuf>,
@@ -156,7 +156,7 @@ pub struct SceneDesc {
     pub sampler: Option<NodeId>,
     /// Family `Integrator`.
     pub integrator: Option<NodeId>,
-    /// What the file can be posed by as it is read; the description is of one moment.
+    /// Animations by which the file can be posed as it is read; the description is of one moment.
     #[serde(default)]
     pub animations: Vec<Animation>,
 }

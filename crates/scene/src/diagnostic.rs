@@ -1,10 +1,10 @@
-//! What a reader has to say about a file: located messages with excerpts.
+//! Messages of a reader about a file, located and with excerpts.
 
 use crate::source::{Sources, Span};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// How bad it is.
+/// Severity of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
@@ -16,7 +16,7 @@ pub enum Severity {
     Error,
 }
 
-/// How faithfully something was translated.
+/// Fidelity of a translation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Fidelity {
@@ -39,24 +39,24 @@ pub struct Location {
     pub column: u32,
     /// The line, or the readable part of a long one.
     pub excerpt: String,
-    /// Where the caret starts in the excerpt, in characters.
+    /// Start of the caret in the excerpt, in characters.
     pub caret_start: u32,
-    /// How many characters it marks, at least one.
+    /// Number of characters it marks, at least one.
     pub caret_len: u32,
 }
 
 /// One message.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Diagnostic {
-    /// How bad it is.
+    /// Severity of the message.
     pub severity: Severity,
     /// Set where something was translated with a loss.
     pub fidelity: Option<Fidelity>,
-    /// What is wrong, in one sentence without a full stop.
+    /// Description of the fault, in one sentence without a full stop.
     pub message: String,
-    /// Where.
+    /// Position in a file.
     pub location: Option<Location>,
-    /// What to do about it.
+    /// Suggested remedy.
     pub help: Option<String>,
 }
 
@@ -127,7 +127,7 @@ impl Diagnostics {
         room
     }
 
-    /// Whether a message would be kept.
+    /// True if a message would be kept.
     fn has_room(&self, severity: Severity) -> bool {
         match severity {
             Severity::Error => self.kept_errors < Self::MAX_ERRORS,
@@ -205,17 +205,17 @@ impl Diagnostics {
         self.add(Severity::Warning, Some(Fidelity::Unused), sources, span, message, help);
     }
 
-    /// Whether there is any error.
+    /// True if there is any error.
     pub fn has_errors(&self) -> bool {
         self.errors > 0
     }
 
-    /// How many errors arose, kept or not.
+    /// Number of errors that arose, kept or not.
     pub fn error_count(&self) -> usize {
         self.errors
     }
 
-    /// Whether no more errors are kept.
+    /// True if no more errors are kept.
     pub fn is_full(&self) -> bool {
         self.errors >= Self::MAX_ERRORS
     }
@@ -230,12 +230,12 @@ impl Diagnostics {
         self.items.iter()
     }
 
-    /// Whether there is no message.
+    /// True if there is no message.
     pub fn is_empty(&self) -> bool {
         self.items.is_empty()
     }
 
-    /// Whether something was approximated or dropped (what `--strict` refuses).
+    /// True if something was approximated or dropped (`--strict` refuses such scenes).
     pub fn is_lossy(&self) -> bool {
         self.items.iter().any(|d| matches!(d.fidelity, Some(Fidelity::Approximated | Fidelity::Dropped)))
     }

@@ -1,4 +1,4 @@
-//! Where the lines of a text start, found once so that each message is placed in logarithmic time.
+//! Starts of the lines of a text, found once so that each message is placed in logarithmic time.
 
 /// Bytes between two counts of characters.
 const BLOCK: usize = 4096;

@@ -4,7 +4,7 @@ use crate::Shared;
 use serde::{Deserialize, Serialize};
 use steradian_math::{DVec3, geometry::surface::SurfaceMesh};
 
-/// What an [`Attribute`] has one value per.
+/// Domain of an [`Attribute`]: the elements that have one value each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Domain {
     /// Per vertex, interpolated.
@@ -18,7 +18,7 @@ pub enum Domain {
 pub struct Attribute {
     /// Name without a domain prefix, e.g. `color`.
     pub name: String,
-    /// What there is one value per.
+    /// Elements that have one value each.
     pub domain: Domain,
     /// Numbers per value, 1 to 4.
     pub channels: usize,
@@ -45,7 +45,7 @@ pub struct Mesh {
     pub attributes: Vec<Attribute>,
 }
 
-/// What is wrong with a [`Mesh`].
+/// Fault of a [`Mesh`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshFault {
@@ -58,7 +58,7 @@ pub enum MeshFault {
         face: usize,
         /// The index.
         index: u32,
-        /// How many vertices there are.
+        /// Number of vertices.
         count: usize,
     },
     /// A coordinate is NaN or infinite.
@@ -74,9 +74,9 @@ pub enum MeshFault {
     WrongLength {
         /// Which array.
         what: String,
-        /// What it has.
+        /// Number of values found.
         found: usize,
-        /// What it should have.
+        /// Number of values expected.
         expected: usize,
     },
 }

@@ -69,24 +69,24 @@ pub enum Value {
 pub struct Param {
     /// In Steradian's vocabulary.
     pub name: String,
-    /// What it is set to.
+    /// Its value.
     pub value: Value,
-    /// Where the file says so.
+    /// Source span in the file.
     pub span: Option<Span>,
 }
 
 /// One thing of the description.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Node {
-    /// What it describes.
+    /// Family of the node.
     pub family: Family,
     /// Which model, in Steradian's vocabulary (or the file's own word for models Steradian lacks).
     pub kind: String,
     /// The name the file gave it.
     pub name: Option<String>,
-    /// What is set; what is not set has the default of its table in the schema.
+    /// Parameters that are set; all others have the default of their table in the schema.
     pub params: Vec<Param>,
-    /// Where the file declares it.
+    /// Source span of its declaration in the file.
     pub span: Option<Span>,
 }
 

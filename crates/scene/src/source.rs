@@ -1,4 +1,4 @@
-//! Where things stand in the files that were read.
+//! Positions in the files that were read.
 
 use crate::lines::Lines;
 use serde::{Deserialize, Serialize};

@@ -36,7 +36,7 @@ impl From<SpectrumValue> for Color {
     }
 }
 
-/// What a parameter takes that may vary over a surface.
+/// Value of a parameter that may vary over a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture(pub(super) Part);
 
@@ -63,7 +63,7 @@ impl Image {
         self
     }
 
-    /// How often the picture repeats along each coordinate.
+    /// Number of repetitions of the picture along each coordinate.
     #[must_use]
     pub fn repeat(mut self, u: f64, v: f64) -> Self {
         self.0.set("scale_u", u);
@@ -150,7 +150,7 @@ pub mod glass {
     pub const SF11: Glass = Glass("glass-SF11");
 }
 
-/// What glass is made of: a measured glass, or one index of refraction.
+/// Index of refraction of glass: a measured glass, or one number.
 impl From<Glass> for Color {
     fn from(g: Glass) -> Self {
         Self(SpectrumValue::Named(g.0.into()))

@@ -9,7 +9,7 @@ use crate::{
     node::{SpectrumValue, Value},
 };
 
-/// What a surface is made of. Made by one of its functions, and by [`Conductor`], [`Dielectric`], [`Coated`] and [`Pbr`],
+/// Material of a surface. Made by one of its functions, and by [`Conductor`], [`Dielectric`], [`Coated`] and [`Pbr`],
 /// which turn into it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {

@@ -38,7 +38,7 @@ pub use shape::{Cylinder, Disk, Geometry, Plane, Sphere, TriangleMesh};
 use crate::{Family, NodeId, SceneDesc, Shape, node::Node};
 use node::{Arena, Draft};
 
-/// Where builders of scenes come from.
+/// Entry point of the scene builders.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene;
 
