@@ -130,7 +130,7 @@ pub(super) fn ggx(row: Row, cos: f32) -> [f32; 2] {
 /// A roughness in the tables.
 pub(super) type Row = (usize, f32);
 
-/// Where the tables have the roughness `alpha`.
+/// Position of the roughness `alpha` in the tables.
 #[inline]
 pub(super) fn row(alpha: f32) -> Row {
     place(alpha.max(0.0).sqrt())

@@ -29,7 +29,7 @@ pub struct HalfVectorLobe {
     of_secant2: Exponent,
     /// `1/(n + 1)`.
     inverse: f32,
-    /// Of the value over `cosⁿ cosθ_i`; none in the empirical form.
+    /// Normalisation of the value over `cosⁿ cosθ_i`; none in the empirical form.
     normalisation: Option<f32>,
 }
 

@@ -1,7 +1,7 @@
-//! What is thrown back inside a coat has a colour that RGB arithmetic gets wrong: a spectrum of colour `ρ = 1` in red
-//! is below one over part of the red wavelengths, and the powers of it that the series `Σ ρⁿ⁺¹Kⁿ` sums fade, while
-//! powers of one do not. In RGB mode the series is therefore taken over the smooth spectrum that the RGB value stands
-//! for, and its colour tabulated over RGB.
+//! Colours of interreflection inside a coat, which RGB arithmetic gets wrong: a spectrum of colour `ρ = 1` in red is
+//! below one over part of the red wavelengths, and the powers of it that the series `Σ ρⁿ⁺¹Kⁿ` sums fade, while powers
+//! of one do not. In RGB mode the series is therefore taken over the smooth spectrum that the RGB value stands for, and
+//! its colour tabulated over RGB.
 
 use std::sync::LazyLock;
 use steradian_math::{

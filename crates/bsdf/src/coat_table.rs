@@ -1,4 +1,5 @@
-//! What a dielectric coat lets through to its base and what it throws back at it, as tables over angle and roughness.
+//! Transmission of a dielectric coat to its base, and internal reflection back at the base, as tables over angle and
+//! roughness.
 //!
 //! Over a Lambertian base the light inside a coat is isotropic after the first scattering, so three functions say
 //! everything (with the absorption `exp(−t/cosθ)` of a crossing of the coat, `t` its optical thickness):
@@ -14,7 +15,7 @@
 use super::{Microfacet, NormalDistribution, Shadowing, coat_colors::CoatColors, fresnel};
 use steradian_math::{Spectrum, Vec2, Vec3, cell, elementary::exp};
 
-/// What happens to light between the coat and the base.
+/// Interreflection of light between the coat and the base.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CoatSeries {
     /// The random walk of pbrt-v4's layered materials with a medium that only absorbs, in closed form.
@@ -27,7 +28,7 @@ pub enum CoatSeries {
     },
     /// Mitsuba's plastic: no absorption, all orders of scattering.
     Plastic {
-        /// Whether the base tints each order of scattering (physical) or the sum once.
+        /// True if the base tints each order of scattering (physical), false if the sum once.
         nonlinear: bool,
     },
 }
@@ -294,7 +295,7 @@ impl CoatTable {
         Row { mean_transmitted, ..row }
     }
 
-    /// What a visible normal `m` carries from `wo` outside to the base.
+    /// Transmission from `wo` outside to the base through a visible normal `m`.
     fn transmitted_to_base(&self, surface: &Microfacet, wo: Vec3, m: Vec3) -> f32 {
         let Some((wi, _)) = fresnel::refract(wo, m, self.eta) else { return 0.0 };
         if wi.z >= 0.0 {
@@ -305,7 +306,7 @@ impl CoatTable {
     }
 }
 
-/// What a visible normal `m` reflects, with `eta` the index beyond the interface.
+/// Reflection from a visible normal `m`, with `eta` the index beyond the interface.
 fn reflected(surface: &Microfacet, wo: Vec3, m: Vec3, eta: f32) -> f32 {
     let wi = fresnel::reflect(wo, m);
     if wi.z <= 0.0 {

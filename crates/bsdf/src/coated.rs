@@ -43,10 +43,10 @@ pub struct Coated<'a> {
 
 /// The coat as a direction sees it.
 struct Seen {
-    /// What the interface reflects, and what reaches the base.
+    /// Reflectance of the interface, and transmission to the base.
     r: f32,
     t: f32,
-    /// How often the interface is sampled, and interface or base, in the brightest lanes.
+    /// Sampling weights of the interface, and of interface and base together, in the brightest lanes.
     interface: f32,
     all: f32,
 }
@@ -79,7 +79,7 @@ impl<'a> Coated<'a> {
         Seen { r, t, interface, all: interface + t * self.base_weight }
     }
 
-    /// What mirrors one direction into another, unless the coat is smooth.
+    /// Facet that mirrors one direction into another, unless the coat is smooth.
     #[inline(always)]
     fn mirror(&self, wo: Vec3, wi: Vec3) -> Option<Mirror> {
         (!self.microfacet.is_smooth()).then(|| self.microfacet.mirror(wo, wi))

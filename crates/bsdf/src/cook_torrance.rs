@@ -22,7 +22,7 @@ use super::{
 use std::f32::consts::FRAC_1_PI;
 use steradian_math::{Spectrum, Vec2, Vec3, warp::cosine_hemisphere};
 
-/// How the diffuse part gives way to the reflecting facets.
+/// Coupling of the diffuse part to the reflecting facets.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum DiffuseCoupling {
     /// Not at all: a sum.
@@ -33,8 +33,8 @@ pub enum DiffuseCoupling {
     Fresnel,
 }
 
-/// What is taken of the diffuse part under rough facets, so that nothing is gained where these reflect more than a
-/// plane: over white, for indices from 1.3 to 2.2 and all roughnesses, that is by 0.0022 at most.
+/// Factor on the diffuse part under rough facets, so that no energy is gained where these reflect more than a plane:
+/// the excess over white, for indices from 1.3 to 2.2 and all roughnesses, is 0.0022 at most.
 const LEFT_BY_ROUGH_FACETS: f32 = 0.997;
 
 /// Facets over a diffuse bulk.

@@ -30,7 +30,7 @@ impl Dielectric {
         Self { reflectance: Spectrum::ONE, transmittance: Spectrum::ONE, eta, microfacet }
     }
 
-    /// Whether the two media do not differ: light goes straight through, however rough the interface is.
+    /// True if the two media do not differ: light goes straight through, however rough the interface is.
     pub(crate) fn is_matched(&self) -> bool {
         (self.eta - 1.0).abs() < 1e-4
     }
@@ -42,19 +42,19 @@ impl Dielectric {
         (sum > 0.0).then(|| r / sum)
     }
 
-    /// How much is reflected, and scattered, in the brightest lanes.
+    /// Reflected part, and scattered part in all, in the brightest lanes.
     #[inline]
     fn shares(&self, f: f32) -> [f32; 2] {
         let r = f * self.reflectance.max_element();
         [r, r + (1.0 - f) * self.transmittance.max_element()]
     }
 
-    /// What a facet reflects that reflects the fraction `f` and is sampled to do so with probability `p`.
+    /// Reflection from a facet that reflects the fraction `f` and is sampled to do so with probability `p`.
     fn reflected(&self, facet: Facet, f: f32, p: f32) -> BsdfEval {
         BsdfEval { value: self.reflectance * (f * facet.value), pdf: p * facet.pdf }
     }
 
-    /// What such a facet transmits.
+    /// Transmission through such a facet.
     fn transmitted(&self, facet: Facet, f: f32, p: f32, eta: f32, mode: TransportMode) -> BsdfEval {
         let value = (1.0 - f) * facet.value * mode.compression(eta);
         BsdfEval { value: self.transmittance * value, pdf: (1.0 - p) * facet.pdf }

@@ -1,4 +1,4 @@
-//! How much light an interface reflects, and where the rest goes.
+//! Fresnel equations: reflection and refraction at an interface.
 //!
 //! The amplitude coefficients of the field perpendicular (`s`, senkrecht) and parallel (`p`) to the plane of incidence
 //! are (Born & Wolf 1999, 1.5.2)
@@ -13,7 +13,7 @@
 
 use steradian_math::{Spectrum, Vec3};
 
-/// What happens at a dielectric interface that light passes.
+/// Amplitudes and refraction at a dielectric interface that light passes.
 #[derive(Clone, Copy, Debug)]
 pub struct Amplitudes {
     /// `r_s`, the field perpendicular to the plane of incidence.
@@ -60,7 +60,7 @@ pub struct Crossing {
 }
 
 impl Crossing {
-    /// Of light from the side that the sign of the cosine says.
+    /// Crossing of light from the side given by the sign of the cosine.
     #[inline(always)]
     pub fn new(cos_i: f32, eta: f32) -> Self {
         let (cos_i, eta) = oriented(cos_i.clamp(-1.0, 1.0), eta);
@@ -86,7 +86,7 @@ impl Crossing {
         Self { reflectance: if refracted > 0.0 { reflectance } else { 1.0 }, cos_i, refracted, eta }
     }
 
-    /// What [`refract`] gives for a direction `w` whose product with the normal is `cos`.
+    /// Result of [`refract`] for a direction `w` whose product with the normal is `cos`.
     #[inline(always)]
     pub fn refract(&self, w: Vec3, n: Vec3, cos: f32) -> Option<(Vec3, f32)> {
         let along = (self.cos_i - self.refracted) * 1f32.copysign(cos);

@@ -43,7 +43,7 @@ use steradian_math::{
 
 /// Exponent beyond which the Gaussian is left out; samples go to 17.
 const FARTHEST: f32 = 18.0;
-/// What is added to the efficiency of an order for the probability to sample its blur, in which it may be larger.
+/// Added to the efficiency of an order for the probability of sampling its blur, in which it may be larger.
 const SELDOM: f32 = 0.01;
 
 /// Grooves: what a [`Grating`] is made of beside its material.
@@ -69,13 +69,13 @@ pub struct Grating<'a> {
     /// `λ/d` of the lanes.
     shift: Spectrum,
     alpha: Vec2,
-    /// Of which the first are followed: 4, or the hero alone.
+    /// Number of lanes that are followed: 4, or 1 for the hero alone.
     lanes: u8,
 }
 
 impl<'a> Grating<'a> {
-    /// Of a metal, whose roughness `α` is that of the blur; wavelengths in nm. Where `is_single`, and where it is
-    /// smooth, directions are those of the first wavelength, which alone is right.
+    /// Grating of a metal, whose roughness `α` is that of the blur; wavelengths in nm. If `is_single`, or if the metal
+    /// is smooth, directions are those of the first wavelength, which alone is right.
     pub fn new(metal: Conductor, grooves: &'a Grooves, lambda: [f32; 4], is_single: bool) -> Self {
         let lanes = if is_single || metal.microfacet.is_smooth() { 1 } else { 4 };
         let shift = Spectrum::new(lambda.map(|l| l / grooves.period));
@@ -106,7 +106,7 @@ impl<'a> Grating<'a> {
         (low.ceil() as i32).max(-most)..=(high.floor() as i32).min(most)
     }
 
-    /// Where an order goes.
+    /// Direction of an order.
     fn centre(&self, lane: usize, o: Vec2, order: i32) -> Vec2 {
         Vec2::new(-o.x, order as f32 * self.shift[lane] - o.y)
     }
@@ -116,7 +116,7 @@ impl<'a> Grating<'a> {
         self.grooves.profile.efficiency(order, self.retardation(lane, cos_o, cos_i))
     }
 
-    /// What all propagating orders from `o` have together by scalar theory.
+    /// Total efficiency of all propagating orders from `o`, by scalar theory.
     fn sum(&self, lane: usize, o: Vec2) -> f32 {
         let Some(cos_o) = height(o) else { return 0.0 };
         let of = |m| height(self.centre(lane, o, m)).map(|cos_i| self.scalar(lane, m, cos_o, cos_i));
@@ -134,7 +134,7 @@ impl<'a> Grating<'a> {
         }
     }
 
-    /// How often an order is sampled, in proportion.
+    /// Unnormalised probability of sampling an order.
     fn frequency(&self, lane: usize, order: i32, o: Vec2) -> f32 {
         let Some(cos_o) = height(o) else { return 0.0 };
         let centre = self.centre(lane, o, order);
@@ -161,7 +161,7 @@ impl<'a> Grating<'a> {
         self.metal.microfacet.is_smooth()
     }
 
-    /// How far the blur of this roughness goes.
+    /// Radius of the blur for this roughness.
     fn reach(&self, alpha: f32) -> f32 {
         if self.is_smooth() { 0.0 } else { 2.0 * alpha * FARTHEST.sqrt() }
     }

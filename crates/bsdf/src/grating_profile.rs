@@ -1,6 +1,6 @@
-//! What part of the light a grating sends into each order, by scalar theory of a thin phase grating (Goodman,
-//! *Introduction to Fourier Optics*, 4.4.3 and 4.4.4, for the sinusoidal one; the others are Fourier coefficients of
-//! their phase).
+//! Diffraction efficiencies: the part of the light that a grating sends into each order, by scalar theory of a thin
+//! phase grating (Goodman, *Introduction to Fourier Optics*, 4.4.3 and 4.4.4, for the sinusoidal one; the others are
+//! Fourier coefficients of their phase).
 //!
 //! With the retardation `Γ`, by how many wavelengths the path at the deepest place differs:
 //!

@@ -55,17 +55,17 @@ pub struct Hair {
     offset: Offset,
 }
 
-/// Where a fibre is met, and along which axis of the shading frame it lies.
+/// Offset at which a ray meets a fibre, and the axis of the shading frame along which the fibre lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Offset {
     /// `h`, of a fibre along `x` (pbrt: twice the curve's `v`, less one).
     Given(f32),
-    /// Of a fibre along `y` whose surface is really round: `h` is the sine of the angle between normal and `wo` around
-    /// it (Mitsuba).
+    /// Fibre along `y` whose surface is really round: `h` is the sine of the angle between normal and `wo` around it
+    /// (Mitsuba).
     FromNormal,
 }
 
-/// What `wo` alone decides.
+/// Quantities that depend on `wo` alone.
 struct Outgoing {
     sin: f32,
     cos: f32,

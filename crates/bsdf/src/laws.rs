@@ -10,7 +10,7 @@ use steradian_testkit::{Moments, SphereGrid, chi2_test_within, normal_two_sided_
 
 use TransportMode::{Importance, Radiance};
 
-/// What the laws are about: a BSDF, or a broken one.
+/// Subject of the laws: a BSDF, or a broken one.
 trait Scatterer {
     fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval;
     fn sample(&self, wo: Vec3, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample>;

@@ -33,7 +33,7 @@ use steradian_math::{
     warp,
 };
 
-/// What lies under the coat.
+/// Base under the coat.
 #[derive(Clone, Copy, Debug)]
 pub enum Base {
     /// A metal; its index relative to the coat's.
@@ -120,7 +120,7 @@ impl Layered {
         Conductor { eta: self.base[0], k: self.base[1], tint: Spectrum::ONE, microfacet: self.base_facets }
     }
 
-    /// What smooth layers send to the mirrored direction: the interface's reflection and, over a smooth metal, all
+    /// Reflectance of smooth layers in the mirror direction: the interface's reflection and, over a smooth metal, all
     /// orders of reflection under it.
     fn mirrored(&self, wo: Vec3) -> Spectrum {
         let outside = self.fresnel(wo.z);

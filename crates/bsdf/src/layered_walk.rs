@@ -20,7 +20,7 @@ struct Layers {
 }
 
 impl Layers {
-    /// Where light from `wo` that entered the coat leaves it, and the part that is left.
+    /// Direction in which light from `wo` that entered the coat leaves it, and the part that is left.
     fn walk(&self, wo: Vec3, rng: &mut HashRng) -> Option<(Vec3, f32)> {
         let mode = TransportMode::Importance;
         let (interface, base) = (Bsdf::Dielectric(self.interface), Bsdf::Diffuse(self.base));

@@ -1,4 +1,4 @@
-//! What enters a layered surface beside what it reflects.
+//! Light that enters a layered surface, and light that it reflects.
 
 use crate::{
     Bsdf, Lobe, Microfacet, Pbr, Principled, ThinFilm, TransportMode::Radiance, pbr::PbrParams, principled,
@@ -79,7 +79,8 @@ fn shares_of_a_base_are_taken_from_it() {
     assert!((half / whole - 0.5).abs() < 0.02, "{half} of {whole}");
 }
 
-/// Of Disney's surface, whose lobes are added, what enters is what they leave: together no more than arrives.
+/// The light that enters Disney's surface, whose lobes are added, is the part that they leave: together no more than
+/// arrives.
 #[test]
 fn disneys_surface_gains_nothing_where_light_enters() {
     for roughness in [0.05, 0.5, 1.0] {

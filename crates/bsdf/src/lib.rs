@@ -119,33 +119,33 @@ impl Lobe {
         Self(self.0 | other.0)
     }
 
-    /// Whether every property of `other` is in this set.
+    /// True if every property of `other` is in this set.
     pub const fn contains(self, other: Self) -> bool {
         self.0 & other.0 == other.0
     }
 
-    /// Whether the lobe is a delta distribution.
+    /// True if the lobe is a delta distribution.
     pub const fn is_specular(self) -> bool {
         self.contains(Self::SPECULAR)
     }
 
-    /// Whether the sample crossed the surface.
+    /// True if the sample crossed the surface.
     pub const fn is_transmission(self) -> bool {
         self.contains(Self::TRANSMISSION)
     }
 
-    /// Whether the lobe is diffuse.
+    /// True if the lobe is diffuse.
     pub const fn is_diffuse(self) -> bool {
         self.contains(Self::DIFFUSE)
     }
 
-    /// Whether light goes below the surface, to leave it elsewhere.
+    /// True if light goes below the surface, to leave it elsewhere.
     #[inline]
     pub const fn is_subsurface(self) -> bool {
         self.contains(Self::SUBSURFACE)
     }
 
-    /// Whether the lobe is glossy.
+    /// True if the lobe is glossy.
     pub const fn is_glossy(self) -> bool {
         self.contains(Self::GLOSSY)
     }
@@ -160,7 +160,7 @@ pub struct BsdfSample {
     pub weight: Spectrum,
     /// Solid-angle density of `wi` (sr⁻¹); for a specular lobe the probability with which it was chosen.
     pub pdf: f32,
-    /// Where the sample came from.
+    /// Lobe of the sample.
     pub lobe: Lobe,
     /// Relative index of refraction met by a transmitted ray (`η_t/η_i`), else 1. Russian roulette multiplies the
     /// throughput by its square to leave the compression of radiance out of account.
@@ -221,7 +221,7 @@ impl BsdfSample {
     }
 }
 
-/// What is being carried along a path: the two differ where light is refracted (Veach 1997, 5.2).
+/// Quantity carried along a path: the two differ where light is refracted (Veach 1997, 5.2).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum TransportMode {
     /// Radiance, for paths that start at the eye: scaled by `(η_i/η_t)²` on refraction.
@@ -252,7 +252,7 @@ impl TransportMode {
 /// The enum of models, and what is done with each: a new one is a line below.
 macro_rules! models {
     ($($(#[$doc:meta])* $name:ident($model:ty),)*) => {
-        /// How a surface scatters light at one point.
+        /// Bidirectional scattering distribution function (BSDF) of a surface at a point.
         #[derive(Clone, Copy, Debug)]
         pub enum Bsdf<'a> {
             $($(#[$doc])* $name($model),)*
@@ -319,9 +319,9 @@ models! {
     Principled(Principled),
     /// Disney's thin sheet.
     PrincipledThin(PrincipledThin),
-    /// Where light may enter to leave elsewhere.
+    /// Surface that light may enter, to leave it elsewhere.
     Subsurface(Entry),
-    /// Where light leaves that entered elsewhere.
+    /// Surface through which light leaves that entered elsewhere.
     Emergence(Emergence),
 }
 
@@ -357,7 +357,7 @@ impl Bsdf<'_> {
         each!(self, b => b.eval(wo, wi, mode))
     }
 
-    /// Whether it is the same surface with the two directions exchanged.
+    /// True if the BSDF is reciprocal: the same with the two directions exchanged.
     #[inline]
     fn is_reciprocal(&self) -> bool {
         each!(self, b => b.is_reciprocal())
@@ -382,13 +382,13 @@ impl Bsdf<'_> {
         each!(self, b => b.sample(wo, u, u2, mode))
     }
 
-    /// Whether every lobe is a delta distribution, so that next-event estimation cannot contribute.
+    /// True if every lobe is a delta distribution, so that next-event estimation cannot contribute.
     #[inline]
     pub fn is_specular(&self) -> bool {
         each!(self, b => b.is_specular())
     }
 
-    /// Whether light can pass to the other side.
+    /// True if light can pass to the other side.
     #[inline]
     pub fn has_transmission(&self) -> bool {
         each!(self, b => b.transmits())
@@ -401,7 +401,7 @@ impl Bsdf<'_> {
         each!(self, b => b.pdf(wo, wi, mode))
     }
 
-    /// Whether values are estimates, right in the mean over directions.
+    /// True if values are estimates, right in the mean over directions.
     pub fn is_stochastic(&self) -> bool {
         each!(self, b => b.is_stochastic())
     }

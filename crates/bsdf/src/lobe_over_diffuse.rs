@@ -12,14 +12,14 @@ use steradian_math::{Chance, Spectrum, Vec2, Vec3, warp::cosine_hemisphere};
 pub trait GlossyLobe: Copy {
     /// The model, or its forms, with cases for the laws.
     const MODELS: &'static [Model];
-    /// How it is made from parameters alone.
+    /// Recipes that make the model from parameters alone.
     const RECIPES: &'static [Recipe];
 
-    /// Whether the lobe of reflectance one sends back no more light than it gets, so that `k_d + k_s ≤ 1` bounds the
+    /// True if the lobe of reflectance one sends back no more light than it gets, so that `k_d + k_s ≤ 1` bounds the
     /// sum.
     fn conserves(&self) -> bool;
 
-    /// Whether it is the same with the directions exchanged.
+    /// True if the lobe is the same with the directions exchanged.
     fn is_reciprocal(&self) -> bool {
         true
     }

@@ -6,7 +6,8 @@
 //! ```text
 //! GGX          Λ = (√(1 + a⁻²) − 1)/2
 //! Beckmann     Λ = exp(−a²)/(2a√π) − erfc(a)/2
-//! Student's t  Λ = c (γ−1+a²)^(3/2−γ) / ((2γ−3) a) − ½ I_z(γ−1, ½),  c = (γ−1)^γ Γ(γ−½) / (√π Γ(γ)),  z = (γ−1)/(γ−1+a²)
+//! Student's t  Λ = c (γ−1+a²)^(3/2−γ) / ((2γ−3) a) − ½ I_z(γ−1, ½),
+//!              c = (γ−1)^γ Γ(γ−½) / (√π Γ(γ)),  z = (γ−1)/(γ−1+a²)
 //! others       Λ from tables: the facets' area projected along the direction, over the surface's, less one
 //! ```
 //!
@@ -20,7 +21,7 @@ use super::{NormalDistribution, gaussian::erfc_scaled};
 use std::{f32::consts::PI, sync::LazyLock};
 use steradian_math::{Vec2, Vec3, elementary::exp};
 
-/// How masking and shadowing combine into `G₂`.
+/// Combination of masking and shadowing into `G₂`.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Shadowing {
     /// `1/(1 + Λ(wo) + Λ(wi))`: high facets are both visible and lit (Heitz 2014, eq. 99); pbrt-v4's choice.

@@ -51,7 +51,7 @@ pub(super) struct Mirror {
     spread: Spread,
 }
 
-/// What GGX has to say of a normal and a direction `wo`; nothing for other distributions.
+/// GGX terms of a normal and a direction `wo`; zero for other distributions.
 #[derive(Clone, Copy, Debug, Default)]
 struct Spread {
     /// `√(π D/(α_x α_y))`.
@@ -60,7 +60,7 @@ struct Spread {
     area: f32,
 }
 
-/// How a facet turns `wi` into `wo`.
+/// Change of variables at a facet that turns `wi` into `wo`.
 struct Turn {
     /// `wo·m`, negative when `wo` lies below the facet.
     cos_o: f32,
@@ -100,13 +100,13 @@ impl Normal {
         (2.0 * self.projected * self.inverse2) * self.direction - wo
     }
 
-    /// What mirrors it.
+    /// Facet that mirrors it.
     #[inline(always)]
     pub fn mirror(&self) -> Mirror {
         Mirror { cos2: self.cos2(), spread: self.spread }
     }
 
-    /// What happens at the facet where the medium below it has the index `eta` relative to the one above.
+    /// Fresnel terms at the facet, if the medium below it has the index `eta` relative to the one above.
     #[inline(always)]
     pub fn crossing(&self, eta: f32) -> fresnel::Crossing {
         fresnel::Crossing::by_square(self.cos2(), if self.projected < 0.0 { 1.0 / eta } else { eta })
@@ -153,7 +153,7 @@ impl Microfacet {
         Self { alpha_x: alpha, alpha_y: alpha, ..Self::SMOOTH }
     }
 
-    /// Whether the surface scatters as a delta distribution.
+    /// True if the surface scatters as a delta distribution.
     #[inline]
     pub fn is_smooth(&self) -> bool {
         self.alpha_x < Self::SMOOTH_BELOW && self.alpha_y < Self::SMOOTH_BELOW
@@ -226,7 +226,7 @@ impl Microfacet {
             }
     }
 
-    /// Whether visible normals are drawn by stretching a surface of unit roughness.
+    /// True if visible normals are drawn by stretching a surface of unit roughness.
     #[inline]
     fn is_stretched(&self) -> bool {
         matches!(self.distribution, NormalDistribution::Ggx | NormalDistribution::Beckmann)
@@ -316,7 +316,8 @@ impl Microfacet {
         if (u.x * 4096.0).fract() * (here + across) < here { slopes } else { -slopes }
     }
 
-    /// What a normal that was drawn for `wo` carries to `wi`, for unit Fresnel factor: value over density.
+    /// Sample weight from `wo` to `wi` of a normal that was drawn for `wo`, for unit Fresnel factor: value over
+    /// density.
     #[inline]
     pub(super) fn sampled_weight(&self, wo: Vec3, wi: Vec3, m: Vec3) -> f32 {
         let g2 = self.g2(wo, wi, m);
@@ -327,7 +328,7 @@ impl Microfacet {
         if density > 0.0 { g2 * wo.dot(m).abs() * self.d(m) / density } else { 0.0 }
     }
 
-    /// What mirrors `wi` into `wo`.
+    /// Facet that mirrors `wi` into `wo`.
     #[inline(always)]
     pub(super) fn mirror(&self, wo: Vec3, wi: Vec3) -> Mirror {
         // The half vector makes the same angle with both, so that is half of its length.
@@ -336,7 +337,7 @@ impl Microfacet {
         Mirror { cos2: 0.25 * length2, spread: self.spread(h, length2, wo) }
     }
 
-    /// Of a normal of any length, whose square is given.
+    /// GGX terms of a normal of any length, whose square is given.
     #[inline(always)]
     fn spread(&self, h: Vec3, length2: f32, wo: Vec3) -> Spread {
         if !self.is_ggx() {

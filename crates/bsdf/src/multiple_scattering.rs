@@ -24,7 +24,7 @@ use super::{
 use std::f32::consts::FRAC_1_PI;
 use steradian_math::{Spectrum, Vec2, Vec3, cell, warp::cosine_hemisphere};
 
-/// How light between facets is accounted for.
+/// Energy compensation for multiple scattering between facets.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Compensation {
     /// A broad lobe beside the single scattering.

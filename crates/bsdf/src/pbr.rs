@@ -6,10 +6,10 @@
 //! f = coat F_c D_c G_c/(4..) + L_c [ sheen + L_s ( F D G/(4..) + (1 − F) refraction + B(wo, wi) (ρ + τ)/π ) ]
 //! F = metallic F_metal + (1 − metallic) F_dielectric                                  glTF 2.0, appendix B.2
 //! F_dielectric = f0 + (f90 − f0)(1 − c)⁵, of the facet; total reflection from inside   KHR_materials_specular, _ior
-//! F_metal = base + (1 − base)(1 − c)⁵ − k c (1 − c)⁶, with the edge's tint at 82°      Hoffman 2019; OpenPBR 1.1, eq. 24
+//! F_metal = base + (1 − base)(1 − c)⁵ − k c (1 − c)⁶, with the edge's tint at 82°    Hoffman 2019; OpenPBR 1.1, eq. 24
 //! with a film: both interpolated to Airy's reflectance over an index of √F₀ = (n−1)/(n+1)   KHR_materials_iridescence
 //! B = (1 − E(wo))(1 − E(wi))/(1 − Ē) of the dielectric reflection                      albedo_table
-//! L = min over both directions of 1 − weight · E                                       KHR_materials_sheen, albedo scaling
+//! L = min over both directions of 1 − weight · E                                   KHR_materials_sheen, albedo scaling
 //! ```
 //!
 //! The minimum keeps layering reciprocal and never makes energy; appendix B's own mix by the Fresnel factor of the
@@ -50,12 +50,12 @@ impl Unit {
     }
 }
 
-/// What a scene says of the surface. Colours and weights in [0, 1] (clamped).
+/// Parameters of the surface. Colours and weights in [0, 1] (clamped).
 #[derive(Clone, Copy, Debug)]
 pub struct PbrParams {
     /// Colour of metal, of diffuse reflection, and of what is refracted.
     pub base_color: Spectrum,
-    /// How much of it is metal.
+    /// Weight of the metal.
     pub metallic: f32,
     /// Facets of the base.
     pub facets: Microfacet,
@@ -65,13 +65,13 @@ pub struct PbrParams {
     pub specular: f32,
     /// Tint of the dielectric reflection at normal incidence, and of metal at 82°.
     pub specular_color: Spectrum,
-    /// How much of the dielectric refracts.
+    /// Part of the dielectric that refracts.
     pub transmission: f32,
     /// Factor on what is refracted.
     pub transmission_color: Spectrum,
-    /// Whether light passes unbent.
+    /// True for a thin wall, which light passes unbent.
     pub thin: bool,
-    /// How much of the diffuse light goes through.
+    /// Part of the diffuse light that is transmitted.
     pub diffuse_transmission: f32,
     /// Its colour.
     pub diffuse_transmission_color: Spectrum,
@@ -85,15 +85,15 @@ pub struct PbrParams {
     pub coat_facets: Microfacet,
     /// Index of refraction of the coat (≥ 1).
     pub coat_eta: f32,
-    /// What light keeps on its way in and out of the coat at normal incidence.
+    /// Transmittance of the coat for light that passes it in and out at normal incidence.
     pub coat_color: Spectrum,
-    /// Whether specular_color tints metal at the edge (OpenPBR) rather than the dielectric alone (glTF).
+    /// True if specular_color tints metal at the edge (OpenPBR) rather than the dielectric alone (glTF).
     pub tints_metal_edge: bool,
     /// A film between base and coat.
     pub film: ThinFilm,
-    /// How much of the base it covers.
+    /// Part of the base that the film covers.
     pub film_weight: f32,
-    /// What of the opaque dielectric is a medium that light goes below.
+    /// Part of the opaque dielectric that is a medium which light enters.
     pub subsurface: SubsurfacePart,
 }
 
@@ -104,7 +104,7 @@ pub struct Pbr {
     edge: Unit4,
     f0: Unit4,
     diffuse: Unit4,
-    /// What goes through, or below, by its colour.
+    /// Colour of the light that goes through the surface, or below it.
     through: Unit4,
     refracted: Unit4,
     sheen: Unit4,
@@ -122,11 +122,11 @@ pub struct Pbr {
     coat: Unit,
     coat_f0: Unit,
     thin: bool,
-    /// How much goes below the surface instead of through, of 255.
+    /// Part of that light that goes below the surface instead of through, of 255.
     below: u8,
 }
 
-/// What is known of a surface once it is seen from a side.
+/// Quantities that depend on the viewing direction alone.
 #[derive(Default)]
 struct Seen {
     /// Probabilities of the ways to draw a direction.
@@ -295,7 +295,7 @@ impl Pbr {
         self.coat.get() * (self.coat_f0.get() * a + b)
     }
 
-    /// What sheen leaves to the layers below it at one cosine.
+    /// Transmittance of the sheen to the layers below it at one cosine.
     fn sheen_leaves(&self, cos: f32) -> f32 {
         if self.sheen.is_black() {
             return 1.0;
@@ -303,7 +303,7 @@ impl Pbr {
         1.0 - self.sheen.most() * albedo_table::sheen(self.sheen_alpha.get(), cos)
     }
 
-    /// What the coat leaves of light that sees it at these cosines on its way, and the colour it gives.
+    /// Transmittance of the coat, with its colour, for light that crosses it at these cosines.
     fn coat_leaves(&self, cosines: &[f32]) -> Spectrum {
         if self.coat.0 == 0 {
             return Spectrum::ONE;
@@ -312,7 +312,7 @@ impl Pbr {
         self.coat_color_kept(cosines) * (1.0 - most)
     }
 
-    /// What the colour of the coat leaves of light that sees it at these cosines.
+    /// Transmittance of the coat's colour alone for light that crosses it at these cosines.
     #[inline(always)]
     fn coat_color_kept(&self, cosines: &[f32]) -> Spectrum {
         let white = self.coat_color == Unit4::ONE;
@@ -350,13 +350,13 @@ impl Pbr {
         Seen { coat: coat * inverse, facets: facets * inverse, diffuse: diffuse * inverse, below, row }
     }
 
-    /// Whether diffuse light goes through.
+    /// True if diffuse light goes through.
     #[inline]
     fn passes_diffusely(&self) -> bool {
         self.below == 0 && !self.through.is_black()
     }
 
-    /// What goes below the surface, to leave elsewhere.
+    /// Sample of the light that goes below the surface, to leave elsewhere.
     fn entering(&self, wo: Vec3, c: &Seen) -> BsdfSample {
         let kept =
             self.coat_color_kept(&[wo.z, 2.0 / 3.0]) * ((1.0 - self.coat_albedo(wo.z)) * self.sheen_leaves(wo.z));
@@ -436,13 +436,13 @@ impl Pbr {
         e
     }
 
-    /// What the layers leave to light between two sides.
+    /// Transmittance of the layers for light between two directions, given by their cosines.
     fn layers(&self, a: f32, b: f32) -> Spectrum {
         let sheen = self.sheen_leaves(a).min(self.sheen_leaves(b));
         self.coat_leaves(&[a, b]) * sheen
     }
 
-    /// What a facet lets pass, and the part of its draws that does.
+    /// Transmission of a facet, and the part of its samples that are transmitted.
     fn transmitted(&self, cos: f32) -> (Spectrum, f32) {
         let passing = 1.0 - self.reflecting_part(self.reflectance_from(cos));
         (self.refracted.get() * (Spectrum::ONE - self.dielectric(cos)), passing)

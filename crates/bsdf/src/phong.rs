@@ -3,7 +3,7 @@
 //! ```text
 //! modified Phong   f = k_d/π + k_s (n+2)/2π · max(0, cosα)^n             cosα = R(wo)·wi;  Lafortune & Willems 1994
 //! empirical Phong  f = k_d/π + k_s max(0, cosα)^n / cosθ_i              Phong 1975, as a BRDF: see below
-//! Lafortune        f = k_d/π + k_s (n+2)/2π · max(0, C_x x x' + C_y y y' + C_z z z')^n       Lafortune et al. 1997, one lobe
+//! Lafortune        f = k_d/π + k_s (n+2)/2π · max(0, C_x x x' + C_y y y' + C_z z z')^n Lafortune et al. 1997, one lobe
 //! ```
 //!
 //! The modified form is reciprocal and its albedo at most `k_d + k_s`. The empirical form is what the illumination
@@ -35,7 +35,7 @@ pub struct CosineLobe {
     /// `1/(n + 1)`.
     inverse: f32,
     empirical: bool,
-    /// Whether the coefficients are those of the mirror direction.
+    /// True if the coefficients are those of the mirror direction.
     is_mirror: bool,
 }
 

@@ -6,7 +6,7 @@
 //! ```text
 //! f = (1−m)(1−t) base/π · lerp(f_d + f_r, f_ss, flatness)       diffuse, Burley 2012, 5.3 and 2015, eq. 4
 //!   + (1−m) sheen · S(cosθ_d)                                     2012, 5.2
-//!   + F D_GGX G / (4 cosθ_o cosθ_i)                               specular: F of the metal, of the tinted and of the plain dielectric
+//!   + F D_GGX G / (4 cosθ_o cosθ_i)                               specular: F of metal, tinted and plain dielectric
 //!   + clearcoat/4 · F_0.04 D_GTR1 G_0.25                          2012, 5.4
 //!   + (1−m) t √base (1−F) · refraction by the same microfacets    2015, 5.1
 //! f_d = (1 − S_o/2)(1 − S_i/2),  R = 2 roughness cos²θ_d,  f_r = R (S_o + S_i + S_o S_i (R − 1))
@@ -42,7 +42,7 @@ pub struct DisneyDiffuse {
     pub sheen: Spectrum,
     /// In [0, 1].
     pub roughness: f32,
-    /// How much the diffuse part looks like subsurface scattering, in [0, 1].
+    /// Weight of the diffuse approximation of subsurface scattering, in [0, 1].
     pub flatness: f32,
 }
 
@@ -79,13 +79,13 @@ pub struct Principled {
     spec_tint: f32,
     clearcoat: f32,
     clearcoat_alpha: f32,
-    /// How much of the diffuse part light goes below.
+    /// Part of the diffuse lobe whose light goes below the surface.
     below: f32,
-    /// What comes back from there.
+    /// Colour of the light that comes back from there.
     below_color: Unit4,
 }
 
-/// What a scene says of the surface; all but `eta` in [0, 1] (clamped).
+/// Parameters of the surface; all but `eta` in [0, 1] (clamped).
 #[derive(Clone, Copy, Debug)]
 pub struct PrincipledParams {
     /// Colour of the diffuse part, of metal, and (its root) of what is transmitted.
@@ -96,17 +96,17 @@ pub struct PrincipledParams {
     pub roughness: f32,
     /// Stretch of the highlight along the tangent.
     pub anisotropic: f32,
-    /// How much of it is metal.
+    /// Weight of the metal.
     pub metallic: f32,
-    /// How much of the rest transmits.
+    /// Part of the rest that transmits.
     pub spec_trans: f32,
     /// Index of refraction (> 0).
     pub eta: f32,
-    /// How much the hue of the base colours the dielectric highlight.
+    /// Tint of the dielectric highlight by the hue of the base.
     pub spec_tint: f32,
     /// Strength of the sheen of cloth.
     pub sheen: f32,
-    /// How much the hue of the base colours the sheen.
+    /// Tint of the sheen by the hue of the base.
     pub sheen_tint: f32,
     /// Flatness of the diffuse part.
     pub flatness: f32,
@@ -114,7 +114,7 @@ pub struct PrincipledParams {
     pub clearcoat: f32,
     /// Gloss of the clear coat: 0 is satin, 1 gloss.
     pub clearcoat_gloss: f32,
-    /// What of the diffuse part is a medium that light goes below.
+    /// Part of the diffuse lobe that is a medium which light enters.
     pub subsurface: SubsurfacePart,
 }
 
@@ -158,11 +158,11 @@ impl PrincipledParams {
 
 /// Weights and probabilities of the lobes for light that leaves along `wo`.
 struct Weights {
-    /// Of the diffuse lobe.
+    /// Weight of the diffuse lobe.
     brdf: f32,
-    /// Of the transmitting lobe.
+    /// Weight of the transmitting lobe.
     bsdf: f32,
-    /// Of what goes below.
+    /// Weight of the light that goes below.
     below: f32,
     /// Probabilities: diffuse, clearcoat, going below; what is left is the microfacets'.
     diffuse: f32,
@@ -253,7 +253,7 @@ impl Principled {
         if wo.z > 0.0 { self.eta } else { 1.0 / self.eta }
     }
 
-    /// What a facet transmits that reflects the fraction `f`.
+    /// Transmission through a facet that reflects the fraction `f`.
     #[inline(always)]
     fn transmitted(&self, w: &Weights, facet: Facet, f: f32, wo: Vec3, eta: f32, mode: TransportMode) -> BsdfEval {
         let value = w.bsdf * (1.0 - f) * facet.value * mode.compression(eta);
@@ -261,7 +261,7 @@ impl Principled {
         BsdfEval { value: self.diffuse.base.sqrt() * value, pdf: p * facet.pdf }
     }
 
-    /// What the surface sends to the side of `wo`.
+    /// Reflection to the side of `wo`.
     #[inline(always)]
     fn reflected(&self, w: &Weights, mirror: &Mirror, wo: Vec3, wi: Vec3) -> BsdfEval {
         let Some(facet) = self.microfacet.reflecting_by(mirror, wo, wi) else { return BsdfEval::ZERO };
@@ -287,7 +287,7 @@ impl Principled {
         e
     }
 
-    /// What goes below the surface through a facet in view, to leave elsewhere.
+    /// Sample of the light that goes below the surface through a facet in view, to leave elsewhere.
     fn entering(&self, w: &Weights, wo: Vec3, u2: Vec2) -> BsdfSample {
         let crossing = self.microfacet.draw(wo, u2).crossing(self.eta);
         let dielectric = Self { metallic: 0.0, ..*self };

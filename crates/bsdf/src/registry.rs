@@ -1,5 +1,5 @@
-//! What every scattering model is registered with: cases at the corners of its parameters, on which the laws of
-//! scattering are checked, and ways to make it from parameters alone.
+//! Registration of scattering models: cases at the corners of their parameters, on which the laws of scattering are
+//! checked, and recipes that make them from parameters alone.
 
 use super::Bsdf;
 use steradian_math::{Spectrum, Vec3};
@@ -8,13 +8,13 @@ use steradian_math::{Spectrum, Vec3};
 pub struct Model {
     /// Its name.
     pub name: &'static str,
-    /// What it is, in a sentence.
+    /// Description in one sentence.
     pub doc: &'static str,
     /// Hands each test case to the visitor.
     pub cases: fn(&mut Visitor<'_>),
-    /// Whether it is the same with the two directions exchanged.
+    /// True if the model is the same with the two directions exchanged.
     pub is_reciprocal: bool,
-    /// Whether it never reflects more light than it gets.
+    /// True if it never reflects more light than it gets.
     pub conserves: bool,
 }
 
@@ -24,13 +24,13 @@ impl Model {
         Self { name, doc, cases, is_reciprocal: true, conserves: true }
     }
 
-    /// That is another one backwards.
+    /// Marks the model as not reciprocal: with the two directions exchanged it is another one.
     pub(super) const fn not_reciprocal(mut self) -> Self {
         self.is_reciprocal = false;
         self
     }
 
-    /// That may reflect more light than it gets.
+    /// Marks the model as one that may reflect more light than it gets.
     pub(super) const fn gains_energy(mut self) -> Self {
         self.conserves = false;
         self
@@ -39,15 +39,15 @@ impl Model {
 
 /// A value of a model that the laws of scattering are checked on.
 pub struct Case<'a> {
-    /// What is special about it.
+    /// Label: the special feature of the case.
     pub label: &'static str,
     /// The value.
     pub bsdf: Bsdf<'a>,
-    /// Whether it neither absorbs nor loses light, so that it is invisible in a white furnace.
+    /// True if it neither absorbs nor loses light, so that it is invisible in a white furnace.
     pub lossless: bool,
 }
 
-/// What is done with each case.
+/// Callback for each case.
 pub type Visitor<'v> = dyn FnMut(Case<'_>) + 'v;
 
 /// Most colours, and most numbers, that a recipe takes.
@@ -66,12 +66,12 @@ pub struct Inputs {
     pub vector: Vec3,
 }
 
-/// How a model is made from the values of its parameters, where these are all that it takes.
+/// Recipe that makes a model from the values of its parameters, if it takes nothing else.
 #[derive(Clone, Copy, Debug)]
 pub struct Recipe {
     /// The kind of material that it is in descriptions.
     pub kind: &'static str,
-    /// Whether the orientation of the tangent matters.
+    /// True if the orientation of the tangent matters.
     pub is_anisotropic: bool,
     /// Makes it.
     pub make: fn(&Inputs) -> Bsdf<'static>,
@@ -82,7 +82,7 @@ impl Recipe {
         Self { kind, is_anisotropic: false, make }
     }
 
-    /// Of which the orientation of the tangent matters.
+    /// Marks the recipe as one of an anisotropic model, for which the orientation of the tangent matters.
     pub(super) const fn anisotropic(mut self) -> Self {
         self.is_anisotropic = true;
         self

@@ -1,4 +1,4 @@
-//! What a scattering model does: the contract behind [`Bsdf`](super::Bsdf).
+//! Interface of a scattering model: the contract behind [`Bsdf`](super::Bsdf).
 
 use super::{
     BsdfEval, BsdfSample, TransportMode,
@@ -11,7 +11,7 @@ use steradian_math::{Spectrum, Vec2, Vec3};
 pub(crate) trait Scatter {
     /// The model, or its forms, with cases for the laws.
     const MODELS: &'static [Model];
-    /// How it is made from parameters alone, where it can be.
+    /// Recipes that make the model from parameters alone, for models that allow it.
     const RECIPES: &'static [Recipe] = &[];
     /// The largest part of the light that leaves again.
     const ALBEDO_BOUND: f32 = 1.0;
@@ -31,25 +31,25 @@ pub(crate) trait Scatter {
         self.eval(wo, wi, mode).pdf
     }
 
-    /// Whether every lobe is a delta distribution.
+    /// True if every lobe is a delta distribution.
     #[inline]
     fn is_specular(&self) -> bool {
         false
     }
 
-    /// Whether light can pass to the other side.
+    /// True if light can pass to the other side.
     #[inline]
     fn transmits(&self) -> bool {
         false
     }
 
-    /// Whether it is the same surface with the two directions exchanged.
+    /// True if the model is the same surface with the two directions exchanged.
     #[inline]
     fn is_reciprocal(&self) -> bool {
         true
     }
 
-    /// Whether values are estimates, right in the mean.
+    /// True if values are estimates, right in the mean.
     #[inline]
     fn is_stochastic(&self) -> bool {
         false

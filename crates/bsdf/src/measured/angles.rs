@@ -20,7 +20,7 @@ pub struct AngleTable {
     /// increasing.
     axes: [Vec<f32>; 4],
     isotropic: bool,
-    /// Whether only half of the circle of differences was measured.
+    /// True if only half of the circle of differences was measured.
     mirrored: bool,
     values: Vec<Vec3>,
 }

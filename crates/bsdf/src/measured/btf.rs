@@ -12,7 +12,7 @@ use steradian_math::{Vec2, Vec3};
 /// Most pictures, and most texels of all together.
 const MAX_PICTURES: usize = 1 << 14;
 const MAX_TEXELS: usize = 1 << 27;
-/// How many directions a lookup mixes.
+/// Number of directions that a lookup mixes.
 const NEAREST: usize = 3;
 
 /// One picture: linear RGB, row 0 at the top (v = 1).

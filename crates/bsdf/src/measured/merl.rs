@@ -24,7 +24,7 @@ pub struct Merl {
 }
 
 impl Merl {
-    /// Whether bytes have the size that their header declares.
+    /// True if bytes have the size that their header declares.
     pub fn is(bytes: &[u8]) -> bool {
         sizes(bytes).is_some_and(|s| length(s) == bytes.len())
     }

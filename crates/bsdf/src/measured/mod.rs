@@ -35,7 +35,7 @@ use steradian_math::{
     spectra::{ColorMode, Wavelengths, role, role::Role},
 };
 
-/// What is wrong with a file of measurements.
+/// Error in a file of measurements.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeasuredError {
@@ -64,7 +64,7 @@ enum Table {
 #[derive(Clone, Debug)]
 pub struct MeasuredData {
     table: Table,
-    /// How directions are drawn where the table does not say it itself.
+    /// Sampling distribution of directions, for tables that have none of their own.
     directions: Option<Box<HalfVectors>>,
 }
 
@@ -109,7 +109,7 @@ impl MeasuredData {
         data
     }
 
-    /// Whether values are by wavelength rather than by channel.
+    /// True if values are by wavelength rather than by channel.
     fn spectral(&self) -> bool {
         match &self.table {
             Table::Rgl(t) => t.spectral,
@@ -118,7 +118,7 @@ impl MeasuredData {
         }
     }
 
-    /// Whether it varies over the surface.
+    /// True if it varies over the surface.
     fn varies(&self) -> bool {
         matches!(self.table, Table::Btf(_))
     }

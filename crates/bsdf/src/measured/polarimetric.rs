@@ -2,9 +2,9 @@
 //! unpolarised transport uses the first element.
 //!
 //! Fields of the tensor file: `phi_d`, `theta_d`, `theta_h` (radians, increasing; lists, or rows of a matrix as the
-//! authors' files have them), `wvls` (nm) and `M` in `[phi_d][theta_d][theta_h][wvls][4][4]`, where what was not measured
-//! is NaN. Files with angles of no rows have them spaced evenly over their ranges. Baek et al., "Image-Based Acquisition and Modeling of Polarimetric
-//! Reflectance" (2020); read by Mitsuba as `measured_polarized`.
+//! authors' files have them), `wvls` (nm) and `M` in `[phi_d][theta_d][theta_h][wvls][4][4]`, where values not measured
+//! are NaN. Files with angles of no rows have them spaced evenly over their ranges. Baek et al., "Image-Based
+//! Acquisition and Modeling of Polarimetric Reflectance" (2020); read by Mitsuba as `measured_polarized`.
 
 use super::{
     MeasuredError,
@@ -75,7 +75,7 @@ impl Polarimetric {
         Ok(Self { phi_d, theta_d, theta_h, lambda: Vec::new(), values })
     }
 
-    /// Whether values are by wavelength.
+    /// True if values are by wavelength.
     pub fn spectral(&self) -> bool {
         !self.lambda.is_empty()
     }

@@ -24,7 +24,7 @@ use steradian_math::{
 #[derive(Clone, Debug)]
 pub struct Rgl {
     isotropic: bool,
-    /// How often the measured azimuths repeat around the circle: 1, 2 or 4.
+    /// Number of repetitions of the measured azimuths around the circle: 1, 2 or 4.
     symmetry: u32,
     jacobian: bool,
     ndf: Interpolant<0>,
@@ -33,7 +33,7 @@ pub struct Rgl {
     luminance: Interpolant<2>,
     /// By azimuth, angle, and wavelength in nm or number of the channel.
     values: Interpolant<3>,
-    /// Whether the last axis of `values` is a wavelength.
+    /// True if the last axis of `values` is a wavelength.
     pub spectral: bool,
 }
 
@@ -183,8 +183,8 @@ fn colours(
     Ok((Interpolant::new(name, rgb, size, axes(vec![0.0, 1.0, 2.0]), false)?, false))
 }
 
-/// What each sampled wavelength of a reflectance adds to its linear Rec.709 colour under D65, for linear interpolation
-/// between samples.
+/// Contribution of each sampled wavelength of a reflectance to its linear Rec.709 colour under D65, for linear
+/// interpolation between samples.
 pub(super) fn rgb_weights(lambda: &[f32]) -> Vec<Vec3> {
     let last = lambda.len() - 1;
     (0..lambda.len())

@@ -15,7 +15,7 @@ pub struct HalfDifference {
 }
 
 impl HalfDifference {
-    /// Of two directions above the surface; the azimuth is that of `w`.
+    /// Angles of two directions above the surface; the azimuth is that of `w`.
     #[inline]
     pub fn new(w: Vec3, other: Vec3) -> Option<Self> {
         let h = (w + other).try_normalize()?;

@@ -50,7 +50,7 @@ fn width(kind: u8) -> Option<usize> {
 }
 
 impl<'a> TensorFile<'a> {
-    /// Whether bytes begin as a tensor file does.
+    /// True if bytes begin as a tensor file does.
     pub fn is(bytes: &[u8]) -> bool {
         bytes.starts_with(b"tensor_file\0")
     }

@@ -1,4 +1,4 @@
-//! Where light leaves that went below a surface.
+//! Emergence of light from below a surface.
 
 use super::profile::moment;
 use crate::{

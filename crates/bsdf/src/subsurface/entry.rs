@@ -1,4 +1,4 @@
-//! Where light meets a surface that it may enter.
+//! Entry of light into a medium below a surface.
 
 use crate::{
     Bsdf, BsdfEval, BsdfSample, Dielectric, Microfacet, TransportMode, fresnel,
@@ -11,12 +11,12 @@ use steradian_math::{Spectrum, Vec2, Vec3};
 /// [`Lobe::SUBSURFACE`](crate::Lobe::SUBSURFACE), for what is not reflected there.
 #[derive(Clone, Copy, Debug)]
 pub struct Entry {
-    /// What reflects; its transmittance is a factor on what enters.
+    /// Interface that reflects; its transmittance is a factor on the light that enters.
     pub interface: Dielectric,
 }
 
 impl Entry {
-    /// What enters where so much of it is not reflected, drawn with a probability.
+    /// Sample of the light that enters: the part `passed`, which is not reflected, drawn with a probability.
     fn entering(&self, passed: f32, probability: f32) -> Option<BsdfSample> {
         (probability > 0.0)
             .then(|| BsdfSample::entering(self.interface.transmittance * (passed / probability), probability))
@@ -87,8 +87,8 @@ mod tests {
     use crate::{Lobe, TransportMode::Radiance};
     use steradian_math::hash::HashRng;
 
-    /// What enters a rough surface, and what it reflects, are together no more than what arrives, and what enters is
-    /// what the facets in view let through: for a smooth surface 1 − F.
+    /// The light that enters a rough surface and the light that it reflects are together no more than arrives, and the
+    /// light that enters is the part that the facets in view let through: for a smooth surface 1 − F.
     #[test]
     fn what_is_not_reflected_enters() {
         let mut rng = HashRng::new(7);

@@ -1,4 +1,4 @@
-//! What scatters below a surface so that a given part of the light comes back.
+//! Albedo inversion: the scattering below a surface for which a given part of the light comes back.
 
 use super::Emergence;
 use crate::gaussian::erfc_scaled;
@@ -33,8 +33,8 @@ const MOST_EVENTS: usize = 2048;
 /// Albedos that are tabulated.
 const ROWS: usize = 129;
 
-/// How much light walks below a flat surface bring back, by the albedo of single scattering; found when it is first
-/// asked for, which takes a second at most.
+/// Albedo of random walks below a flat surface, by the albedo of single scattering; computed on first use, which takes
+/// a second at most.
 #[derive(Debug)]
 pub struct WalkAlbedo {
     boundary: Emergence,
@@ -96,7 +96,7 @@ impl WalkAlbedo {
     }
 }
 
-/// How often one of the walks below a flat surface scatters before it leaves.
+/// Number of scattering events of one random walk below a flat surface before it leaves.
 fn events_below(boundary: &Emergence, g: f32, rng: &mut HashRng) -> Option<usize> {
     // Light that enters has, of each direction, what the boundary lets through.
     let mut inwards = loop {

@@ -1,16 +1,16 @@
-//! How much of a surface is a medium.
+//! Subsurface part of a surface.
 
 use steradian_math::Spectrum;
 
 /// The part of a surface's diffuse base that is a medium, which light enters.
 #[derive(Clone, Copy, Debug)]
 pub struct SubsurfacePart {
-    /// How much of it.
+    /// Weight of the medium.
     pub weight: f32,
     /// The part of the light that comes back.
     pub color: Spectrum,
-    /// Whether light goes below, to leave elsewhere. Else what comes back is diffuse; of a thin surface it goes
-    /// through, too.
+    /// True if light goes below, to leave elsewhere. Otherwise the light that comes back is diffuse; on a thin surface
+    /// it goes through, too.
     pub is_followed: bool,
     /// Mean cosine of the phase function; of what a thin surface scatters `(1 + g)/2` goes through.
     pub g: f32,

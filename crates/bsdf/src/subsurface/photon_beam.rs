@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 /// Points along the beam.
 const POINTS: u32 = 64;
 
-/// What is the same for all radii: the boundary and the medium.
+/// Boundary and medium, which are the same for all radii.
 struct Boundary {
     eta: f64,
     /// `∫ F μ dμ` and `∫ F μ² dμ` from within.

@@ -30,7 +30,7 @@ pub struct ProfileTable {
     sums: Vec<f32>,
 }
 
-/// How a wavelength scatters under a surface.
+/// Interpolation between the rows of a profile table, for the albedo of one lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Row {
     /// The first of two rows.
@@ -157,7 +157,7 @@ pub struct Profile<'a> {
 const LEFT_OUT: f32 = 5e-4;
 
 impl<'a> Profile<'a> {
-    /// Of a medium by its extinction (1/length) and its albedo of single scattering in so many lanes.
+    /// Profile of a medium, given its extinction (1/length) and its albedo of single scattering in `lanes` lanes.
     pub fn new(table: &'a ProfileTable, sigma_t: Spectrum, albedo: Spectrum, lanes: usize) -> Self {
         Self { table, rows: albedo.to_array().map(|a| table.row(a)), sigma_t, lanes }
     }
