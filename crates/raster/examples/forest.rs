@@ -13,20 +13,20 @@ use steradian_raster::{
 };
 
 varyings! {
-    /// What fragments see.
+    /// Input of the fragment shader.
     pub struct Bark {
         color: Vec3 => flat,
     }
 }
 
-/// Where a tree stands (y up, camera space) and how tall it is.
+/// Position of a tree's root (y up, camera space), and its height.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tree {
     root: Vec3,
     height: f32,
 }
 
-/// How often the trunk forks at most: 2⁸ − 1 branches.
+/// Largest number of forks of the trunk: 2⁸ − 1 branches.
 pub const MOST_FORKS: u32 = 7;
 
 /// Each group lets a tree grow: it emits a group for each branch, of which a distant tree has few.

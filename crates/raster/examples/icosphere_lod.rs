@@ -13,7 +13,7 @@ use steradian_raster::{
 };
 
 varyings! {
-    /// What fragments see.
+    /// Input of the fragment shader.
     pub struct Surface {
         normal: Vec3,
         color: Vec3 => flat,

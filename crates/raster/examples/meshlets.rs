@@ -32,7 +32,7 @@ pub fn torus(rings: u32, sides: u32) -> (Vec<Vec3>, Vec<u32>) {
     ((0..rings * sides).map(point).collect(), (0..rings * sides).flat_map(cell).collect())
 }
 
-/// What the shaders read.
+/// Resources of the shaders.
 #[derive(Clone, Copy)]
 struct Asset<'a> {
     positions: &'a [Vec3],

@@ -1,4 +1,4 @@
-//! Where the members of uniform and storage blocks lie (OpenGL 4.6, section 7.6.2.2: `std140` and `std430`).
+//! Layout of the members of uniform and storage blocks (OpenGL 4.6, section 7.6.2.2: `std140` and `std430`).
 
 /// The type of a member.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -27,9 +27,9 @@ pub trait ComputeShader: Sync {
     type Private: Default + Clone;
     /// Invocations of a group in x, y and z; at most 1024 in all.
     const LOCAL_SIZE: [u32; 3];
-    /// How many phases there are.
+    /// Number of phases.
     const PHASES: u32 = 1;
-    /// What an invocation does in a phase. Those of a group run one after the other, in the order of their index.
+    /// Runs one invocation of a phase. The invocations of a group run one after the other, in the order of their index.
     fn shade(&self, phase: u32, invocation: Invocation, private: &mut Self::Private, shared: &mut Self::Shared);
 }
 

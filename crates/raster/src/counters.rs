@@ -1,4 +1,4 @@
-//! What a draw did.
+//! Statistics of a draw.
 
 use std::ops::AddAssign;
 
@@ -17,7 +17,7 @@ pub struct Counters {
     pub geometry_shader: u64,
     /// Primitives that came to the rasteriser.
     pub primitives: u64,
-    /// Of these, dropped as outside the view, or of a layer or viewport that is not there.
+    /// Primitives among these that were dropped as outside the view, or as of a layer or viewport that does not exist.
     pub outside: u64,
     /// Dropped for a position that is not finite.
     pub not_finite: u64,

@@ -1,4 +1,4 @@
-//! What a draw call names: vertices or indices, instances.
+//! Draw calls: vertices or indices, and instances.
 
 use std::ops::Range;
 
@@ -37,7 +37,7 @@ impl<'a> Draw<'a> {
         Self { instances, ..self }
     }
 
-    /// What is added to each index.
+    /// Sets the base vertex: a number that is added to each index.
     pub fn base_vertex(self, base: i32) -> Self {
         let stream = match self.stream {
             Stream::Short(indices, _) => Stream::Short(indices, base),

@@ -1,4 +1,4 @@
-//! What the pipeline refuses.
+//! Errors of the pipeline.
 
 /// A refused call: which one, and the rule that it breaks. State is checked when a pipeline or an object is made, so
 /// that drawing has nothing left to check but that the framebuffer fits.

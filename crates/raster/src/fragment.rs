@@ -1,4 +1,4 @@
-//! What a fragment shader sees: a pixel of a 2×2 quad, with its neighbours for derivatives.
+//! Input of a fragment shader: a pixel of a 2×2 quad, with its neighbours for derivatives.
 
 use std::ops::{Add, Sub};
 
@@ -21,7 +21,7 @@ pub struct Quad<V> {
     pub inv_w: [f32; 4],
     /// The covered samples of each pixel that passed the tests so far; those without any are helpers.
     pub coverage: [u32; 4],
-    /// Whether the primitive shows its front. Points and lines do.
+    /// True if the primitive shows its front, which points and lines do.
     pub front_facing: bool,
     /// Number of the primitive in its draw, or what the geometry shader set.
     pub primitive_id: u32,
@@ -33,8 +33,8 @@ pub struct Quad<V> {
     pub sample: u32,
     /// Samples in each pixel.
     pub sample_count: u32,
-    /// Where in a point the fragments are, from (0, 0) at its top left to (1, 1); barycentric weights of the second and
-    /// third corner in triangles, linear in the window.
+    /// Positions of the fragments within a point, from (0, 0) at its top left to (1, 1); barycentric weights of the
+    /// second and third corner in triangles, linear in the window.
     pub coordinates: [Vec2; 4],
 }
 
@@ -77,7 +77,7 @@ impl<'a, V> Fragment<'a, V> {
         )
     }
 
-    /// Whether the primitive shows its front.
+    /// True if the primitive shows its front.
     #[inline(always)]
     pub fn front_facing(&self) -> bool {
         self.quad.front_facing
@@ -89,7 +89,7 @@ impl<'a, V> Fragment<'a, V> {
         self.quad.primitive_id
     }
 
-    /// Whether this runs for the derivatives of its neighbours alone.
+    /// True for a helper invocation, which runs only for the derivatives of its neighbours.
     #[inline(always)]
     pub fn is_helper(&self) -> bool {
         self.coverage() == 0
@@ -101,7 +101,7 @@ impl<'a, V> Fragment<'a, V> {
         self.quad.coverage[self.lane]
     }
 
-    /// Where in its point the fragment is, y down.
+    /// Position of the fragment within its point, y down.
     #[inline(always)]
     pub fn point_coord(&self) -> Vec2 {
         self.quad.coordinates[self.lane]
@@ -113,7 +113,7 @@ impl<'a, V> Fragment<'a, V> {
         Vec2::from_array(sample_position(self.quad.sample_count, self.quad.sample))
     }
 
-    /// How `f` of the varyings changes from this pixel's column to the other column of the quad, in this row. GLSL:
+    /// Difference of `f` of the varyings from this pixel's column to the other column of the quad, in this row. GLSL:
     /// `dFdxFine`.
     #[inline(always)]
     pub fn dx<T: Sub<Output = T>>(&self, f: impl Fn(&V) -> T) -> T {
@@ -121,7 +121,7 @@ impl<'a, V> Fragment<'a, V> {
         f(&self.quad.varyings[row + 1]) - f(&self.quad.varyings[row])
     }
 
-    /// How `f` of the varyings changes from the upper row of the quad to the lower, in this column. GLSL: `dFdyFine`,
+    /// Difference of `f` of the varyings from the upper row of the quad to the lower, in this column. GLSL: `dFdyFine`,
     /// with y down.
     #[inline(always)]
     pub fn dy<T: Sub<Output = T>>(&self, f: impl Fn(&V) -> T) -> T {

@@ -1,4 +1,4 @@
-//! What fragment shaders write.
+//! Outputs of fragment shaders.
 
 use glam::{IVec4, UVec4, Vec4};
 
@@ -13,7 +13,8 @@ pub enum Class {
     Sint,
 }
 
-/// What is known of a depth that a shader writes (GLSL: `depth_any`, `depth_greater`, `depth_less`).
+/// Depth output of a shader, and its relation to the primitive's depth (GLSL: `depth_any`, `depth_greater`,
+/// `depth_less`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DepthOutput {
     /// None is written.
@@ -30,19 +31,19 @@ pub enum DepthOutput {
 /// [`WithDepth`], [`WithMask`] and [`DualSource`] add to another output. [`UVec4`] and [`IVec4`] are for integer
 /// targets.
 pub trait FragmentOutput: Copy {
-    /// How many colours.
+    /// Number of colours.
     const COLORS: usize;
     /// Their class.
     const CLASS: Class = Class::Float;
-    /// Whether it may be discarded.
+    /// True if it may be discarded.
     const DISCARDS: bool = false;
-    /// Whether it has a depth.
+    /// Kind of its depth.
     const DEPTH: DepthOutput = DepthOutput::None;
-    /// Whether it has a sample mask.
+    /// True if it has a sample mask.
     const MASK: bool = false;
-    /// Whether it has a second source colour.
+    /// True if it has a second source colour.
     const DUAL: bool = false;
-    /// Whether nothing is to be written.
+    /// True if nothing is to be written.
     #[inline(always)]
     fn discarded(&self) -> bool {
         false

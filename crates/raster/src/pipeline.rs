@@ -86,8 +86,8 @@ where
         Ok(counters)
     }
 
-    /// How many primitives each tile of 64² pixels of a framebuffer of this size would list, layer by layer and row by
-    /// row. Nothing is drawn.
+    /// Number of primitives that each tile of 64² pixels of a framebuffer of this size would list, layer by layer and
+    /// row by row. Nothing is drawn.
     pub fn tile_counts(&self, extent: Extent, draw: &Draw) -> Vec<u64> {
         let source = self.source(draw);
         let window = Window::new(&self.state, extent, self.layout.depth);
@@ -209,7 +209,7 @@ pub(crate) fn draw_tiles<F: FragmentShader>(
     })
 }
 
-/// That a framebuffer is what a pipeline was made for.
+/// Checks that a framebuffer has the layout that a pipeline was made for.
 pub(crate) fn check_layout(framebuffer: &Framebuffer, want: &Layout, call: &'static str) -> Result<()> {
     let have = framebuffer.layout();
     if have != *want {
@@ -218,7 +218,7 @@ pub(crate) fn check_layout(framebuffer: &Framebuffer, want: &Layout, call: &'sta
     Ok(())
 }
 
-/// What shaders and topology must agree on.
+/// Checks that shaders and topology agree.
 fn check_stages<T: Tessellation, G: GeometryShader, F: FragmentShader>(state: &State) -> Result<()> {
     const CALL: &str = "Pipeline::new";
     let patches = matches!(state.topology, Topology::Patches(_));
@@ -237,7 +237,7 @@ fn check_stages<T: Tessellation, G: GeometryShader, F: FragmentShader>(state: &S
     check_distances::<F::Varyings>()
 }
 
-/// That there are not too many clip and cull distances.
+/// Checks the number of clip and cull distances.
 pub(crate) fn check_distances<V: Varyings>() -> Result<()> {
     let distances = V::MODES.iter().filter(|mode| matches!(mode, Mode::Clip | Mode::Cull)).count();
     if distances > MAX_DISTANCES {
@@ -246,7 +246,7 @@ pub(crate) fn check_distances<V: Varyings>() -> Result<()> {
     Ok(())
 }
 
-/// What state and framebuffer must agree on; gives the state with its samples and color states filled in.
+/// Checks that state and framebuffer agree; returns the state with its samples and colour states filled in.
 pub(crate) fn checked_targets<F: FragmentShader>(mut state: State, layout: &Layout) -> Result<State> {
     const CALL: &str = "Pipeline::new";
     Multisample::check(layout.samples, CALL)?;
@@ -290,7 +290,7 @@ pub(crate) fn checked_targets<F: FragmentShader>(mut state: State, layout: &Layo
     Ok(state)
 }
 
-/// How fragments reach the targets.
+/// Plan of the tests and writes between the fragment shader and the targets.
 pub(crate) fn plan<F: FragmentShader>(state: &State, layout: &Layout) -> Plan {
     let shader_depth = F::Output::DEPTH != DepthOutput::None && !F::EARLY_TESTS;
     let may_vanish = F::Output::DISCARDS || F::Output::MASK || state.multisample.alpha_to_coverage;

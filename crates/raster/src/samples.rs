@@ -1,4 +1,4 @@
-//! Where the samples of a pixel lie: the standard patterns of Vulkan and Direct3D, in sixteenths of a pixel.
+//! Sample positions in a pixel: the standard patterns of Vulkan and Direct3D, in sixteenths of a pixel.
 
 /// The samples of a pixel, in 1/16 pixel from its top left corner.
 const ONE: [[u8; 2]; 1] = [[8, 8]];

@@ -21,13 +21,13 @@ pub struct VertexInput {
     pub draw: u32,
 }
 
-/// What a vertex, tessellation evaluation or geometry shader gives for a vertex.
+/// Output vertex of a vertex, tessellation evaluation or geometry shader.
 #[derive(Clone, Copy, Debug)]
 pub struct Vertex<V> {
     /// Position in clip space: x right, y up; what is visible has −w ≤ x, y ≤ w and 0 ≤ z ≤ w (or −w ≤ z ≤ w, see
     /// [`DepthRange`](crate::state::DepthRange)).
     pub position: Vec4,
-    /// What is interpolated.
+    /// Varyings, which are interpolated.
     pub varyings: V,
     /// Diameter of the vertex in pixels where points are drawn; 1 unless set.
     pub point_size: f32,
@@ -48,7 +48,7 @@ impl<V> Vertex<V> {
 
 /// Makes a vertex of its number. Closures `|input: VertexInput| -> Vertex<V>` are vertex shaders.
 pub trait VertexShader: Sync {
-    /// What it hands on.
+    /// Varyings for the next stage.
     type Varyings: Varyings;
     /// The vertex. Called about once for each index that is near others of the same value; do not count on how often.
     fn shade(&self, input: VertexInput) -> Vertex<Self::Varyings>;
@@ -77,7 +77,7 @@ pub enum Domain {
     Isolines,
 }
 
-/// How a level becomes a number of segments.
+/// Rounding of a tessellation level to a number of segments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Spacing {
     /// Rounded up: n equal segments.
@@ -106,19 +106,19 @@ impl Levels {
 
 /// Tessellation: control and evaluation. Used with [`Topology::Patches`](crate::state::Topology::Patches).
 pub trait Tessellation: Sync {
-    /// Of the vertex shader.
+    /// Varyings of the vertex shader.
     type Input: Varyings;
-    /// What control hands to evaluation, besides the levels.
+    /// Data that control hands to evaluation, besides the levels.
     type Patch: Copy;
     /// For the geometry or fragment shader.
     type Output: Varyings;
     /// The domain.
     const DOMAIN: Domain;
-    /// How levels become segments.
+    /// Rounding of levels to segments.
     const SPACING: Spacing = Spacing::Equal;
-    /// Whether triangles are clockwise in the domain, u to the right and v up.
+    /// True if triangles are clockwise in the domain, u to the right and v up.
     const CLOCKWISE: bool = false;
-    /// Whether the points of the domain are drawn instead of triangles or lines.
+    /// True if the points of the domain are drawn instead of triangles or lines.
     const POINT_MODE: bool = false;
     /// False only in [`NoTessellation`].
     #[doc(hidden)]
@@ -127,7 +127,7 @@ pub trait Tessellation: Sync {
     fn control(&self, vertices: &[Vertex<Self::Input>], patch: u32) -> (Levels, Self::Patch);
     /// The vertex at a point of the domain: (u, v, w) with u + v + w = 1 for triangles, else (u, v, 0).
     fn evaluate(&self, patch: &Self::Patch, levels: &Levels, coordinates: Vec3) -> Vertex<Self::Output>;
-    /// What a vertex is where this stage is not there; the two types are one then.
+    /// Passes a vertex through in place of an absent stage; the two types are the same then.
     #[doc(hidden)]
     #[inline(always)]
     fn pass(vertex: &Vertex<Self::Input>) -> Vertex<Self::Output> {
@@ -163,7 +163,7 @@ impl<V: Varyings> Tessellation for NoTessellation<V> {
     }
 }
 
-/// What a geometry shader gives.
+/// Kind of primitives that a geometry shader emits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GeometryOutput {
     /// Single points.
@@ -188,22 +188,22 @@ pub struct GeometryInput<'a, V> {
 
 /// Turns each primitive into any number of others.
 pub trait GeometryShader: Sync {
-    /// Of the stage before.
+    /// Varyings of the stage before.
     type Input: Varyings;
     /// For the fragment shader.
     type Output: Varyings;
-    /// What is emitted.
+    /// Kind of the emitted primitives.
     const OUTPUT: GeometryOutput;
     /// The most vertices that one call may emit; what comes after is dropped.
     const MAX_VERTICES: usize;
-    /// How often it is called for each primitive.
+    /// Number of calls for each primitive.
     const INVOCATIONS: u32 = 1;
     /// False only in [`NoGeometry`].
     #[doc(hidden)]
     const ACTIVE: bool = true;
     /// Emits the primitives that take the place of this one.
     fn shade(&self, input: GeometryInput<Self::Input>, out: &mut Emitter<Self::Output>);
-    /// What a vertex is where this stage is not there; the two types are one then.
+    /// Passes a vertex through in place of an absent stage; the two types are the same then.
     #[doc(hidden)]
     #[inline(always)]
     fn pass(vertex: &Vertex<Self::Input>) -> Vertex<Self::Output> {
@@ -276,9 +276,9 @@ impl<V: Varyings> GeometryShader for NoGeometry<V> {
 
 /// Gives a fragment its colour. For a closure, see [`fragment`].
 pub trait FragmentShader: Sync {
-    /// Of the last stage before.
+    /// Varyings of the last stage before.
     type Varyings: Varyings;
-    /// What it writes: a colour ([`Vec4`]), several, none (`()`), with depth, with a sample mask, or perhaps nothing
+    /// Output: a colour ([`Vec4`]), several, none (`()`), with depth, with a sample mask, or perhaps nothing
     /// (`Option`).
     type Output: FragmentOutput;
     /// Depth and stencil are tested and written before the shader runs, whatever it does (GLSL:

@@ -22,7 +22,7 @@
 
 use glam::{Mat3, Vec2, Vec3, Vec4};
 
-/// How one number is interpolated.
+/// Interpolation of one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     /// With perspective: linear on the primitive in space. The default.
@@ -47,9 +47,9 @@ pub enum Mode {
 
 /// A type that varyings may have: a fixed number of floats.
 pub trait Component: Copy {
-    /// How many floats it is.
+    /// Number of floats.
     const FLOATS: usize;
-    /// Whether the floats are bits of integers, which cannot be interpolated.
+    /// True if the floats are bits of integers, which cannot be interpolated.
     const INTEGER: bool = false;
     /// Hands its floats over in order.
     fn put(self, put: &mut impl FnMut(f32));
@@ -135,7 +135,7 @@ impl<const N: usize> Floats for [f32; N] {
 pub trait Varyings: Copy + Send + Sync {
     /// The floats of all fields together.
     type Floats: Floats;
-    /// How each float is interpolated, in order.
+    /// Interpolation mode of each float, in order.
     const MODES: &'static [Mode];
     /// The fields as floats.
     fn to_floats(&self) -> Self::Floats;
@@ -154,7 +154,7 @@ impl Varyings for () {
     fn from_floats(_: impl Fn(usize) -> f32) -> Self {}
 }
 
-/// Whether any of these modes asks for a run of the fragment shader at each sample.
+/// True if any of these modes needs the fragment shader to run at each sample.
 pub(crate) const fn any_per_sample(modes: &[Mode]) -> bool {
     let mut i = 0;
     while i < modes.len() {
@@ -166,7 +166,7 @@ pub(crate) const fn any_per_sample(modes: &[Mode]) -> bool {
     false
 }
 
-/// Whether any of these modes asks for the centroid.
+/// True if any of these modes needs the centroid.
 pub(crate) const fn any_centroid(modes: &[Mode]) -> bool {
     let mut i = 0;
     while i < modes.len() {
@@ -178,7 +178,7 @@ pub(crate) const fn any_centroid(modes: &[Mode]) -> bool {
     false
 }
 
-/// Whether this mode is among these.
+/// True if [`Mode::Clip`], or else [`Mode::Cull`], is among these modes.
 pub(crate) const fn any_is(modes: &[Mode], clip: bool) -> bool {
     let mut i = 0;
     while i < modes.len() {

@@ -12,7 +12,7 @@ use crate::{
 pub struct Attribute<'a> {
     /// The bytes.
     pub bytes: &'a [u8],
-    /// What they mean. Integers of `Unorm` and `Snorm` formats become floats in [0, 1] and [−1, 1].
+    /// Format of the values. Integers of `Unorm` and `Snorm` formats become floats in [0, 1] and [−1, 1].
     pub format: Format,
     /// Integers of `Uint` and `Sint` formats become floats of the same value instead of bits.
     pub integers_to_floats: bool,

@@ -11,7 +11,7 @@ pub use table::Format;
 
 use crate::output::Class;
 
-/// What the bits of a channel mean.
+/// Numeric meaning of a channel's bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Numeric {
     /// c / (2ⁿ − 1).
@@ -43,7 +43,7 @@ impl Format {
         (bits[0] as usize + bits[1] as usize + bits[2] as usize + bits[3] as usize).div_ceil(8)
     }
 
-    /// What the channels mean.
+    /// Numeric meaning of the channels.
     pub const fn numeric(self) -> Numeric {
         self.layout().0
     }
@@ -62,17 +62,17 @@ impl Format {
         }
     }
 
-    /// Whether colours can be drawn to it.
+    /// True if colours can be drawn to it.
     pub const fn is_color_renderable(self) -> bool {
         !matches!(self.numeric(), Numeric::Depth | Numeric::Stencil | Numeric::DepthStencil | Numeric::SharedExponent)
     }
 
-    /// Whether its values can be averaged.
+    /// True if its values can be averaged.
     pub const fn is_filterable(self) -> bool {
         matches!(self.class(), Class::Float) && !matches!(self.numeric(), Numeric::DepthStencil)
     }
 
-    /// Whether values can be blended in it.
+    /// True if values can be blended in it.
     pub const fn is_blendable(self) -> bool {
         matches!(self.class(), Class::Float) && self.is_color_renderable()
     }

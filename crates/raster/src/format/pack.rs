@@ -288,7 +288,7 @@ mod tests {
         assert_eq!(Format::Depth24Stencil8.encode(Vec4::new(1.0, f32::from_bits(7), 0.0, 0.0)), 0x07ff_ffff);
     }
 
-    /// What is beyond a format is clamped, and NaN is zero where there is none.
+    /// Values beyond the range of a format are clamped, and NaN becomes zero in formats without it.
     #[test]
     fn values_beyond_are_clamped() {
         for &format in Format::ALL {

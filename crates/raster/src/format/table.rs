@@ -2,7 +2,7 @@
 
 use super::Numeric;
 
-/// Where the channels lie in the texel.
+/// Order of the channels in the texel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Order {
     /// Red at the lowest bits.

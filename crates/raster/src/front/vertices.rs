@@ -120,7 +120,7 @@ impl<'a> Source<'a> {
     }
 }
 
-/// Where a primitive is.
+/// Location of a primitive in the vertex stream.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Located {
     pub instance: u32,

@@ -6,17 +6,17 @@ const LOOK: usize = 64;
 
 /// For each vertex, the triangles that have it as a corner.
 pub(super) struct Adjacency {
-    /// Where each vertex's list starts, and the end of the last.
+    /// Start of each vertex's list, and the end of the last.
     starts: Vec<usize>,
-    /// How far from its start each list holds only triangles that are taken.
+    /// Number of entries at the start of each list that hold only triangles already taken.
     skipped: Vec<usize>,
     triangles: Vec<u32>,
-    /// How many triangles of each vertex are not taken.
+    /// Number of triangles of each vertex that are not taken.
     live: Vec<u32>,
 }
 
 impl Adjacency {
-    /// Of a mesh with this number of vertices; all indices are below it.
+    /// Adjacency of a mesh with `vertices` vertices; all indices are below that.
     pub fn new(vertices: usize, triangles: &[[u32; 3]]) -> Self {
         let mut live = vec![0; vertices];
         for triangle in triangles {
@@ -45,7 +45,7 @@ impl Adjacency {
         distinct(triangle).for_each(|v| self.live[v as usize] -= 1);
     }
 
-    /// How many triangles of a vertex are not taken.
+    /// Number of triangles of a vertex that are not taken.
     pub fn live(&self, vertex: u32) -> u32 {
         self.live[vertex as usize]
     }

@@ -1,4 +1,4 @@
-//! What clusters are culled by. Both bounds hold for the exact positions: rounding is on the safe side.
+//! Bounds for culling clusters. Both hold for the exact positions: rounding is on the safe side.
 
 use glam::{DVec3, Vec3};
 
@@ -97,7 +97,7 @@ impl NormalCone {
         Self::of_planes(&planes).unwrap_or(Self::NEVER)
     }
 
-    /// Of planes by a point and a unit normal each.
+    /// Cone of planes given by a point and a unit normal each.
     fn of_planes(planes: &[(DVec3, DVec3)]) -> Option<Self> {
         let normals: Vec<Vec3> = planes.iter().map(|plane| plane.1.as_vec3()).collect();
         let axis = Sphere::around(&normals).center.normalize_or_zero();
@@ -113,15 +113,15 @@ impl NormalCone {
         (cutoff < 1.0).then_some(Self { apex, axis, cutoff })
     }
 
-    /// Whether all triangles show their backs to a finite point, by exact geometry: triangles that are seen edge-on may
+    /// True if all triangles show their backs to a finite point, by exact geometry: triangles that are seen edge-on may
     /// show either side once their corners are rounded to the window's sub-pixels. The point must be in the space of
     /// the mesh.
     pub fn faces_away_from(&self, point: Vec3) -> bool {
         self.faces_away_along(self.apex.as_dvec3() - point.as_dvec3())
     }
 
-    /// Whether all triangles show their backs where they are looked at along parallel lines in this direction, of any
-    /// length, in the space of the mesh.
+    /// True if all triangles show their backs in a parallel view along this direction, of any length, in the space of
+    /// the mesh.
     pub fn faces_away_in(&self, direction: Vec3) -> bool {
         self.faces_away_along(direction.as_dvec3())
     }

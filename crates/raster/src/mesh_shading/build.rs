@@ -11,7 +11,7 @@ use super::{
 
 /// The most triangles around a cluster that are candidates for it.
 const MOST_CANDIDATES: usize = 512;
-/// How much the angle of normals counts against distance, from 0 to 1.
+/// Weight of the angle between normals against distance, from 0 to 1.
 const NORMAL_WEIGHT: f64 = 0.25;
 /// No vertex of the open cluster.
 const OUTSIDE: u16 = u16::MAX;
@@ -89,7 +89,7 @@ impl<'a> Builder<'a> {
         (self.out.vertices.len() - self.open.first_vertex, self.out.triangles.len() - self.open.first_triangle)
     }
 
-    /// How many vertices a triangle would add, if it fits.
+    /// Number of vertices that a triangle would add, if it fits.
     fn added(&self, triangle: u32) -> Option<usize> {
         let corners = self.triangles[triangle as usize];
         let added = distinct(corners).filter(|&v| self.local[v as usize] == OUTSIDE).count();
@@ -167,7 +167,7 @@ impl<'a> Builder<'a> {
         (1.0 + relative) * (1.0 - NORMAL_WEIGHT * self.normals[t].dot(axis))
     }
 
-    /// Of two triangles, the one nearer to the cluster's centre, if it fits.
+    /// The nearer of two triangles to the cluster's centre, if it fits.
     fn nearest_beside(&self, beside: [Option<u32>; 2]) -> Option<u32> {
         if !self.candidates.is_empty() {
             return None;

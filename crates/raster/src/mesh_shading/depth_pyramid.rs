@@ -19,7 +19,7 @@ pub struct DepthPyramid {
     /// Columns and rows of the picture, in pixels.
     size: [u32; 2],
     levels: Vec<Level>,
-    /// How far behind the largest depth something must be: for rounding of depths.
+    /// Margin of depth behind the largest depth at which something counts as hidden: for rounding of depths.
     margin: f64,
 }
 
@@ -32,7 +32,7 @@ struct Level {
 }
 
 impl DepthPyramid {
-    /// Of a layer, `None` if it is not there. Depths grow with distance.
+    /// Pyramid of a layer, `None` if it does not exist. Depths grow with distance.
     pub fn new(depth: &DepthTarget, layer: u32) -> Option<Self> {
         let extent = depth.extent();
         if layer >= extent.layers {
@@ -53,7 +53,7 @@ impl DepthPyramid {
         Some(Self { size: [extent.width, extent.height], levels, margin })
     }
 
-    /// Whether nothing within a sphere can pass the tests [`DepthState::LESS`](crate::state::DepthState::LESS) or
+    /// True if nothing within a sphere can pass the tests [`DepthState::LESS`](crate::state::DepthState::LESS) or
     /// less-or-equal, with any sample. The sphere is in the space of the mesh, whose vertices are multiplied with the
     /// matrix; the viewport fills the framebuffer, with depths from 0 to 1 and no bias. A sphere that reaches behind
     /// the camera or lies outside the picture is not hidden.

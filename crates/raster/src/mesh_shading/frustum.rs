@@ -1,4 +1,4 @@
-//! What lies outside the view.
+//! Frustum culling.
 
 use glam::{DVec3, Mat4, Vec4};
 
@@ -13,11 +13,13 @@ pub struct Frustum {
     planes: [(DVec3, f64); 6],
 }
 
-/// How far beyond a plane a sphere must be, in parts of what is added up to tell: for rounding of positions.
+/// Margin beyond a plane at which a sphere counts as outside, relative to the summands of the test: for rounding of
+/// positions.
 const MARGIN: f64 = 1e-6;
 
 impl Frustum {
-    /// Of the matrix that vertices are multiplied with. The state says where depths are clipped, if they are.
+    /// Frustum of the matrix that vertices are multiplied with. The state tells the near and far planes, if depths are
+    /// clipped.
     pub fn new(clip_from_object: Mat4, raster: &RasterState) -> Self {
         let [x, y, z, w] = [0, 1, 2, 3].map(|i| clip_from_object.row(i));
         let near = match raster.depth_range {
@@ -29,8 +31,8 @@ impl Frustum {
         Self { planes: [w + x, w - x, w + y, w - y, depth(near), depth(w - z)].map(plane) }
     }
 
-    /// Whether a sphere lies outside one of the planes. Some that are near two of them and in the view of neither are
-    /// not found.
+    /// True if a sphere lies outside one of the planes. Some spheres near two planes and in the view of neither are not
+    /// found.
     pub fn misses(&self, sphere: &Sphere) -> bool {
         let center = sphere.center.as_dvec3();
         let radius = f64::from(sphere.radius);

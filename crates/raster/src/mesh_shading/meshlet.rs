@@ -10,7 +10,7 @@ use super::{
 };
 use crate::error::{Result, refuse};
 
-/// How large meshlets may be.
+/// Size limits of meshlets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MeshletLimits {
     /// Distinct vertices of a meshlet, from 3 to 256.
@@ -57,12 +57,12 @@ pub struct Meshlet {
 }
 
 impl Meshlet {
-    /// Where its vertices are in [`Meshlets::vertices`].
+    /// Range of its vertices in [`Meshlets::vertices`].
     pub fn vertices(&self) -> Range<usize> {
         range(self.first_vertex, self.vertices)
     }
 
-    /// Where its triangles are in [`Meshlets::triangles`] and [`Meshlets::sources`].
+    /// Range of its triangles in [`Meshlets::triangles`] and [`Meshlets::sources`].
     pub fn triangles(&self) -> Range<usize> {
         range(self.first_triangle, self.triangles)
     }

@@ -1,10 +1,10 @@
-//! What work groups put out. Rules that a shader breaks are kept and refused by the draw; of several the first.
+//! Outputs of work groups. Broken rules are recorded and refused by the draw; of several the first.
 
 use glam::Vec4;
 
 use super::stages::{MAX_GROUPS, MAX_GROUPS_PER_AXIS};
 
-/// What is wrong with these numbers of groups along the axes, if anything.
+/// Fault of these numbers of groups along the axes, if any.
 pub(super) fn fault_of_groups(groups: [u32; 3]) -> Option<String> {
     let total = groups.iter().try_fold(1u64, |all, &n| all.checked_mul(u64::from(n)));
     if groups.iter().any(|&n| n > MAX_GROUPS_PER_AXIS) {
@@ -18,10 +18,10 @@ pub(super) fn fault_of_groups(groups: [u32; 3]) -> Option<String> {
     }
 }
 
-/// What a task group puts out.
+/// Output of a task group.
 #[derive(Debug)]
 pub struct TaskOutput<P> {
-    /// What its mesh groups see.
+    /// Payload of its mesh groups.
     pub payload: P,
     groups: Option<[u32; 3]>,
     fault: Option<String>,
@@ -98,13 +98,13 @@ pub struct MeshPrimitive<P, C> {
     pub corners: C,
     /// Its attributes.
     pub attributes: P,
-    /// What [`Fragment::primitive_id`](crate::Fragment::primitive_id) gives; 0 unless set.
+    /// Value of [`Fragment::primitive_id`](crate::Fragment::primitive_id); 0 unless set.
     pub id: u32,
     /// The layer of the framebuffer; 0 unless set. Primitives of layers that are not there are dropped.
     pub layer: u32,
     /// The viewport; 0 unless set. Primitives of viewports that are not there are dropped.
     pub viewport: u32,
-    /// Whether it is dropped (`gl_CullPrimitiveEXT`, `SV_CullPrimitive`).
+    /// True if it is dropped (`gl_CullPrimitiveEXT`, `SV_CullPrimitive`).
     pub culled: bool,
 }
 
@@ -115,7 +115,7 @@ impl<P, C> MeshPrimitive<P, C> {
     }
 }
 
-/// What a mesh group puts out.
+/// Output of a mesh group.
 #[derive(Debug)]
 pub struct MeshOutput<V, P, C> {
     limits: [usize; 2],
@@ -183,7 +183,7 @@ impl<V: Copy, P: Copy, C: Corners> MeshOutput<V, P, C> {
         keep(&mut self.fault, Some(fault));
     }
 
-    /// What is wrong with the output, if anything.
+    /// Checks the output.
     pub(super) fn check(&mut self) -> Result<(), String> {
         if let Some(fault) = self.fault.take() {
             return Err(fault);

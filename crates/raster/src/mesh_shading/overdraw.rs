@@ -1,4 +1,4 @@
-//! How much of what a mesh draws is drawn over.
+//! Overdraw of a mesh: the part of its fragments that are drawn over.
 
 use glam::{Vec3, Vec4};
 

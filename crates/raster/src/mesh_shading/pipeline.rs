@@ -66,9 +66,9 @@ pub struct MeshCounters {
     pub vertices: u64,
     /// Primitives that mesh groups put out.
     pub primitives: u64,
-    /// Of these, dropped by the mesh shader.
+    /// Primitives among these that were dropped by the mesh shader.
     pub culled: u64,
-    /// What became of the others.
+    /// Counts of the rasteriser for the others.
     pub rasterized: Counters,
 }
 
@@ -263,18 +263,18 @@ where
     }
 }
 
-/// How many groups there are in all.
+/// Number of groups in all.
 fn total(groups: [u32; 3]) -> u64 {
     groups.iter().map(|&n| u64::from(n)).product()
 }
 
-/// Where group `number` is, x fastest.
+/// Position of group `number` along the axes, x fastest.
 fn place(number: u64, groups: [u32; 3]) -> [u32; 3] {
     let [x, y, _] = groups.map(u64::from);
     [number % x, number / x % y, number / x / y].map(|i| i as u32)
 }
 
-/// That what shaders say of themselves is within the limits.
+/// Checks that the constants of the shaders are within the limits.
 fn check_shaders<T: TaskShader, M: MeshShader>() -> Result<()> {
     const CALL: &str = "MeshPipeline::new";
     for (shader, size) in [("task", T::LOCAL_SIZE), ("mesh", M::LOCAL_SIZE)] {

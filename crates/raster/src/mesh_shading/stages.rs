@@ -21,7 +21,7 @@ pub const MAX_OUTPUT_PRIMITIVES: usize = 256;
 
 /// Decides which mesh groups run (DirectX: amplification shader).
 pub trait TaskShader: Sync {
-    /// What a task group hands to all mesh groups that it emits, as it is at the group's start; at most
+    /// Data that a task group hands to all mesh groups that it emits, with its value at the group's start; at most
     /// [`MAX_PAYLOAD_BYTES`].
     type Payload: Copy + Default + Send + Sync;
     /// Memory of a group, as it is at its start.
@@ -30,12 +30,12 @@ pub trait TaskShader: Sync {
     type Private: Default + Clone;
     /// Invocations of a group in x, y and z; at most [`MAX_GROUP_INVOCATIONS`] in all.
     const LOCAL_SIZE: [u32; 3];
-    /// How many phases there are.
+    /// Number of phases.
     const PHASES: u32 = 1;
     /// False only in [`NoTask`].
     #[doc(hidden)]
     const ACTIVE: bool = true;
-    /// What an invocation does in a phase. Those of a group run one after the other, in the order of their index.
+    /// Runs one invocation of a phase. The invocations of a group run one after the other, in the order of their index.
     fn shade(
         &self,
         phase: u32,
@@ -61,7 +61,7 @@ impl TaskShader for NoTask {
 
 /// Makes vertices and primitives of nothing but its group's number and the payload.
 pub trait MeshShader: Sync {
-    /// Of the task shader; `()` without one.
+    /// Payload of the task shader; `()` without one.
     type Payload: Copy + Default + Send + Sync;
     /// Memory of a group, as it is at its start.
     type Shared: Default;
@@ -73,17 +73,17 @@ pub trait MeshShader: Sync {
     type Primitive: Copy;
     /// Triangles, lines or points: `[u8; 3]`, `[u8; 2]` or `[u8; 1]`.
     type Corners: Corners;
-    /// What fragments see.
+    /// Varyings: the input of the fragment shader.
     type Varyings: Varyings;
     /// Invocations of a group in x, y and z; at most [`MAX_GROUP_INVOCATIONS`] in all.
     const LOCAL_SIZE: [u32; 3];
-    /// How many phases there are.
+    /// Number of phases.
     const PHASES: u32 = 1;
     /// The most vertices that a group puts out; at most [`MAX_OUTPUT_VERTICES`].
     const MAX_VERTICES: usize;
     /// The most primitives that a group puts out; at most [`MAX_OUTPUT_PRIMITIVES`].
     const MAX_PRIMITIVES: usize;
-    /// What an invocation does in a phase. Those of a group run one after the other, in the order of their index.
+    /// Runs one invocation of a phase. The invocations of a group run one after the other, in the order of their index.
     fn shade(
         &self,
         phase: u32,

@@ -1,10 +1,10 @@
-//! How well a mesh reuses vertices, and what drawing it reads.
+//! Vertex reuse of a mesh, and memory that drawing it reads.
 
 use std::collections::{HashMap, HashSet};
 
 use super::meshlet::{Meshlet, Meshlets};
 
-/// How often vertices are used again while triangles are drawn in order.
+/// Vertex reuse while triangles are drawn in order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VertexReuse {
     /// Vertices that are shaded.
@@ -16,8 +16,8 @@ pub struct VertexReuse {
 }
 
 impl VertexReuse {
-    /// Of a list of triangles, where a vertex is shaded unless it is among the last `cache` that were: a cache that
-    /// drops what came first. A last triangle without all three indices does not count.
+    /// Reuse of a list of triangles, with a FIFO cache: a vertex is shaded unless it is among the last `cache` that
+    /// were. A last triangle without all three indices does not count.
     pub fn of_indices(indices: &[u32], cache: usize) -> Self {
         let (triangles, _) = indices.as_chunks::<3>();
         // For each vertex, how many were shaded when it was shaded last, itself counted; 0 if never.
@@ -33,7 +33,7 @@ impl VertexReuse {
         Self { shaded, distinct: when.len() as u64, triangles: triangles.len() as u64 }
     }
 
-    /// Of meshlets, each of which shades the vertices of its table.
+    /// Reuse of meshlets, each of which shades the vertices of its table.
     pub fn of_meshlets(meshlets: &Meshlets) -> Self {
         let distinct: HashSet<u32> = meshlets.vertices().iter().copied().collect();
         Self {
@@ -55,7 +55,7 @@ impl VertexReuse {
     }
 }
 
-/// What a draw reads of a mesh.
+/// Bytes that a draw reads of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BytesRead {
     /// Bytes that say which vertices triangles have, and by what they are culled.
@@ -65,16 +65,16 @@ pub struct BytesRead {
 }
 
 impl BytesRead {
-    /// Of an indexed draw: `index_bytes` for each index, and `vertex_bytes` whenever a vertex is shaded, with a cache
-    /// as in [`VertexReuse::of_indices`].
+    /// Bytes read by an indexed draw: `index_bytes` for each index, and `vertex_bytes` whenever a vertex is shaded,
+    /// with a cache as in [`VertexReuse::of_indices`].
     pub fn of_indices(indices: &[u32], cache: usize, index_bytes: u64, vertex_bytes: u64) -> Self {
         let reuse = VertexReuse::of_indices(indices, cache);
         Self { topology: 3 * reuse.triangles * index_bytes, vertices: reuse.shaded * vertex_bytes }
     }
 
-    /// Of a draw of meshlets of which those are drawn that `is_drawn` says, by their numbers: a [`Meshlet`] for each,
-    /// drawn or not, and for those that are drawn 3 bytes for each triangle, 4 for each vertex of the table, and
-    /// `vertex_bytes` for the vertex itself.
+    /// Bytes read by a draw of those meshlets for whose numbers `is_drawn` holds: a [`Meshlet`] for each, drawn or not,
+    /// and for those that are drawn 3 bytes for each triangle, 4 for each vertex of the table, and `vertex_bytes` for
+    /// the vertex itself.
     pub fn of_meshlets(meshlets: &Meshlets, is_drawn: impl Fn(usize) -> bool, vertex_bytes: u64) -> Self {
         let all = meshlets.meshlets().iter().enumerate();
         let mut read = Self { topology: (all.len() * size_of::<Meshlet>()) as u64, vertices: 0 };

@@ -15,7 +15,7 @@ const MAX_DISTANCES: usize = 8;
 /// A triangle gains at most a corner from each plane.
 pub(super) const MAX_CORNERS: usize = 3 + 7 + MAX_DISTANCES;
 
-/// Whether a corner at this distance of a plane is on its inner side. What is no number is outside.
+/// True if a corner at this distance of a plane is on its inner side. NaN is outside.
 pub(super) fn is_inside(distance: f64) -> bool {
     distance >= 0.0
 }
@@ -55,7 +55,7 @@ impl Planes<'_> {
         }
     }
 
-    /// Whether this plane limits the view.
+    /// True if this plane limits the view.
     #[inline(always)]
     fn counts(&self, plane: usize) -> bool {
         match plane {
@@ -65,7 +65,7 @@ impl Planes<'_> {
         }
     }
 
-    /// How many planes to go through.
+    /// Number of planes to clip against.
     #[inline(always)]
     pub fn count(&self, has_distances: bool) -> usize {
         if has_distances { 7 + self.modes.len() } else { 7 }

@@ -55,9 +55,9 @@ pub(crate) struct Primitive {
     pub min: [i32; 2],
     pub max: [i32; 2],
     pub id: u32,
-    /// Where its attributes start.
+    /// Index of its first attribute.
     pub attributes: u32,
-    /// Where the planes have their origin, in pixels.
+    /// Origin of the attribute planes, in pixels.
     pub origin: [f64; 2],
     /// Gradients of the weights of the second and third corner, which are 0 at the origin. For points: their
     /// coordinates. For lines: the way along it (0 to 1), and the distance from it in pixels.

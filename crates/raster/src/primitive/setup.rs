@@ -21,7 +21,7 @@ pub(crate) struct Chunk {
     pub attributes: Vec<f32>,
     /// Places in `primitives`, sorted by tile.
     pub list: Vec<u32>,
-    /// Where the list of each tile starts, and the end of the last.
+    /// Start of the list of each tile, and the end of the last.
     pub starts: Vec<u32>,
     pub counters: Counters,
 }
@@ -35,7 +35,7 @@ pub(crate) struct Setup<'a, V: Varyings> {
     marker: std::marker::PhantomData<V>,
 }
 
-/// Where, among the seven planes of the view, all corners are on the outer side.
+/// Number of planes of the view.
 const VIEW_PLANES: u32 = 7;
 
 impl<'a, V: Varyings> Setup<'a, V> {
@@ -200,7 +200,7 @@ pub(super) fn relative(inv_w: [f64; 3]) -> ([f32; 3], f32) {
     ([a, b - a, c - a], largest as f32)
 }
 
-/// Whether the tile at this pixel lies outside one of the primitive's edges.
+/// True if the tile at this pixel lies outside one of the primitive's edges.
 fn misses(primitive: &Primitive, x: i32, y: i32) -> bool {
     let corner = |gradient: i32, start: i32| {
         let start = i64::from(start) * i64::from(SUBPIXELS);

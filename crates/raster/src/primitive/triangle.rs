@@ -13,7 +13,7 @@ use crate::{
     varyings::Varyings,
 };
 
-/// What the parts of a triangle share.
+/// Data shared by the parts of a clipped triangle.
 struct Whole<'a, V: Varyings> {
     port: &'a Port,
     provoking: V::Floats,
@@ -69,7 +69,7 @@ impl<V: Varyings> Setup<'_, V> {
         d(1, 0) * d(2, 1) - d(1, 1) * d(2, 0)
     }
 
-    /// Whether it shows its front, or `None` if that side is not drawn.
+    /// True if it shows its front, `None` if that side is not drawn.
     fn facing(&mut self, area: i64) -> Option<bool> {
         let raster = &self.window.raster;
         let front = match raster.front_face {

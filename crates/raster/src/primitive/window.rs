@@ -22,7 +22,7 @@ pub(crate) struct Port {
     depth_scale: f64,
     depth_offset: f64,
     pub depth_range: [f32; 2],
-    /// How far beyond the view, in half viewports, primitives may reach unclipped.
+    /// Guard band: distance from the centre of the view, in half viewports, up to which primitives are not clipped.
     pub guard: [f64; 2],
     /// Pixels inside viewport, scissor and framebuffer.
     pub min: [i32; 2],

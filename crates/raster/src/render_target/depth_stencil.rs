@@ -3,7 +3,7 @@
 use super::{BLOCK_PIXELS, Extent, TILE_BLOCKS, TILE_PIXELS};
 use crate::error::Result;
 
-/// How depths are rounded.
+/// Storage format of depths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DepthFormat {
     /// To multiples of 1/(2¹⁶ − 1).

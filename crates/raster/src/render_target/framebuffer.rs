@@ -16,7 +16,7 @@ pub struct Layout {
     pub colors: Vec<Format>,
     /// Format of the depths.
     pub depth: Option<DepthFormat>,
-    /// Whether there is a stencil target.
+    /// True if there is a stencil target.
     pub stencil: bool,
     /// Samples of a pixel.
     pub samples: u32,

@@ -1,4 +1,4 @@
-//! What is drawn into: colour targets, depth and stencil, in tiles of 64² pixels that threads own one at a time.
+//! Render targets: colour targets, depth and stencil, in tiles of 64² pixels that threads own one at a time.
 
 mod color;
 mod depth_stencil;

@@ -1,8 +1,8 @@
-//! How a fragment's colour meets the one that is there.
+//! Blending of a fragment's colour with the colour in the target.
 
 use glam::Vec4;
 
-/// What a colour is multiplied with before the equation.
+/// Factor on a colour before the blend equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs)]
 pub enum BlendFactor {
@@ -60,7 +60,7 @@ impl BlendFactor {
     }
 }
 
-/// How the weighted colours are joined.
+/// Equation that joins the weighted colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BlendEquation {
     /// s·F + t·G.
@@ -124,7 +124,7 @@ impl BlendState {
         self.color_factors.iter().chain(&self.alpha_factors).any(|f| f.is_dual())
     }
 
-    /// What is written where `source` meets `target`.
+    /// Result of blending `source` with `target`.
     #[inline]
     pub fn blend(&self, source: Vec4, second: Vec4, target: Vec4, constant: Vec4) -> Vec4 {
         let factors = |factors: [BlendFactor; 2]| factors.map(|f| f.value(source, second, target, constant));
@@ -138,7 +138,7 @@ impl BlendState {
     }
 }
 
-/// What happens to the colours of one target.
+/// Blending and write mask of one colour target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ColorState {
     /// Blending; without it the source takes the place of the target.

@@ -27,7 +27,7 @@ impl Compare {
         Self::Always,
     ];
 
-    /// Whether `new` passes against `old`.
+    /// True if `new` passes against `old`.
     #[inline(always)]
     pub fn passes<T: PartialOrd>(self, new: T, old: T) -> bool {
         match self {
@@ -46,9 +46,9 @@ impl Compare {
 /// The depth test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DepthState {
-    /// What passes.
+    /// Comparison that passes.
     pub compare: Compare,
-    /// Whether the depth of what passes is written.
+    /// Enables writing of the depths that pass.
     pub write: bool,
 }
 
@@ -59,7 +59,7 @@ impl DepthState {
     pub const GREATER: Self = Self { compare: Compare::Greater, write: true };
 }
 
-/// What happens to a stencil value.
+/// Operation on a stencil value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs)]
 pub enum StencilOp {
@@ -113,11 +113,11 @@ pub struct StencilFace {
     pub read_mask: u8,
     /// The bits that are written.
     pub write_mask: u8,
-    /// Where the stencil test fails.
+    /// Operation if the stencil test fails.
     pub fail: StencilOp,
-    /// Where it passes, and the depth test fails.
+    /// Operation if it passes, and the depth test fails.
     pub depth_fail: StencilOp,
-    /// Where both pass.
+    /// Operation if both pass.
     pub pass: StencilOp,
 }
 
@@ -138,8 +138,8 @@ impl Default for StencilFace {
 /// The stencil test of both sides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StencilState {
-    /// Of fronts, points and lines.
+    /// Test of fronts, points and lines.
     pub front: StencilFace,
-    /// Of backs.
+    /// Test of backs.
     pub back: StencilFace,
 }

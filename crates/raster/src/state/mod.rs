@@ -1,4 +1,4 @@
-//! What is fixed when a pipeline is made: topology, rasterisation, tests, blending.
+//! Fixed state of a pipeline: topology, rasterisation, tests, blending.
 
 mod blend;
 mod depth_stencil;
@@ -28,7 +28,7 @@ pub const MAX_PATCH_VERTICES: u32 = 32;
 /// The state of a pipeline. Start from [`State::default`], and change fields.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
-    /// What vertices form.
+    /// Topology of the vertices.
     pub topology: Topology,
     /// Which vertex gives flat varyings, layer and viewport.
     pub provoking: Provoking,
@@ -40,7 +40,7 @@ pub struct State {
     pub depth: Option<DepthState>,
     /// The stencil test; none without.
     pub stencil: Option<StencilState>,
-    /// What happens to the colours of each target; targets beyond the list use the default.
+    /// Blending and write mask of each colour target; targets beyond the list use the default.
     pub color: Vec<ColorState>,
     /// The constant of blend factors.
     pub blend_constant: [f32; 4],
@@ -48,9 +48,9 @@ pub struct State {
     pub logic_op: Option<LogicOp>,
     /// Samples.
     pub multisample: Multisample,
-    /// Where clip space lands. Without any: one that fills the framebuffer.
+    /// Viewports. Without any: one that fills the framebuffer.
     pub viewports: Vec<Viewport>,
-    /// What limits each viewport's fragments. Without any: no limit.
+    /// Scissor rectangle of each viewport. Without any: no limit.
     pub scissors: Vec<Rect>,
 }
 
@@ -74,7 +74,7 @@ impl Default for State {
 }
 
 impl State {
-    /// What needs no framebuffer to be wrong.
+    /// Checks the rules that do not depend on a framebuffer.
     pub(crate) fn check(&self) -> Result<()> {
         const CALL: &str = "Pipeline::new";
         self.topology.check()?;

@@ -25,7 +25,7 @@ pub enum Cull {
     Both,
 }
 
-/// What is drawn of a triangle.
+/// Part of a triangle that is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PolygonMode {
     /// Its inside.
@@ -36,7 +36,7 @@ pub enum PolygonMode {
     Point,
 }
 
-/// How lines become fragments.
+/// Rasterisation rule of lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineMode {
     /// The diamond-exit rule (Bresenham's pixels), widened along the minor axis. With several samples, a rectangle.
@@ -58,7 +58,7 @@ pub enum Conservative {
     Underestimate,
 }
 
-/// What is added to the depth of triangles: constant × smallest step + slope × steepest slope, clamped.
+/// Depth bias of triangles: constant × smallest step + slope × steepest slope, clamped.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DepthBias {
     /// In smallest resolvable differences of the depth format (2⁻²⁴ of the largest depth's binade for floats).
@@ -69,7 +69,7 @@ pub struct DepthBias {
     pub clamp: f32,
 }
 
-/// What clip space calls near.
+/// Range of depths in clip space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DepthRange {
     /// 0 ≤ z ≤ w is visible (wgpu, Vulkan, Direct3D).
@@ -85,9 +85,9 @@ pub struct RasterState {
     pub front_face: FrontFace,
     /// Which triangles are dropped.
     pub cull: Cull,
-    /// What is drawn of triangles.
+    /// Part of triangles that is drawn.
     pub polygon_mode: PolygonMode,
-    /// How lines are drawn.
+    /// Rasterisation rule of lines.
     pub line_mode: LineMode,
     /// Width of lines in pixels.
     pub line_width: f32,
@@ -95,7 +95,7 @@ pub struct RasterState {
     pub depth_bias: DepthBias,
     /// Cuts at the near and far plane; without, depths beyond are clamped to the viewport's.
     pub depth_clip: bool,
-    /// What clip space calls near.
+    /// Range of depths in clip space.
     pub depth_range: DepthRange,
     /// Conservative rasterisation of triangles.
     pub conservative: Conservative,
@@ -167,7 +167,7 @@ impl Multisample {
     }
 }
 
-/// Where clip space lands in the window: x right and y down from the top left, depth from `near` to `far`.
+/// Mapping of clip space to the window: x right and y down from the top left, depth from `near` to `far`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Viewport {
     /// Left edge in pixels.

@@ -3,7 +3,7 @@
 use super::MAX_PATCH_VERTICES;
 use crate::error::{Result, refuse};
 
-/// What the vertices of a draw form.
+/// Primitives that the vertices of a draw form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Topology {
     /// A point each.
@@ -84,7 +84,7 @@ impl Topology {
         }
     }
 
-    /// How many primitives so many vertices form.
+    /// Number of primitives that `vertices` vertices form.
     pub fn primitives(self, vertices: u64) -> u64 {
         let n = vertices;
         match self {

@@ -73,7 +73,7 @@ impl TextureSize {
         }
     }
 
-    /// How many levels there are down to one texel.
+    /// Number of levels down to one texel.
     pub fn levels(self) -> u32 {
         32 - self.width.max(self.height).max(self.depth).max(1).leading_zeros()
     }
@@ -84,7 +84,7 @@ impl TextureSize {
 }
 
 impl TextureKind {
-    /// Whether a texture of this kind may have this size.
+    /// Checks that a texture of this kind may have this size.
     pub(crate) fn check(self, size: TextureSize, call: &'static str) -> Result<()> {
         let TextureSize { width, height, depth, layers } = size;
         let most = if self == Self::Buffer { 1 << 27 } else { MAX_SIZE };
@@ -207,7 +207,7 @@ impl Texture {
         self.size
     }
 
-    /// How many levels it has.
+    /// Number of levels.
     pub fn level_count(&self) -> u32 {
         self.levels.len() as u32
     }
@@ -222,7 +222,7 @@ impl Texture {
         self.levels.get_mut(level as usize).map(Vec::as_mut_slice)
     }
 
-    /// Where a texel of a level is among its bytes.
+    /// Byte offset of a texel in its level.
     #[inline]
     pub(crate) fn place(&self, level: u32, [x, y, z]: [u32; 3], layer: u32) -> Option<usize> {
         let size = self.size.level(level);

@@ -9,7 +9,7 @@ use crate::{
     state::Compare,
 };
 
-/// What lies beyond 0 and 1.
+/// Addressing of coordinates beyond 0 and 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wrap {
     /// The texture again.
@@ -44,7 +44,7 @@ impl Wrap {
     }
 }
 
-/// How texels, or levels, become a value.
+/// Filter over texels, or over levels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Filter {
     /// The nearest.
@@ -58,18 +58,18 @@ pub enum Filter {
 pub enum Lod {
     /// This one; 0 is the finest.
     Level(f32),
-    /// That of these changes of the coordinates from pixel to pixel, in x and in y (GLSL: `textureGrad`).
+    /// Level for these derivatives of the coordinates from pixel to pixel, in x and in y (GLSL: `textureGrad`).
     Gradients(Vec3, Vec3),
 }
 
-/// How a texture is looked up.
+/// Addressing and filtering of texture lookups.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampler {
     /// Beyond 0 and 1 in each dimension.
     pub wrap: [Wrap; 3],
-    /// Where texels are larger than pixels.
+    /// Filter for texels that are larger than pixels.
     pub magnify: Filter,
-    /// Where texels are smaller than pixels.
+    /// Filter for texels that are smaller than pixels.
     pub minify: Filter,
     /// Between levels; without, level 0 alone.
     pub levels: Option<Filter>,
@@ -115,7 +115,7 @@ impl Sampler {
         compare: Compare::LessEqual,
     };
 
-    /// Whether this sampler may look up this view.
+    /// Checks that this sampler may look up this view.
     ///
     /// # Errors
     /// For filters of formats that cannot be averaged, buffers, and values that are no numbers.
@@ -144,7 +144,7 @@ impl Sampler {
         self.lookup(view, at, lod, &|texel| texel)
     }
 
-    /// How much of what is there passes the comparison of `reference` with it, filtered: 1 where all does.
+    /// Share of the texels that pass the comparison of `reference` with them, filtered: 1 if all do.
     pub fn compare(&self, view: &TextureView, at: Vec4, reference: f32, lod: Lod) -> f32 {
         let fixed = view.format.numeric() == Numeric::Depth && view.format.bits()[0] != 32;
         let reference = if fixed { reference.clamp(0.0, 1.0) } else { reference };

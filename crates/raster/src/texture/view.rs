@@ -10,7 +10,7 @@ use crate::{
     format::{Format, Numeric},
 };
 
-/// What of a texture a view shows.
+/// Part of a texture that a view shows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ViewRange {
     /// As which kind.
@@ -93,7 +93,7 @@ impl TextureView<'_> {
         TextureSize { layers: self.layers, ..self.texture.size.level(self.first_level + level) }
     }
 
-    /// How many levels the view has.
+    /// Number of levels of the view.
     pub fn level_count(&self) -> u32 {
         self.levels
     }

@@ -19,7 +19,7 @@ pub(crate) enum HiddenBy {
 }
 
 impl HiddenBy {
-    /// Whether no depth within `new` passes against any within `old`.
+    /// True if no depth within `new` passes against any within `old`.
     #[inline]
     pub fn hides(self, new: [f32; 2], old: [f32; 2]) -> bool {
         match self {

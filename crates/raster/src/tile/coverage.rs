@@ -53,7 +53,7 @@ impl Block {
         (self.rows[0] / 2) as usize..((self.rows[1] + 1) / 2) as usize
     }
 
-    /// Whether all samples of the block are covered.
+    /// True if all samples of the block are covered.
     pub fn is_whole(&self) -> bool {
         self.count == 0 && self.columns == 0xff && self.rows == [0, BLOCK as i32]
     }

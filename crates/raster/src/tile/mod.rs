@@ -20,12 +20,12 @@ pub(crate) use write::ColorPlan;
 
 use crate::state::{MAX_TARGETS, State};
 
-/// What is decided when a pipeline is made.
+/// Decisions taken when a pipeline is made.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     /// Tests and their writes come before the fragment shader.
     pub early: bool,
-    /// What may rule out a block or a sample before the fragment shader runs, if anything may.
+    /// Test that may rule out a block or a sample before the fragment shader runs, if any may.
     pub hidden_by: HiddenBy,
     /// The fragment shader runs for each sample.
     pub per_sample: bool,
@@ -46,7 +46,7 @@ pub(crate) struct TileDrawer<'a, F: FragmentShader> {
     parts: [u8; TILE_BLOCKS],
 }
 
-/// Where a strip is: in the tile, and its first pixel.
+/// Location of a strip: in the tile, and its first pixel.
 #[derive(Clone, Copy)]
 struct Strip {
     block: usize,

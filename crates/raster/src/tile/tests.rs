@@ -72,7 +72,7 @@ impl Primitive {
 }
 
 impl<F: FragmentShader> TileDrawer<'_, F> {
-    /// Where the strip's samples of this number start.
+    /// Index of the strip's first value of a sample.
     fn start(strip: Strip, sample: usize) -> usize {
         sample * TILE_PIXELS + strip.block * BLOCK_PIXELS + strip.index * 16
     }

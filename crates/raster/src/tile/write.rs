@@ -12,7 +12,7 @@ use crate::{
     state::{BlendState, ColorState, LogicOp},
 };
 
-/// What happens to the colours of a target.
+/// Blending and writing of the colours of a target.
 #[derive(Clone, Debug)]
 pub(crate) struct ColorPlan {
     format: Format,
@@ -38,7 +38,7 @@ impl ColorPlan {
         Self { format, bytes: format.bytes(), blend: state.blend, logic, write: state.write, constant, limits }
     }
 
-    /// Whether what is there does not matter.
+    /// True if the colour in the target does not matter.
     fn replaces(&self) -> bool {
         self.blend.is_none() && self.logic.is_none() && self.write == [true; 4]
     }
@@ -123,7 +123,7 @@ impl<F: FragmentShader> TileDrawer<'_, F> {
     }
 }
 
-/// How much of a pixel a smooth line covers: a ramp of one pixel at its sides and ends.
+/// Coverage of a pixel by a smooth line: a ramp of one pixel at its sides and ends.
 fn smooth_coverage(primitive: &Primitive, strip: Strip, lane: usize) -> f32 {
     let half_pixel = 0.5;
     let at = [lane as i32 % 8, lane as i32 / 8];

@@ -12,7 +12,7 @@ use crate::{
 };
 
 varyings! {
-    /// What fragments see of a meshlet's triangle.
+    /// Fragment input of a meshlet's triangle.
     pub struct Seen {
         pub position: Vec3,
         pub vertex: u32 => flat,
@@ -127,7 +127,7 @@ pub fn view(eye: Vec3, at: Vec3) -> Mat4 {
     clip_from_camera * rotation * Mat4::from_translation(-eye)
 }
 
-/// Where the meshes are looked at from; some of them are cut by the picture's borders and the near plane.
+/// Eye point of the views; some of the meshes are cut by the picture's borders and the near plane.
 const EYE: Vec3 = Vec3::new(1.4, 0.9, 0.7);
 
 /// Draws a mesh through its meshlets, with this number of threads.

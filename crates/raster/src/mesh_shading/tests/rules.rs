@@ -65,7 +65,7 @@ fn corner(x: f32, y: f32) -> MeshVertex<()> {
 
 type Output = MeshOutput<(), (), [u8; 3]>;
 
-/// What a group is refused for.
+/// Rule for which a group's output is refused.
 fn rule_of(shade: impl Fn(&mut Output) + Sync) -> String {
     let shader = mesh(|at: Invocation, _: &(), out: &mut Output| {
         // The second group is the one at fault.
