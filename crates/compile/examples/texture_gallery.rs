@@ -51,7 +51,7 @@ enum P {
 
 use P::{C, I, L, N, S, T, V};
 
-/// What is seen.
+/// Subject of a tile.
 enum Tile {
     /// A texture over [0, 4]², flat.
     Flat(&'static str, Params),
@@ -106,12 +106,12 @@ const BRICK: Params =
     &[("a", C(0.6, 0.57, 0.5)), ("b", C(0.45, 0.12, 0.07)), ("width", N(1.0)), ("height", N(0.5)), ("mortar", N(0.08))];
 const BUMPS: Params = &[("frequency", N(3.0)), ("gain", N(0.12)), ("octaves", I(4))];
 
-/// What the page says of the views to the horizon.
+/// Text of the page on the views to the horizon.
 const HORIZON: &str = "\
     Against 1024 samples the relMSE of a black and white plane at one sample is 0.0012 with `ewa`, 0.078 with `bilinear`, 0.0079 with\n\
     `trilinear`, 0.0071 with `ripmap` and 0.0081 with `box` (the test `a_checkerboard_to_the_horizon` prints and bounds them).\n\n";
 
-/// Where the viewer of the horizon stands, and light that comes from ahead.
+/// Position of the viewer of the horizon, and direction to the light, from ahead.
 const EYE: Vec3 = Vec3::new(0.0, 0.0, 1.0);
 const SUN: Vec3 = Vec3::new(0.1, 0.94, 0.33);
 

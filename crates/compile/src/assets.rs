@@ -16,16 +16,16 @@ use steradian_texture::{
 #[derive(Clone, Debug)]
 pub(super) struct Loaded<T> {
     pub texels: T,
-    /// How many of its values were infinite or NaN.
+    /// Number of its values that were infinite or NaN.
     pub faults: usize,
-    /// What reading it guessed or left out.
+    /// Notes on guesses and omissions of reading it.
     pub notes: Vec<String>,
 }
 
 /// An image file that was read, or why not.
 pub(super) type Image<T> = Result<Loaded<T>, String>;
 
-/// Where the bytes of a file came from.
+/// Source of a file's bytes.
 #[derive(Clone, Debug)]
 pub(super) enum Source {
     /// Memory.
@@ -35,7 +35,7 @@ pub(super) enum Source {
 }
 
 impl Source {
-    /// That of a file that a description names.
+    /// Source of a file that a description names.
     pub fn of(desc: &SceneDesc, path: &Path) -> Self {
         match desc.embedded.get(path) {
             Some(bytes) => Self::Memory(bytes.clone()),
@@ -43,7 +43,7 @@ impl Source {
         }
     }
 
-    /// Whether the file is still the same.
+    /// True if the file is still the same.
     pub fn is_current(&self, desc: &SceneDesc, path: &Path) -> bool {
         match (self, desc.embedded.get(path)) {
             (Self::Memory(then), Some(now)) => Arc::ptr_eq(then, now),
@@ -56,7 +56,7 @@ impl Source {
 /// All that was read.
 #[derive(Debug, Default)]
 pub(super) struct Assets {
-    /// Where each of them came from.
+    /// Sources of the files.
     pub sources: HashMap<PathBuf, Source>,
     pub images: HashMap<PathBuf, Image<Arc<Texels>>>,
     /// Images of textures that are kept in `pages`, where textures are limited.

@@ -12,7 +12,7 @@ use steradian_math::spectra::ColorMode;
 /// Roughnesses of one kind of coat that get a table of their own; further ones share a table over all roughnesses.
 const EXACT: usize = 16;
 
-/// What a kind of coat is, apart from its roughness, by bits.
+/// Key of a kind of coat, apart from its roughness, by bits.
 type Kind = (NormalDistribution, Shadowing, u32, [u32; 3]);
 
 /// Coats that differ in roughness alone.
@@ -32,7 +32,7 @@ pub(super) struct Coats {
     pub profiles: HashMap<ProfileKey, Arc<ProfileTable>>,
     /// Albedos of random walks, by the bits of index and mean cosine.
     pub walks: HashMap<(u32, u32), Arc<WalkAlbedo>>,
-    /// Whether RGB lanes stand for spectra over which the layers of pbrt's materials are summed: its materials are
+    /// True if RGB lanes stand for spectra over which the layers of pbrt's materials are summed: its materials are
     /// spectral by definition. Mitsuba's plastics in RGB are defined by RGB arithmetic.
     over_rgb_spectra: bool,
 }
@@ -69,7 +69,7 @@ impl Coats {
         tables.exact.entry(key).or_insert_with(|| make(alpha)).clone()
     }
 
-    /// What facets of a kind lose.
+    /// Energy loss of microfacets of a kind.
     pub fn energy(&mut self, distribution: NormalDistribution, shadowing: Shadowing) -> Arc<EnergyTable> {
         let make = || Arc::new(EnergyTable::new(distribution, shadowing));
         self.energies.entry((distribution, shadowing)).or_insert_with(make).clone()

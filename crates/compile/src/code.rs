@@ -1,4 +1,4 @@
-//! What readers say of files, said of scenes that are made in code: parameters that nothing has.
+//! Warnings of parameters that nothing has, for scenes made in code; readers give them for files.
 
 use super::Compiler;
 

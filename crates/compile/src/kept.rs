@@ -1,4 +1,4 @@
-//! What one compilation leaves to the next of the same scene: after an edit only what changed is made anew.
+//! State kept from one compilation for the next of the same scene: after an edit only changed parts are made anew.
 
 use super::{
     Compiled, Compiler, Options,
@@ -39,7 +39,7 @@ impl<T> Default for ByMode<T> {
 }
 
 impl<T> ByMode<T> {
-    /// That of a mode.
+    /// Value of a mode.
     pub fn of(&mut self, mode: ColorMode) -> &mut Option<T> {
         let Self([rgb, spectral]) = self;
         match mode {
@@ -77,7 +77,7 @@ pub(super) struct KeptScene {
     files: Vec<(PathBuf, Source)>,
     scene: Scene,
     diagnostics: Diagnostics,
-    /// What is to be said of film and camera, which is part of it.
+    /// Messages on film and camera, part of the diagnostics.
     of_view: Vec<String>,
     /// Files that the description does not name.
     further: Vec<PathBuf>,
@@ -125,7 +125,7 @@ impl KeptScene {
         Some(Compiled { scene: Some(scene), diagnostics, build_time: Duration::ZERO, files })
     }
 
-    /// Whether a description differs in what a camera alone depends on.
+    /// True if a description differs at most in parameters of the camera alone.
     fn is_same(&self, desc: &SceneDesc, camera: NodeId) -> bool {
         let then = &self.desc;
         let index = camera.0 as usize;
@@ -171,7 +171,7 @@ pub(super) struct Origin {
 }
 
 impl Origin {
-    /// That of a shape; `None` where it depends on other nodes, files, or where the camera is.
+    /// Origin of a shape; `None` where it depends on other nodes, files, or the camera's position.
     pub fn of(desc: &SceneDesc, shape: &steradian_scene::Shape, mode: ColorMode) -> Option<Self> {
         let node = desc.node(shape.node);
         let mesh = shape.mesh.and_then(|m| desc.meshes.get(m));
@@ -206,7 +206,7 @@ pub(super) struct KeptAccel {
     pub accel: Arc<Accel>,
 }
 
-/// What a structure is built over.
+/// Input of a structure.
 #[derive(Clone, Debug)]
 pub(super) struct Space {
     shapes: Vec<(Shape, bool)>,
@@ -216,7 +216,7 @@ pub(super) struct Space {
 }
 
 impl Space {
-    /// That of these geometries, groups and instances.
+    /// Input of a structure over these geometries, groups and instances.
     pub fn new(geometries: &[Geometry], groups: impl Iterator<Item = u32>, instances: &[Instance]) -> Self {
         Self {
             shapes: geometries.iter().map(|g| (g.shape.clone(), g.is_masked() || g.is_interface)).collect(),
@@ -225,7 +225,7 @@ impl Space {
         }
     }
 
-    /// Whether a structure over the one is a structure over the other.
+    /// True if a structure over the one is a structure over the other.
     fn is_same(&self, other: &Self) -> bool {
         // When things move depends on the camera's shutter.
         let is_still = self.instances.iter().all(|i| i.movement.is_none());

@@ -52,7 +52,7 @@ impl Compiler<'_> {
         v.clamp(0, 1000) as u16
     }
 
-    /// Whether the medium of a coat scatters, so that there is no closed form.
+    /// True if the medium of a coat scatters, so that there is no closed form.
     pub(super) fn coat_scatters(node: &Node) -> bool {
         match node.get("albedo") {
             None => false,

@@ -65,7 +65,7 @@ use steradian_math::{DVec3, spectra::ColorMode};
 use steradian_scene::{Diagnostics, Format, NodeId, SceneDesc, Span};
 use steradian_texture::{FloatTexture, TextureId, Textures};
 
-/// What the user decides about a scene.
+/// User options of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
     /// Colour mode; `None` follows the format: spectral for pbrt scenes, RGB for others.
@@ -83,7 +83,7 @@ pub struct Options {
     pub spp: Option<u32>,
     /// Bytes of textures that may be in memory at once; what is beyond waits in a temporary file. `None` for no limit.
     pub texture_limit: Option<usize>,
-    /// Whether all pictures are looked up by one texel drawn at random, whose mean is the filter's value.
+    /// Enables stochastic lookups of all pictures: one texel drawn at random, whose mean is the filter's value.
     pub stochastic_textures: bool,
     /// Limits on images.
     pub image_limits: steradian_image::Limits,
@@ -92,10 +92,10 @@ pub struct Options {
     pub memory: Option<u64>,
 }
 
-/// Of a film while it is rendered: sums of a pixel, and a copy of them.
+/// Memory of a film while it is rendered, in bytes per pixel: the sums of a pixel, and a copy of them.
 const BYTES_PER_PIXEL: u64 = 112;
 
-/// What compiling gave.
+/// Result of compiling.
 #[derive(Debug)]
 pub struct Compiled {
     /// The scene; `None` where there are errors.
@@ -135,9 +135,9 @@ struct Compiler<'a> {
     /// Materials and textures that are being compiled: one that is met again contains itself.
     open: HashSet<NodeId>,
     coats: Coats,
-    /// Where the camera is, and what a pixel measures at distance one.
+    /// Position of the camera, and the size of a pixel at distance one.
     eye: Option<(steradian_math::Vec3, f32)>,
-    /// Whether the geometry of shapes depends on where the camera is.
+    /// True if the geometry of shapes depends on the camera's position.
     depends_on_camera: bool,
     emitters: Vec<Emitter>,
     lights: Vec<Light>,
@@ -356,7 +356,7 @@ impl Compiler<'_> {
         names
     }
 
-    /// Of each group whether all its placements keep right angles.
+    /// Per group: true if all its placements keep right angles.
     fn kept_square(&self) -> Vec<bool> {
         let keeps = |t: &steradian_math::Transform| t.affine().is_some_and(|place| place.similarity().is_some());
         let mut all = vec![true; self.desc.groups.len()];

@@ -96,7 +96,7 @@ impl Compiler<'_> {
         place
     }
 
-    /// What the flux or illuminance `name` of a light, in lm or lx, comes to in units of the scene's radiance, over
+    /// Ratio of the flux or illuminance `name` of a light (lm or lx, converted to units of the scene's radiance) to
     /// that of one unit of its spectrum, of a luminance. With `normalize` it is that of a white light, as in pbrt: a
     /// colour then takes its part away.
     pub(super) fn luminous_target(&mut self, node: &Node, name: &str, luminance: f32) -> Option<f32> {

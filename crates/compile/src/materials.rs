@@ -69,7 +69,7 @@ impl Compiler<'_> {
         ResolvedMaterial { id: self.materials.len() as u32 - 1, alpha: None }
     }
 
-    /// What changes the shading normal of a material. pbrt's displacement is a bump map, and does not count beside a
+    /// Modification of the shading normal of a material. pbrt's displacement is a bump map, and does not count beside a
     /// normal map.
     fn surface_detail(&mut self, node: &Node) -> Option<SurfaceDetail> {
         let facings = [

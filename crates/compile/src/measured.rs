@@ -56,7 +56,7 @@ impl Compiler<'_> {
     }
 }
 
-/// Whether the first row of a text ends in something else than a number.
+/// True if the first row of a text holds four numbers and then something else: an index of a BTF.
 fn is_btf_index(text: &str) -> bool {
     let first = text.lines().map(str::trim).find(|l| !l.is_empty() && !l.starts_with('#'));
     let cells: Vec<&str> = first.map(|l| l.split_whitespace().collect()).unwrap_or_default();

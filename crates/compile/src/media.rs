@@ -124,7 +124,7 @@ impl Compiler<'_> {
         Phase::HenyeyGreenstein(g)
     }
 
-    /// What a medium gives off: `Le`, as bright as `Lescale` says. Lists are grids, which media that vary look at.
+    /// Emission of a medium: `Le`, as bright as `Lescale` says. Lists are grids, which media that vary look at.
     fn glow(&mut self, node: &Node) -> Option<Glow> {
         let value = &node.param("Le")?.value;
         if matches!(value, Value::Floats(_)) && node.kind != "homogeneous" {
@@ -147,7 +147,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// What the grids of a medium give off: black bodies by `temperature`, or the colours `Le`.
+    /// Emission of the grids of a medium: black bodies by `temperature`, or the colours `Le`.
     fn varying_glow(&mut self, node: &Node) -> Option<GlowSource> {
         let factor = self.glow_scale(node);
         if let Some(kelvin) = self.list(node, "temperature") {
@@ -256,7 +256,7 @@ impl Compiler<'_> {
         Some(Variation::Rgb(Box::new([channels("sigma_a")?, channels("sigma_s")?])))
     }
 
-    /// How many numbers the grids of a medium have along each axis.
+    /// Resolution of a medium's grids along each axis.
     fn cells(&mut self, node: &Node) -> Option<[usize; 3]> {
         let mut size = [1; 3];
         for (n, name) in size.iter_mut().zip(["nx", "ny", "nz"]) {

@@ -43,7 +43,7 @@ impl Compiler<'_> {
         motion
     }
 
-    /// How a camera moves; times of its shutter that are no numbers are reported, once for all motions.
+    /// Motion of a camera; times of its shutter that are no numbers are reported, once for all motions.
     pub(super) fn camera_motion(&mut self, node: &Node) -> Option<Arc<Motion>> {
         for (name, default) in SHUTTER {
             self.float(node, name, default);

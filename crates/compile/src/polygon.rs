@@ -4,7 +4,7 @@ use super::Compiler;
 use steradian_math::{DVec2, DVec3, geometry::fill::fill, intersect::FillRule};
 use steradian_scene::{Mesh, Node};
 
-/// How far points may be off the plane, as a part of the polygon's extent.
+/// Largest distance of points from the plane, as a fraction of the polygon's extent.
 const FLAT: f64 = 1e-4;
 
 impl Compiler<'_> {

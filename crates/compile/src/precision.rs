@@ -28,7 +28,7 @@ impl Extent {
         (self.min - origin).abs().max((self.max - origin).abs()).max_element()
     }
 
-    /// Whether details of a mesh are lost where a point is the origin.
+    /// True if details of a mesh are lost where a point is the origin.
     pub fn is_coarse(&self, origin: DVec3) -> bool {
         let far = self.far(origin);
         far.is_finite() && step(far) > COARSE * (self.max - self.min).max_element()

@@ -83,7 +83,7 @@ impl Compiler<'_> {
         self.of_file(node, "aperture_file", path, mask)
     }
 
-    /// What was read from a file, or a report of why not.
+    /// Value read from a file; a failure is reported.
     fn of_file<T>(&mut self, node: &Node, name: &str, path: &Path, read: Result<T, String>) -> Option<T> {
         let span = node.param(name).and_then(|p| p.span).or(node.span);
         read.map_err(|e| self.error(span, format!("cannot use '{}': {e}", path.display()))).ok()

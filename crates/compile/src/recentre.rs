@@ -34,7 +34,7 @@ fn origin(desc: &SceneDesc) -> Option<DVec3> {
     (origin.is_finite() && after < before).then_some(origin)
 }
 
-/// Whether textures are looked up at places that do not move with the world: those of groups that are displaced by
+/// True if textures are looked up at positions that do not move with the world: those of groups that are displaced by
 /// them, or of lamps that project them.
 fn is_bound(desc: &SceneDesc) -> bool {
     let is_by_texture = |node: &Node| node.get("displacement").is_some() || node.kind == "height_field";
@@ -74,7 +74,7 @@ fn moved(desc: &SceneDesc, origin: DVec3) -> SceneDesc {
     desc
 }
 
-/// Whether a model has a parameter.
+/// True if a model has a parameter.
 fn knows(node: &Node, name: &str) -> bool {
     node.family.model(&node.kind).is_some_and(|model| model.parameter(name).is_some())
 }

@@ -4,7 +4,7 @@ use super::Compiler;
 use steradian_core::light::{Light, Lights, Schedule, Timetable};
 use steradian_scene::Node;
 
-/// What shines, by its index.
+/// Emitter, by its index.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Lamp {
     /// A light that is no part of a shape.

@@ -12,7 +12,7 @@ const NAMES: [&str; 5] = ["full_well", "read_noise", "dark_current", "bits", "no
 const OBSERVER: &str = "cie1931";
 
 impl Compiler<'_> {
-    /// How the film sees colours, where that is not as the observer does without a white balance.
+    /// Spectral response of the film, where that is not the observer's without a white balance.
     pub(super) fn response(&mut self, film: &Node) -> Option<Arc<Response>> {
         let name = self.word(film, "sensor").unwrap_or(OBSERVER);
         let balance = self.float(film, "white_balance", 0.0);

@@ -27,9 +27,9 @@ pub(super) type Boxes = Vec<Vec<Bounds3>>;
 pub(super) struct Placed<'a> {
     pub(super) node: &'a Node,
     pub(super) place: Affine,
-    /// Whether the place swaps left and right.
+    /// True if the transform swaps left and right.
     swaps: bool,
-    /// Whether normals are to point to the other side.
+    /// True if normals are to point to the other side.
     pub(super) reverse: bool,
     pub(super) emits: bool,
 }
@@ -41,7 +41,7 @@ impl Placed<'_> {
     }
 }
 
-/// What the hierarchy is built from, for `boxes.len()` geometries from `base` on.
+/// Input of the hierarchy, for `boxes.len()` geometries from `base` on.
 pub(super) fn accel_geometries<'g>(
     geometries: &'g [Geometry],
     base: usize,
@@ -445,7 +445,7 @@ mod tests {
         above(node, emits, [0.5, 0.5])
     }
 
-    /// How far a ray goes to a shape, down from z = 9 at a place, and what is said.
+    /// Distance of a ray to a shape, down from z = 9 at a place, and the messages.
     fn above(node: Node, emits: bool, [x, y]: [f32; 2]) -> (Option<f32>, String) {
         let mut desc = SceneDesc::default();
         let node = desc.add(node);

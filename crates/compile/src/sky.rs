@@ -16,14 +16,14 @@ use steradian_math::{
 };
 use steradian_scene::{Node, SpectrumValue};
 
-/// What `sun_direction` stands in for.
+/// Parameters that `sun_direction` replaces.
 const PLACE_AND_TIME: [&str; 9] =
     ["latitude", "longitude", "timezone", "year", "month", "day", "hour", "minute", "second"];
 
 /// Height of the sun in degrees below which the sky has no light of its.
 const NIGHT: f32 = -18.0;
 
-/// What shines in the sky, where its scale leaves something of it.
+/// Light of the sky's sources, unless its scale leaves nothing of it.
 fn lit(mode: ColorMode, scale: f32, celestial: impl FnOnce() -> Option<Celestial>) -> Option<Light> {
     let celestial = (scale > 0.0).then(celestial).flatten()?;
     let (radiance, celestial) = (Color::BLACK, Some(celestial));

@@ -1,4 +1,4 @@
-//! What must hold of any description before it is compiled: references lead somewhere, and no parameter is a NaN or an
+//! Checks of any description before it is compiled: references lead somewhere, and no parameter is a NaN or an
 //! infinity. Readers see to that for files; this does for scenes made in code.
 
 use super::Compiler;

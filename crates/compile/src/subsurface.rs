@@ -21,7 +21,7 @@ pub(super) enum MethodName {
     Walk,
 }
 
-/// What a profile's table depends on: the method, and the bits of index and mean cosine.
+/// Key of a profile's table: the method, and the bits of index and mean cosine.
 pub(super) type ProfileKey = (MethodName, u32, u32);
 
 const ONE: SpectrumValue = SpectrumValue::Constant(1.0);
@@ -34,9 +34,9 @@ const METHODS: [(&str, MethodName); 4] = [
     ("normalized_diffusion", MethodName::NormalizedDiffusion),
 ];
 
-/// What a layered surface says of the medium that its diffuse base is.
+/// Parameters of a layered surface for the medium that its diffuse base is.
 pub(super) struct BaseSaid {
-    /// How much of the base it is.
+    /// Share of the medium in the base.
     pub weight: FloatTexture,
     /// The part of the light that comes back.
     pub color: SpectrumTexture,
@@ -44,7 +44,7 @@ pub(super) struct BaseSaid {
     pub path: SpectrumTexture,
     /// Mean cosine of the phase function.
     pub g: f32,
-    /// How light gets through.
+    /// Method of subsurface scattering.
     pub method: MethodName,
 }
 
@@ -74,7 +74,7 @@ impl Compiler<'_> {
         }))
     }
 
-    /// How light gets through a medium.
+    /// Method of subsurface scattering in a medium.
     pub(super) fn method_named(&mut self, node: &Node, name: &str) -> MethodName {
         self.choice(node, name, MethodName::Walk, &METHODS)
     }
@@ -122,7 +122,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// What is below, and the albedo of a diffuse surface that looks like it from afar.
+    /// Medium below the surface, and the albedo of a diffuse surface that looks like it from afar.
     fn content(&mut self, node: &Node, scale: f32) -> (Content, SpectrumTexture) {
         let has = |name: &str| node.get(name).is_some();
         if has("reflectance") || !has("sigma_s") && !has("sigma_a") {

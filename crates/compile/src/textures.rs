@@ -29,7 +29,7 @@ use steradian_texture::{
     wrap::Borders,
 };
 
-/// What single channels are called.
+/// Names of single channels.
 const CHANNELS: [(&str, Option<usize>); 5] =
     [("color", None), ("r", Some(0)), ("g", Some(1)), ("b", Some(2)), ("a", Some(3))];
 
@@ -101,8 +101,8 @@ impl Compiler<'_> {
         self.assets.images.extend(read);
     }
 
-    /// Whether there is memory for the film and for pictures with all their sizes; reported where not, before anything
-    /// is loaded.
+    /// True if there is memory for the film and for pictures with all their sizes; reported if not, before anything is
+    /// loaded.
     fn pictures_fit(&mut self, textures: &BTreeSet<&Path>, others: &BTreeSet<&Path>, film: u64) -> bool {
         let Some(available) = self.options.memory else { return true };
         let bytes = |files: &BTreeSet<&Path>| files.iter().filter_map(|p| steradian_image::declared_bytes(p)).sum();
@@ -140,7 +140,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// What was read, after saying what is wrong with it.
+    /// Image that was read, after its faults are reported.
     fn reported<T>(&mut self, node: &Node, image: Result<Loaded<T>, String>) -> Option<T> {
         let span = node.param("file").and_then(|p| p.span).or(node.span);
         match image {
@@ -415,7 +415,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// What lies beyond the sides and beyond top and bottom of a picture.
+    /// Wrap modes beyond the sides and beyond top and bottom of a picture.
     fn wraps(&mut self, node: &Node, channels: usize) -> ([Wrap; 2], Borders) {
         let border = self.vec3(node, "border", Vec3::ZERO);
         let border = match channels {

@@ -133,7 +133,7 @@ impl Compiler<'_> {
         })
     }
 
-    /// Where rays start and end along the axis.
+    /// Near and far distances of rays along the axis.
     fn planes(&mut self, node: &Node) -> Option<[f32; 2]> {
         let near = if node.get("near").is_some() { self.float(node, "near", 0.0).max(0.0) } else { 0.0 };
         let far = if node.get("far").is_some() { self.positive(node, "far", f64::INFINITY) } else { f32::INFINITY };
@@ -144,7 +144,7 @@ impl Compiler<'_> {
         Some([near, far])
     }
 
-    /// How a spherical camera maps directions.
+    /// Mapping of directions of a spherical camera.
     fn sphere_map(&mut self, node: &Node) -> Projection {
         match self.choice(node, "mapping", false, &[("equalarea", false), ("equirectangular", true)]) {
             true => Projection::SphericalEquirectangular,
@@ -152,7 +152,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// What an irradiance meter receives on.
+    /// Receiving surface of an irradiance meter.
     fn patch(&mut self, node: &Node) -> Option<Projection> {
         let name = self.word(node, "surface").unwrap_or("square");
         let Some(patch) = Patch::named(name) else {
@@ -280,7 +280,7 @@ impl Compiler<'_> {
         options
     }
 
-    /// What the scene asks for.
+    /// Render settings of the scene.
     pub(super) fn settings(&mut self) -> Settings {
         let mut settings = Settings {
             integrator: "path".into(),

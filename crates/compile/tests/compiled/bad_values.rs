@@ -63,7 +63,7 @@ fn written(d: &mut SceneDesc, v: f64, form: usize, span: Span) -> Written {
     (value, vec![v])
 }
 
-/// How many values a parameter is tried with, and each of them by its index.
+/// Number of values that a parameter is tried with, and each of them by its index.
 fn trials(kind: Type) -> usize {
     match kind {
         Type::Number | Type::Vector => NUMBERS.len(),
@@ -111,14 +111,14 @@ fn description(
     d
 }
 
-/// Whether a message tells of the parameter, with the place where it stands.
+/// True if a message tells of the parameter, with its position.
 fn tells(d: &Diagnostic, p: &Parameter, numbers: &[f64]) -> bool {
     let named = [p.name, "'value'"].iter().any(|n| d.message.contains(n))
         || numbers.iter().any(|v| d.message.contains(&(*v as f32).to_string()));
     named && d.location.as_ref().is_some_and(|l| l.line == 1 && l.path == "scene")
 }
 
-/// Whether all light that the sphere's material scatters is finite.
+/// Checks that all light scattered by the sphere's material is finite.
 fn is_finite(scene: &Scene) -> Result<(), String> {
     let id = scene.geometries().first().map_or(0, |g| g.material);
     let mut rng = HashRng::new(7);

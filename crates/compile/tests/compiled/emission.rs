@@ -192,8 +192,8 @@ fn only_light_is_emitted() {
     assert!(Emission::new(&scene).is_none());
 }
 
-/// What media give off may be a number, a colour or a grid; what is none of these is said, and so are grids that do not
-/// fit their cells.
+/// Emission of media may be a number, a colour or a grid; anything else is reported, and so are grids that do not fit
+/// their cells.
 #[test]
 fn glows_and_grids_of_media_count_or_are_refused() {
     let medium = |kind: &str| Node::new(Family::Medium, kind, None);

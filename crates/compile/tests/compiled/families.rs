@@ -12,7 +12,7 @@ const FAMILIES: [Family; 9] = {
     [Texture, Light, Medium, Phase, Camera, Film, Filter, Sampler, Shape]
 };
 
-/// Whether the compiler does not read a parameter, or takes it without a word whatever it is.
+/// True if the compiler does not read a parameter, or takes any value of it without a word.
 fn is_unread(family: Family, kind: &str, name: &str) -> bool {
     match (family, name) {
         // Readers of other formats set it.
@@ -37,7 +37,7 @@ fn files() -> tempfile::TempDir {
     folder
 }
 
-/// What a model needs to be compiled.
+/// Parameters that a model needs to be compiled.
 fn needs(family: Family, kind: &str, files: &Path) -> Vec<(&'static str, Value)> {
     let (picture, grid) = (Value::Path(files.join("i.pfm")), Value::Path(files.join("g.vol")));
     match (family, kind) {
@@ -73,7 +73,7 @@ fn needs(family: Family, kind: &str, files: &Path) -> Vec<(&'static str, Value)>
     }
 }
 
-/// What a parameter counts with.
+/// Parameters that a parameter needs beside it to count.
 fn company(family: Family, kind: &str, p: &Parameter, files: &Path) -> Vec<(&'static str, Value)> {
     let picture = || Value::Path(files.join("i.pfm"));
     let mut company = match p.condition {
@@ -190,7 +190,7 @@ fn every_kind_is_known() {
     }
 }
 
-/// What the tables name is what the compiler reads: a value that nothing can use is noticed.
+/// Parameters named by the tables are those that the compiler reads: a value that nothing can use is noticed.
 #[test]
 fn every_parameter_of_other_families_is_read() {
     let files = files();

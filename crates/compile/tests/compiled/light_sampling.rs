@@ -29,7 +29,7 @@ struct Case {
     sample: Box<dyn Fn(Vec2) -> Option<(Vec3, f32)>>,
     /// The density that a direction should have.
     density: Box<dyn Fn(Vec3) -> f64>,
-    /// Whether every draw brings light, so that the density integrates to one.
+    /// True if every draw brings light, so that the density integrates to one.
     complete: bool,
 }
 

@@ -1,4 +1,4 @@
-//! What compiling descriptions gives: one program, since each takes long to link.
+//! Results of compiling descriptions: one program, since each takes long to link.
 
 mod bad_values;
 mod colors_agree;

@@ -18,7 +18,7 @@ fn messages(kind: &str, parameter: &str, value: Value) -> Vec<String> {
     compile(&d, &Options::default()).diagnostics.iter().map(|m| m.message.clone()).collect()
 }
 
-/// What the table names is what the compiler reads: a value that nothing can use is noticed.
+/// Parameters named by the table are those that the compiler reads: a value that nothing can use is noticed.
 #[test]
 fn every_parameter_is_read() {
     for e in MATERIALS {

@@ -22,7 +22,7 @@ fn compiled_as(kind: &str, parameters: &[(&str, Value)]) -> Compiled {
     compile(&d, &Options::default())
 }
 
-/// What arrives from a direction, and how many lights there are.
+/// Radiance from a direction, and the number of lights.
 fn seen(parameters: &[(&str, Value)], w: [f32; 3]) -> (f32, usize) {
     seen_of("sky", parameters, w)
 }

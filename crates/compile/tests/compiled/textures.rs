@@ -317,8 +317,8 @@ fn pictures_without_alpha_are_opaque() {
     }
 }
 
-/// What pictures need is added up before one of them is read, from what their files declare; a limit on textures in
-/// memory makes room.
+/// Memory for pictures is added up before one of them is read, from the sizes that their files declare; a limit on
+/// textures in memory makes room.
 #[test]
 fn pictures_that_do_not_fit_are_refused_beforehand() {
     let folder = tempfile::tempdir().unwrap();
