@@ -10,7 +10,7 @@ use std::{
 };
 use steradian_math::{DVec3, Vec3};
 
-/// What `generate` is told.
+/// Arguments of `generate`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// File to write: .ply for a mesh, .pbrt for a text scene with long lists, .xml for a scene with a mesh beside it

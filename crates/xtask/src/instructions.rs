@@ -9,7 +9,7 @@ use steradian::{Accelerator, CompileOptions, Control, Quality, Scene, bench};
 use steradian_accel::{Accel, Geometry};
 use steradian_math::{Ray, Vec3, hash::HashRng};
 
-/// What `instructions` is told.
+/// Arguments of `instructions`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Counts to compare with
@@ -23,7 +23,7 @@ pub struct Arguments {
     only: Option<String>,
 }
 
-/// What is counted, by name.
+/// Counted functions, by name.
 const WORK: [(&str, fn()); 3] = [("closest", closest), ("occluded", occluded), ("shading", shading)];
 
 /// Growth beyond which there is a warning.

@@ -1,4 +1,4 @@
-//! How fast files are read.
+//! Reading speed of files.
 
 use crate::{
     clock::{median, timed},

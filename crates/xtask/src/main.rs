@@ -44,7 +44,7 @@ enum Command {
     Generate(generate::Arguments),
 }
 
-/// What `bench` is told.
+/// Arguments of `bench`.
 #[derive(Debug, clap::Args)]
 struct Bench {
     /// Folder for results
@@ -68,7 +68,7 @@ struct Bench {
     /// One more mesh to trace rays through; may be given several times
     #[arg(long, value_name = "FILE.ply")]
     mesh: Vec<PathBuf>,
-    /// Of the rays only those whose scene, name or query has each of these words, such as mesh_10k,bounce1,closest
+    /// Only rays whose scene, name or query has each of these words, such as mesh_10k,bounce1,closest
     #[arg(long, value_name = "WORD", value_delimiter = ',')]
     rays: Vec<String>,
 }

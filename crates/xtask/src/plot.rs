@@ -5,7 +5,7 @@ use std::fmt::Write;
 /// Points that belong together.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// What they are.
+    /// Name of the points, for the legend.
     pub name: &'static str,
     /// x and y.
     pub points: Vec<[f64; 2]>,

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use std::{error::Error, fmt::Write, path::Path};
 
-/// What was measured, table by table.
+/// Measurements, table by table.
 #[derive(Debug, Default)]
 pub struct Report {
     tables: Vec<Table>,
@@ -31,7 +31,7 @@ impl Table {
         self.rows.push(cells);
     }
 
-    /// What is said below the table.
+    /// Sets the note below the table.
     pub fn note(&mut self, note: impl Into<String>) {
         self.note = note.into();
     }

@@ -42,7 +42,7 @@ const FRAMES: usize = 5;
 /// Added to squares of pixels, to which errors are relative.
 const FLOOR: f64 = 0.01;
 
-/// What a renderer made of a scene.
+/// Frames of a scene by one renderer.
 struct Frames {
     /// Values, three to a pixel.
     values: Vec<Vec<f64>>,

@@ -1,7 +1,7 @@
-//! Whether a change left pictures as they were: small pictures of every integrator on scenes of the project, with
-//! layers, and gone on with after a stop, as hashes of their pixels; and the instructions that one picture of each
-//! integrator takes, counted by valgrind. Hashes depend on the machine's mathematics, so they are kept for the machine,
-//! not in the repository: `--keep` before the change, nothing after it.
+//! Regression check of pictures: small pictures of every integrator on scenes of the project, with layers, and gone on
+//! with after a stop, as hashes of their pixels; and the instructions that one picture of each integrator takes,
+//! counted by valgrind. Hashes depend on the machine's mathematics, so they are kept for the machine, not in the
+//! repository: `--keep` before the change, nothing after it.
 
 use std::{
     collections::BTreeMap,
@@ -10,13 +10,13 @@ use std::{
     process::Command,
 };
 
-/// What `same` is told.
+/// Arguments of `same`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// The program that renders; `cargo build --profile quick -p steradian-cli` makes this one
     #[arg(long, default_value = "target/quick/steradian")]
     program: PathBuf,
-    /// Where hashes and counts are kept
+    /// File of hashes and counts
     #[arg(long, default_value = "target/same.json")]
     file: PathBuf,
     /// Keep what this program gives, instead of comparing with what is kept
@@ -189,7 +189,7 @@ fn picture(
     Ok(blake3::hash(pixels(&std::fs::read(out)?).ok_or("not an OpenEXR file")?).to_hex()[..16].to_owned())
 }
 
-/// What follows the table of offsets in an OpenEXR file: pixels, without metadata, which tell of time.
+/// Pixels of an OpenEXR file, after the table of offsets: without metadata, which tell of time.
 fn pixels(file: &[u8]) -> Option<&[u8]> {
     // Magic number, version; attributes with name, kind, size and value; an empty name.
     let mut at = 8;

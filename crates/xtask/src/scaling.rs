@@ -1,4 +1,4 @@
-//! How cost grows with triangles and falls with threads.
+//! Scaling of cost: growth with triangles, fall with threads.
 
 use crate::{
     clock::median,

@@ -17,7 +17,7 @@ const FUNCTION: usize = 100;
 const COLUMNS: usize = 120;
 const CRATE: usize = 20_000;
 
-/// What `tidy` is told.
+/// Arguments of `tidy`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Write the counts as the new ceilings
@@ -28,7 +28,7 @@ pub struct Arguments {
     list: Vec<String>,
 }
 
-/// What was found under each name.
+/// Findings under each name.
 type Found = BTreeMap<&'static str, Vec<String>>;
 
 /// Ceilings, public items that stay though only tests use them, and files that may use the system, with reasons.
@@ -51,9 +51,9 @@ struct Source {
     modules: Vec<String>,
     text: String,
     parsed: syn::File,
-    /// Whether it is no test, example or benchmark.
+    /// True if it is no test, example or benchmark.
     is_shipped: bool,
-    /// Whether it is an example, which uses what users use.
+    /// True if it is an example, which uses what users use.
     is_example: bool,
 }
 
@@ -77,7 +77,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     }
 }
 
-/// What is more than its ceiling.
+/// Findings beyond their ceilings.
 fn beyond(found: &Found, baseline: &Baseline) -> Vec<String> {
     let ceiling = |name: &str| baseline.ceilings.get(name).copied().unwrap_or(0);
     let more = found.iter().filter(|(name, items)| items.len() > ceiling(name));
@@ -301,8 +301,8 @@ fn is_of_tests(attributes: &[syn::Attribute]) -> bool {
         .any(|a| a.path().is_ident("cfg") && a.meta.require_list().is_ok_and(|l| l.tokens.to_string().contains("test")))
 }
 
-/// Where a crate below the façade looks at files, the clock, the environment or processes, outside the files that are
-/// there for it: what it computes then depends on more than what it is given.
+/// Uses of files, the clock, the environment or processes in a crate below the façade, outside the files that are there
+/// for it: its results then depend on more than its inputs.
 fn uses_of_system(sources: &[Source], baseline: &Baseline) -> Vec<String> {
     let mut used = Vec::new();
     for source in sources.iter().filter(|s| s.is_shipped && !FACING.contains(&s.krate.as_str())) {

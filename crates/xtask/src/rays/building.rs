@@ -16,7 +16,7 @@ use std::{
 };
 use steradian_accel::{Accel, Builder};
 
-/// How often each builds in its turn.
+/// Number of builds of each builder, in turn.
 const ROUNDS: usize = 7;
 
 /// The table that [`measure`] makes rows of.
@@ -58,7 +58,7 @@ fn seconds<T>(work: impl FnOnce() -> T) -> (T, [f64; 2]) {
     (done, [cpu, start.elapsed().as_secs_f64()])
 }
 
-/// What counts of both: on one thread the seconds of the processor, on more those of the clock.
+/// Time that counts: CPU seconds on one thread, wall-clock seconds on more.
 fn counted([cpu, clock]: [f64; 2], threads: usize) -> f64 {
     if threads == 1 { cpu } else { clock }
 }

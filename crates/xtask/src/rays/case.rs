@@ -1,4 +1,4 @@
-//! What rays are traced through, and the rays.
+//! Test cases of ray tracing: geometry, and its rays.
 
 use super::scene::{View, bounce, displaced_sphere, instances};
 use crate::generate::Mesh;
@@ -14,7 +14,7 @@ const SIZE: i32 = 512;
 pub struct Case {
     pub name: String,
     pub mesh: Mesh,
-    /// Where instances are; none for the mesh itself.
+    /// Placements of the instances; none for the mesh itself.
     pub places: Vec<Affine>,
     views: Vec<View>,
 }
@@ -40,7 +40,7 @@ pub fn all(files: &[PathBuf]) -> Result<Vec<Case>, Box<dyn Error>> {
 }
 
 impl Case {
-    /// Whether rays through this may be wanted by words in their names.
+    /// True if rays through this may be wanted by words in their names.
     pub fn may_be(&self, words: &[String]) -> bool {
         let sets = ["primary", "bounce1", "shadow"].map(|set| self.views.iter().map(move |view| name(set, view)));
         let queries = ["closest", "occluded"];

@@ -156,12 +156,12 @@ impl<const N: usize> RayHits<N> {
     }
 }
 
-/// How rays are handed over.
+/// Packing of rays in calls.
 #[derive(Clone, Copy, Debug)]
 pub struct Packing {
     /// One, four, eight or sixteen at a time.
     pub width: usize,
-    /// Whether they are said to go the same way.
+    /// True if they are declared coherent.
     pub coherent: bool,
 }
 
@@ -178,7 +178,7 @@ pub struct Built<'a> {
     device: Object,
     /// The mesh, and above it the instances if there are any.
     scenes: Vec<Object>,
-    /// What the device holds, in bytes, with its copy of the mesh.
+    /// Bytes allocated by the device, and bytes of its copy of the mesh in them.
     allocated: Box<AtomicIsize>,
     copy: usize,
     /// CPU seconds of all threads, and seconds by the clock, in which it was built.
@@ -307,7 +307,7 @@ impl Built<'_> {
         self.seconds += start.elapsed().as_secs_f64();
     }
 
-    /// What the scene takes without the library's copy of the mesh.
+    /// Memory of the scene in bytes without the library's copy of the mesh.
     pub fn bytes(&self) -> usize {
         (self.allocated.load(Ordering::Relaxed).max(0) as usize).saturating_sub(self.copy)
     }

@@ -13,15 +13,14 @@ pub struct Claim {
     pub triangle: usize,
 }
 
-/// What doubles say of the rays for which both name different triangles.
+/// Verdict in double precision on the rays for which both name different triangles.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Verdict {
     pub differ: usize,
-    /// Where the nearer of those triangles that the ray truly meets, or none, is what we have found, and what Embree
-    /// has found.
+    /// Number of rays for which ours, or Embree's, is the nearer of those triangles that the ray truly meets, or none.
     pub ours: usize,
     pub theirs: usize,
-    /// Where both were wrong: they name different triangles, and the ray meets neither.
+    /// Number of rays for which both were wrong: they name different triangles, and the ray meets neither.
     pub neither: usize,
 }
 
@@ -54,8 +53,8 @@ pub fn judge(case: &Case, top: &TopLevel, rays: &[Ray], theirs: &[Option<Claim>]
     verdict
 }
 
-/// Where a ray meets a triangle, computed in doubles from the very numbers that both programs are given (Möller,
-/// Trumbore 1997).
+/// Intersection of a ray with a triangle, computed in doubles from the very numbers that both programs are given
+/// (Möller, Trumbore 1997).
 fn meets(case: &Case, ray: &Ray, claim: Claim) -> Option<f64> {
     let place = case.places.get(claim.instance).map(|place| place.m.as_dmat4());
     let corner = |i: u32| {

@@ -22,7 +22,7 @@ use steradian_accel::TopLevel;
 use steradian_math::Ray;
 use trace::{Found, Mode, Query};
 
-/// How often each way takes its turn, and how long at least.
+/// Number of turns of each tracer, and least duration of a turn.
 const ROUNDS: usize = 7;
 const LEAST: Duration = Duration::from_millis(60);
 
@@ -58,7 +58,7 @@ impl Tracer<'_> {
     }
 }
 
-/// What ways have in common: the fastest of them, single or of all.
+/// Best of several tracers: the fastest, single or of all.
 struct Best {
     single: f64,
     many: f64,
@@ -173,7 +173,7 @@ pub fn builds(bench: &Bench, report: &mut Report) -> Result<(), Box<dyn Error>> 
     Ok(())
 }
 
-/// Whether each of some words is part of a name, or none is asked for.
+/// True if each of some words is part of a name, or none is asked for.
 fn is_wanted(words: &[String], names: &[&str]) -> bool {
     words.iter().all(|word| names.iter().any(|name| name.contains(word.as_str())))
 }

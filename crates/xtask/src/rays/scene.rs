@@ -89,7 +89,7 @@ pub fn displaced_sphere(n: i32) -> Mesh {
     (positions, indices)
 }
 
-/// Where 1000 instances stand: a lattice with random rotations and sizes.
+/// Placements of 1000 instances: a lattice with random rotations and sizes.
 pub fn instances() -> Vec<Affine> {
     let mut rng = Rng(77);
     let mut place = |i: i32| {
@@ -117,13 +117,13 @@ pub fn instances() -> Vec<Affine> {
     (0..1000).filter_map(&mut place).collect()
 }
 
-/// Where rays begin, and the light that shadow rays go to.
+/// Viewpoint of the rays, and the light that shadow rays go to.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
     pub name: &'static str,
     pub eye: DVec3,
     pub at: DVec3,
-    /// Of half the angle of view.
+    /// Tangent of half the angle of view.
     pub tan_half: f64,
     /// Centre and half the side of a square light that faces down.
     pub light: (DVec3, f64),

@@ -1,4 +1,4 @@
-//! What is asked of rays, what they find, and our ways to trace them.
+//! Ray queries, their results, and our ways to trace them.
 
 use steradian_accel::{Hit, TopLevel};
 use steradian_math::Ray;
@@ -6,12 +6,12 @@ use steradian_math::Ray;
 /// Rays that are handed over at once, where they are not sorted.
 const BATCH: usize = 256;
 
-/// What is asked.
+/// Kind of a ray query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Query {
     /// The nearest hit.
     Closest,
-    /// Whether there is any.
+    /// Any hit.
     Occluded,
 }
 
@@ -25,7 +25,7 @@ impl Query {
     }
 }
 
-/// What rays found: how many have a hit, and the sum of the distances of nearest hits.
+/// Result of tracing rays: the number with a hit, and the sum of the distances of nearest hits.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Found {
     pub hits: usize,
@@ -45,14 +45,14 @@ impl Found {
         self.sum += sum;
     }
 
-    /// Whether another program has found the same, but for a few rays at edges.
+    /// True if another program has found the same, but for a few rays at edges.
     pub fn agrees(self, other: Self) -> bool {
         let close = |a: f64, b: f64| (a - b).abs() <= 1e-4 * a.abs().max(b.abs());
         close(self.hits as f64, other.hits as f64) && close(self.sum, other.sum)
     }
 }
 
-/// How we trace many rays.
+/// Our ways to trace many rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     /// One by one.
