@@ -7,8 +7,8 @@ use pyo3::{
 };
 use steradian::scene::{ColorSpace, SpectrumValue, Value};
 
-/// What a value is in Python: numbers, texts, lists, and dictionaries in the form of Steradian's own
-/// language. Nodes are named by `ids`.
+/// Converts a value to Python: numbers, texts, lists, and dictionaries in the form of Steradian's own language. Nodes
+/// are named by `ids`.
 pub fn to_python<'py>(py: Python<'py>, value: &Value, ids: &[String]) -> PyResult<Bound<'py, PyAny>> {
     let reference = |id: steradian::scene::NodeId| entry(py, "ref", ids[id.0 as usize].as_str().into_bound_py_any(py)?);
     match value {

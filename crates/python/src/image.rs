@@ -46,11 +46,11 @@ pub struct Image {
     /// Why the render ended early, if it did: `interrupt`, `time`, `error` or `progress`.
     #[pyo3(get)]
     stopped: Option<&'static str>,
-    /// What was read for it.
+    /// Files read for the render.
     files: Arc<[PathBuf]>,
 }
 
-/// What is known of a render beside its picture.
+/// Facts about a render beside its picture.
 #[derive(Default)]
 pub struct Facts {
     pub spp: f64,
@@ -126,7 +126,7 @@ fn write_options(tonemap: Option<&str>, exposure: Option<f32>, half: bool) -> Py
     Ok(WriteOptions { tone, exr_precision, ppm_radiance, ..WriteOptions::default() })
 }
 
-/// What makes a picture again: its type, and its planes with what is known beside them.
+/// Pickled form of a picture: its type, and its planes with the facts beside them.
 type Recipe<'py> = (Bound<'py, PyAny>, (Bound<'py, PyDict>, Bound<'py, PyDict>));
 
 /// The names of ends, for pictures that are made anew.
@@ -183,7 +183,7 @@ impl Image {
         Self::new(py, picture, facts)
     }
 
-    /// What is known of the picture beside its planes.
+    /// Facts about the picture beside its planes.
     fn about<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let about = PyDict::new(py);
         about.set_item("spp", self.spp)?;
@@ -309,8 +309,7 @@ impl Image {
         Ok(PyBytes::new(py, &bytes.map_err(|e| PyValueError::new_err(e.to_string()))?))
     }
 
-    /// What is shown of the picture: height × width × 3 numbers from 0 to 255, after exposure and tone
-    /// curve.
+    /// Display values of the picture: height × width × 3 numbers from 0 to 255, after exposure and tone curve.
     #[pyo3(signature = (*, tonemap = None, exposure = None))]
     fn to_uint8<'py>(
         &self,
@@ -326,7 +325,7 @@ impl Image {
         Ok(array.map_err(|e| PyValueError::new_err(e.to_string()))?.into_pyarray(py))
     }
 
-    /// How far the picture is from a reference of its size: `mse`, `rmse`, `rel_mse`, `psnr`, `max_abs`, `mean`,
+    /// Error of the picture against a reference of its size: `mse`, `rmse`, `rel_mse`, `psnr`, `max_abs`, `mean`,
     /// `reference_mean`, `ratio`, `non_finite`.
     fn compare<'py>(&self, py: Python<'py>, reference: &Self) -> PyResult<Bound<'py, PyDict>> {
         let colours = |name: &str| matches!(name, "R" | "G" | "B");

@@ -1,4 +1,4 @@
-//! What reading and compiling had to say.
+//! Messages of reading and compiling.
 
 use crate::SceneError;
 use pyo3::prelude::*;
@@ -18,7 +18,7 @@ pub struct Message {
     line: Option<u32>,
     /// From 1, in characters.
     column: Option<u32>,
-    /// What to do about it.
+    /// Suggested remedy.
     help: Option<String>,
     /// All of it, with the line and carets.
     text: String,

@@ -1,4 +1,4 @@
-//! What is known of a picture beside its planes, in Python's words.
+//! Metadata of a picture beside its planes, in Python's words.
 
 use pyo3::{
     IntoPyObjectExt,

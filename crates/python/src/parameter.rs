@@ -1,4 +1,4 @@
-//! What can be set of a node: the schema's words, with the value that is set.
+//! Parameters of a node: the schema's words, with the value that is set.
 
 use crate::convert::to_python;
 use pyo3::prelude::*;
@@ -11,17 +11,17 @@ pub struct Parameter {
     node: String,
     /// The parameter's.
     name: String,
-    /// What is set; None where the default counts.
+    /// Value that is set; None where the default counts.
     value: Option<Py<PyAny>>,
-    /// What counts where nothing is set; empty where the schema does not know the parameter.
+    /// Default value; empty where the schema does not know the parameter.
     default: &'static str,
-    /// What values it takes, in words.
+    /// Type of its values, in words.
     r#type: String,
     /// Unit; empty for pure numbers.
     unit: &'static str,
     /// Least and greatest number, or None.
     range: Option<(f64, f64)>,
-    /// What it is.
+    /// Description of the parameter.
     doc: String,
 }
 

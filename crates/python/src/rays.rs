@@ -18,7 +18,7 @@ struct Measured {
     unit: f32,
 }
 
-/// What a ray meets.
+/// Hit of a ray.
 #[derive(Clone, Copy)]
 struct Found {
     t: f32,
@@ -107,7 +107,7 @@ fn rays(
     o.rows().into_iter().zip(d.rows()).zip(ends.iter()).enumerate().map(one).collect()
 }
 
-/// What rays meet first, as a dictionary of arrays; numbers of shapes and materials count from one, zero is nothing.
+/// Nearest hits of rays, as a dictionary of arrays; numbers of shapes and materials count from one, zero is nothing.
 /// Distances are in units of the length of the direction.
 #[pyfunction]
 #[pyo3(signature = (scene, origins, directions, max_distance, *, time = 0.0))]
@@ -141,7 +141,7 @@ pub fn trace<'py>(
     Ok(all)
 }
 
-/// Whether rays meet anything that scatters before their distance.
+/// True for rays that meet anything that scatters before their distance.
 #[pyfunction]
 #[pyo3(signature = (scene, origins, directions, max_distance, *, time = 0.0))]
 pub fn occluded<'py>(

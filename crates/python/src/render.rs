@@ -16,13 +16,13 @@ use std::{
 };
 use steradian::{Control, Quality, Scene, Session};
 
-/// How often the watcher looks.
+/// Interval at which the watcher looks.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
-/// How far a render is.
+/// Progress of a render.
 #[pyclass(frozen, get_all, module = "steradian")]
 pub struct Progress {
-    /// Of all samples, from 0 to 1.
+    /// Fraction of all samples, from 0 to 1.
     fraction: f64,
     /// Samples per pixel so far.
     spp: f64,
@@ -30,7 +30,7 @@ pub struct Progress {
     seconds: f64,
 }
 
-/// What to render, and how.
+/// Scene to render, and settings.
 pub struct Request<'a> {
     pub scene: &'a Arc<Scene>,
     /// All files that the scene is made of.

@@ -33,7 +33,7 @@ use steradian_server::SettingsChange;
 /// Files by their names.
 type Files = Vec<(PathBuf, Vec<u8>)>;
 
-/// How many ways of compiling a scene are kept: that of renders, and that of rays and materials.
+/// Number of compilations of a scene kept: that of renders, and that of rays and materials.
 const WAYS: usize = 2;
 
 /// A scene as it is rendered, and what it was asked for with.
@@ -53,12 +53,12 @@ pub struct Scene {
     state: Mutex<State>,
 }
 
-/// What changes.
+/// Mutable state of a scene.
 struct State {
     desc: Arc<SceneDesc>,
     diagnostics: Diagnostics,
     ready: Vec<Ready>,
-    /// What the last compilation made, which an edit leaves as it is for the most part.
+    /// State kept from the last compilation, which an edit leaves as it is for the most part.
     kept: Kept,
 }
 
@@ -217,7 +217,7 @@ impl Scene {
         Self::of(state.desc.clone(), state.diagnostics.clone(), self.options.clone())
     }
 
-    /// Where the scene's file is, and the folders that are searched for others.
+    /// Path of the scene's file, and the folders that are searched for others.
     fn origin(&self, py: Python<'_>) -> (Option<PathBuf>, Vec<PathBuf>) {
         (self.state(py).desc.path.clone(), self.options.search.clone())
     }

@@ -61,7 +61,7 @@ pub fn set_mesh(py: Python<'_>, scene: &Scene, node: &str, parts: &Bound<'_, PyD
     })
 }
 
-/// Where a shape is: its transform into the world, or its group, 4 × 4.
+/// Placement of a shape: its transform into the world, or its group, 4 × 4.
 #[pyfunction]
 pub fn placement<'py>(py: Python<'py>, scene: &Scene, node: &str) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let place = scene.look(py, node, |desc, id| {

@@ -56,7 +56,7 @@ impl View {
         self.close(py);
     }
 
-    /// What notebooks show: the page in a frame.
+    /// HTML shown by notebooks: the page in a frame.
     fn _repr_html_(&self) -> String {
         format!(
             r#"<iframe src="{}" width="100%" height="640" style="border:0" title="Steradian view"></iframe>"#,
