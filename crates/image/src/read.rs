@@ -145,8 +145,9 @@ pub fn read_texels_bytes(bytes: &[u8], name: Option<&Path>, limits: &Limits) -> 
     decode(FileKind::of(bytes, name)?, bytes, limits)
 }
 
-/// As [`read_texels`], band by band: `take` gets a band of at most `height` rows with the row it begins with, from the top,
-/// and the height of the picture. A PNG file is never in memory as a whole picture; of other kinds there is one band, which is the picture.
+/// As [`read_texels`], band by band: `take` gets a band of at most `height` rows with the row it begins with, from the
+/// top, and the height of the picture. A PNG file is never in memory as a whole picture; of other kinds there is one
+/// band, which is the picture.
 ///
 /// # Errors
 /// As [`read_texels`]; those of `take` as [`Error::Io`].

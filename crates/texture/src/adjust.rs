@@ -4,7 +4,7 @@ use super::ramp::Ramp;
 use std::sync::Arc;
 use steradian_math::{Mat3, Vec3, color::luminance};
 
-/// What is done to a colour.
+/// Adjustment of a colour.
 #[derive(Clone, Debug)]
 pub enum Adjust {
     /// One of its components everywhere.

@@ -9,7 +9,7 @@ use steradian_math::{
     },
 };
 
-/// What is asked of a texture.
+/// Kind of value requested from a texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Want<'a> {
     /// One number, in the first lane.
@@ -20,7 +20,7 @@ enum Want<'a> {
     Spectrum(Role, &'a Wavelengths),
 }
 
-/// What is to be done next; operands are on the stack of values.
+/// Next step of an evaluation; operands are on the stack of values.
 #[derive(Clone, Copy)]
 enum Step<'a> {
     /// Evaluate a texture.

@@ -20,7 +20,7 @@ struct Ellipse {
     half: Vec2,
     /// Length of the longest cut along x, which is that through the centre.
     cut: f32,
-    /// How far the middles of cuts along x move for each step in y.
+    /// Shift of the midpoints of cuts along x for each step in y.
     slope: f32,
 }
 
@@ -143,12 +143,12 @@ impl<'a, V: View<'a>> Row for Across<'_, V> {
 }
 
 impl Ellipse {
-    /// How many strips of so many texels are as long as the longest cut.
+    /// Number of strips of `length` texels that together are as long as the longest cut.
     fn strips(&self, length: f32) -> i32 {
         ceil(self.cut / length)
     }
 
-    /// Whether all texels that [`Self::mean`] looks at are within the picture.
+    /// True if all texels that [`Self::mean`] looks at are within the picture.
     #[inline(always)]
     fn is_inside(&self, level: &Level) -> bool {
         // Strips are longer than the cut by less than eight texels, half of which are on either side, and begin at the

@@ -18,7 +18,7 @@ use super::{
 };
 use steradian_math::{Vec2, Vec4};
 
-/// How a picture is looked up.
+/// Filter of a picture lookup.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Filter {
     /// The nearest texel.
@@ -57,20 +57,20 @@ pub const FILTERS: [(&str, Filter); 11] = [
 ];
 
 impl Filter {
-    /// Whether it averages over footprints.
+    /// True if the filter averages over footprints.
     pub fn is_prefiltered(self) -> bool {
         matches!(self, Self::Trilinear | Self::Ripmap | Self::Box | Self::Ewa(_))
     }
 }
 
-/// What filters look at.
+/// Data that filters read.
 #[derive(Clone, Copy, Debug)]
 pub struct Source<'a> {
     /// The picture and its smaller sizes.
     pub levels: &'a Levels,
     /// Its sums, for [`Filter::Box`].
     pub sums: Option<&'a SummedArea>,
-    /// What lies outside.
+    /// Wrap mode on each axis.
     pub wrap: [Wrap; 2],
     /// The colours of borders.
     pub borders: &'a Borders,
@@ -224,7 +224,7 @@ impl Source<'_> {
         })
     }
 
-    /// What stands at a place that may be outside of the picture.
+    /// Texel at a position that may be outside of the picture.
     #[inline]
     pub(super) fn texel<'a, const N: usize, V: View<'a>>(
         &self,

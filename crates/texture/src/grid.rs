@@ -6,7 +6,7 @@ use std::sync::Arc;
 use steradian_image::VoxelGrid;
 use steradian_math::Vec3;
 
-/// What lies between the samples, which are at the middles of voxels.
+/// Interpolation between the samples, which are at the middles of voxels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
     /// The nearest.
@@ -23,9 +23,9 @@ pub enum Interpolation {
 pub struct GridTexture {
     /// The samples, of which the first three channels count.
     pub grid: Arc<VoxelGrid>,
-    /// What lies between them.
+    /// Interpolation between voxels.
     pub interpolation: Interpolation,
-    /// What lies beyond the unit cube.
+    /// Wrap mode beyond the unit cube.
     pub wrap: Wrap,
     /// Leads to the unit cube.
     pub mapping: Mapping,

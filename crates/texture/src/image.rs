@@ -14,9 +14,9 @@ pub struct ImageTexture {
     pub levels: Arc<Levels>,
     /// Its sums, for the filter that needs them.
     pub sums: Option<Arc<SummedArea>>,
-    /// How texels become values.
+    /// Filter from texels to values.
     pub filter: Filter,
-    /// Whether one texel is drawn at random instead of the filter's mean.
+    /// Enables stochastic filtering: one texel is drawn at random instead of the filter's mean.
     pub stochastic: bool,
     /// Horizontal and vertical wrap.
     pub wrap: [Wrap; 2],
@@ -30,7 +30,7 @@ pub struct ImageTexture {
     pub scale: f32,
     /// `1 − value`, after the scale.
     pub invert: bool,
-    /// Where lookups take place.
+    /// Mapping from surface points to the image.
     pub mapping: Mapping,
 }
 

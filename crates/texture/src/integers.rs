@@ -5,7 +5,7 @@
 
 use steradian_math::Vec4;
 
-/// Where numbers are held, 2²²: floats have hardly any fractions there.
+/// Limit to which numbers are clamped, 2²²: floats have hardly any fractions there.
 pub const FAR: f32 = 4_194_304.0;
 
 /// Numbers within ±2²² get the spacing 1 by the addition of this, 1.5 · 2²³: their last bits are whole numbers then.
@@ -58,7 +58,7 @@ pub fn nearest(x: f32) -> i32 {
     (x + SHIFT).to_bits() as i32 - SHIFT.to_bits() as i32
 }
 
-/// What `x` is above the greatest whole number that is not above it; NaN for infinity.
+/// Fractional part of `x`: its distance above the greatest integer that is not above it; NaN for infinity.
 #[inline(always)]
 pub fn fraction(x: f32) -> f32 {
     if x.abs() < FAR { x - floor(x) as f32 } else { x - x.floor() }

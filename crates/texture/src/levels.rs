@@ -24,18 +24,18 @@ pub enum Shape {
     Rip,
 }
 
-/// How levels are made.
+/// Construction of the levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Recipe {
     /// Which levels.
     pub shape: Shape,
     /// By which kernel.
     pub kernel: MipKernel,
-    /// What lies outside, horizontally and vertically.
+    /// Wrap modes, horizontally and vertically.
     pub wrap: [Wrap; 2],
-    /// Where the picture holds opacity (its alpha, or its only channel): the opacity at which it is cut, such that each
-    /// level lets through as much as the picture does (Castaño, "Computing Alpha Mipmaps", 2010; M212). Colours are
-    /// weighted by alpha then.
+    /// Opacity at which the picture is cut, if it holds opacity (its alpha, or its only channel): each level then lets
+    /// through as much as the picture does (Castaño, "Computing Alpha Mipmaps", 2010; M212). Colours are weighted by
+    /// alpha then.
     pub keep_coverage: Option<f32>,
 }
 
@@ -43,7 +43,7 @@ pub struct Recipe {
 #[derive(Clone, Debug)]
 pub struct Levels {
     levels: Vec<Level>,
-    /// How many sizes there are in x; for mip-maps all are in one row.
+    /// Number of sizes in x; for mip-maps all are in one row.
     columns: usize,
     rows: usize,
 }

@@ -48,7 +48,7 @@ use steradian_math::{
 pub use triplanar::Triplanar;
 pub use wrap::Wrap;
 
-/// What an attribute of a mesh has one value per.
+/// Domain of a mesh attribute: the elements that have one value each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Domain {
     /// Vertex; values are interpolated.
@@ -72,11 +72,11 @@ pub trait MeshAttributes: std::fmt::Debug + Sync {
         lambda: &Wavelengths,
     ) -> Option<Spectrum>;
 
-    /// How the barycentric coordinates change as the surface's parameters do.
+    /// Change of the barycentric coordinates for a change of the surface's parameters.
     fn barycentric_change(&self, triangle: u32, duv: Vec2) -> Vec2;
 }
 
-/// Where a texture is looked up.
+/// Point at which a texture is looked up.
 #[derive(Clone, Copy, Debug)]
 pub struct TextureContext<'a> {
     /// World-space point.
@@ -89,7 +89,7 @@ pub struct TextureContext<'a> {
     pub wo: Vec3,
     /// Place in the shutter interval, [0, 1).
     pub time: f32,
-    /// How far the lookup reaches.
+    /// Footprint of the lookup.
     pub footprint: Footprint,
     /// Variance of the slopes along u and v that a normal map has within the footprint, where it counts as roughness.
     pub slopes: Vec2,
@@ -98,7 +98,7 @@ pub struct TextureContext<'a> {
     pub mesh: Option<(&'a dyn MeshAttributes, u32, Vec2)>,
 }
 
-/// What one pixel covers of a surface, to first order: derivatives by the pixel's x and y. Zero is a point.
+/// Footprint of one pixel on a surface, to first order: derivatives by the pixel's x and y. Zero is a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Footprint {
     /// World-space point by x.
@@ -135,7 +135,7 @@ impl Footprint {
 }
 
 impl TextureContext<'_> {
-    /// Where nothing is looked up.
+    /// Context without a point, for textures that need none.
     pub const NOWHERE: Self = Self {
         p: Vec3::ZERO,
         uv: Vec2::ZERO,
@@ -195,7 +195,7 @@ pub enum Texture {
     MeshAttribute {
         /// The attribute's name, without domain prefix.
         name: Arc<str>,
-        /// What it has one value per; `None` for either.
+        /// Domain of the attribute; `None` for either.
         domain: Option<Domain>,
         /// Factor.
         scale: f32,
@@ -203,7 +203,7 @@ pub enum Texture {
 }
 
 impl Texture {
-    /// What it is made of.
+    /// Textures that it is made of.
     fn parts(&self) -> [Option<&TextureId>; 3] {
         match self {
             Self::Constant(_)
@@ -245,13 +245,13 @@ pub struct Textures {
     mode: ColorMode,
 }
 
-/// What it takes to evaluate a texture at a point. Parts that are shared count each time they are met, so it may be far
-/// more than there are textures.
+/// Cost of evaluating a texture at a point. Parts that are shared count each time they are met, so it may be far more
+/// than there are textures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LookupCost {
     /// Textures met; held at the limit of the type.
     pub lookups: u32,
-    /// Whether any of them is averaged over footprints.
+    /// True if any of them is averaged over footprints.
     pub is_filtered: bool,
 }
 
@@ -264,12 +264,12 @@ impl Textures {
         Self { mode, ..Self::default() }
     }
 
-    /// Whether any changes over the exposure.
+    /// True if any texture changes over the exposure.
     pub fn is_timed(&self) -> bool {
         self.nodes.iter().any(|t| matches!(t, Texture::Time))
     }
 
-    /// What the lanes of values are.
+    /// Meaning of the lanes of values.
     pub fn mode(&self) -> ColorMode {
         self.mode
     }
@@ -322,7 +322,7 @@ impl Textures {
         copies.get(&root.0).copied().unwrap_or(root)
     }
 
-    /// Whether any texture is averaged over footprints.
+    /// True if any texture is averaged over footprints.
     pub fn is_filtered(&self) -> bool {
         self.efforts.iter().any(|e| e.is_filtered)
     }
@@ -342,7 +342,7 @@ impl Textures {
         pictures.sum::<usize>() + size_of_val(&self.nodes[..])
     }
 
-    /// What it takes to evaluate a texture.
+    /// Cost of evaluating a texture.
     pub fn effort(&self, id: TextureId) -> LookupCost {
         self.efforts[id.0 as usize]
     }
@@ -352,12 +352,12 @@ impl Textures {
         &self.nodes[id.0 as usize]
     }
 
-    /// How many there are.
+    /// Number of textures.
     pub fn len(&self) -> usize {
         self.nodes.len()
     }
 
-    /// Whether there are none.
+    /// True if there are no textures.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
@@ -378,7 +378,7 @@ pub enum SpectrumTexture {
 }
 
 impl SpectrumTexture {
-    /// Whether it is the same everywhere.
+    /// True if it is the same everywhere.
     pub fn is_constant(&self) -> bool {
         matches!(self, Self::Constant(_))
     }
@@ -403,7 +403,7 @@ pub enum FloatTexture {
 }
 
 impl FloatTexture {
-    /// Whether it is the same everywhere.
+    /// True if it is the same everywhere.
     pub fn is_constant(&self) -> bool {
         matches!(self, Self::Constant(_))
     }

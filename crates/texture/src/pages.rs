@@ -36,7 +36,7 @@ fn spread(v: usize) -> usize {
 #[derive(Debug)]
 pub struct Pages {
     file: File,
-    /// Where the next tile goes.
+    /// File offset of the next tile.
     end: AtomicU64,
     /// Most bytes of tiles in memory.
     limit: usize,
@@ -46,7 +46,7 @@ pub struct Pages {
     shards: Vec<Mutex<Shard>>,
     /// Tiles that were brought in.
     loads: AtomicU64,
-    /// Whether a tile could not be read; it counts as black.
+    /// Set once a tile could not be read; it counts as black.
     failed: AtomicBool,
 }
 
@@ -108,7 +108,7 @@ impl Pages {
         PageReservation { pages: self, bytes }
     }
 
-    /// Whether a tile could not be read back, and counts as black.
+    /// True if a tile could not be read back, and counts as black.
     pub fn has_failed(&self) -> bool {
         self.failed.load(Ordering::Relaxed)
     }

@@ -2,7 +2,7 @@
 
 use steradian_math::Vec3;
 
-/// What lies between the stops of a ramp or curve.
+/// Interpolation between the stops of a ramp or curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
     /// The last stop before.
@@ -27,7 +27,7 @@ pub struct Ramp {
     interpolation: Interpolation,
 }
 
-/// What is wrong with the stops of a ramp.
+/// Fault in the stops of a ramp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RampFault {

@@ -4,7 +4,7 @@ use half::f16;
 use std::sync::Arc;
 use steradian_image::{Encoding, TexelData};
 
-/// What one sample is kept as.
+/// Storage format of one sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
     /// 8 bits, code / 255.
@@ -42,7 +42,7 @@ impl Kind {
 #[derive(Clone, Debug)]
 pub struct Decoder {
     encoding: Encoding,
-    /// Of 8-bit codes.
+    /// Linear values of 8-bit codes.
     table: Arc<[f32; 256]>,
 }
 
@@ -57,13 +57,13 @@ impl Decoder {
         self.encoding
     }
 
-    /// Of an 8-bit code.
+    /// Linear value of an 8-bit code.
     #[inline]
     pub fn u8(&self, code: u8) -> f32 {
         self.table[code as usize]
     }
 
-    /// Of any other stored value.
+    /// Linear value of any other stored value.
     #[inline]
     pub fn stored(&self, value: f32) -> f32 {
         if self.encoding == Encoding::Linear { value } else { self.curved(value) }

@@ -1,4 +1,4 @@
-//! Where texels are: in memory as the file has them, or in tiles that are brought in when they are wanted.
+//! Texel storage: in memory as the file has them, or in tiles that are brought in on demand.
 
 #![allow(clippy::needless_range_loop, reason = "loops over lanes are unrolled for certain this way")]
 
@@ -108,12 +108,12 @@ impl Level {
         self.size.2
     }
 
-    /// What its samples are kept as.
+    /// Storage format of the samples.
     pub fn kind(&self) -> Kind {
         self.kind
     }
 
-    /// How its colours stand for linear values.
+    /// Encoding of the colours.
     pub fn encoding(&self) -> Encoding {
         self.decoder.encoding()
     }
@@ -166,7 +166,7 @@ impl Level {
         }
     }
 
-    /// How `N` channels from `first` on are looked at.
+    /// View of `N` channels from `first` on.
     #[inline(always)]
     pub fn view(&self, first: usize) -> AnyView<'_> {
         let (channels, stride) = (self.size.2, self.stride);

@@ -103,7 +103,7 @@ impl SummedArea {
     }
 }
 
-/// Where `∫₀ˣ` of a row of `n` texels that goes on as `wrap` says is found in the table: pairs of place and factor.
+/// Positions in the table that make up `∫₀ˣ` of a row of `n` texels continued by `wrap`: pairs of position and factor.
 fn places(wrap: Wrap, x: f64, n: f64) -> Places {
     const NONE: (f64, f64) = (0.0, 0.0);
     match wrap {

@@ -4,7 +4,7 @@
 use super::TextureContext;
 use steradian_math::{Vec3, transform::Affine};
 
-/// How the three are blended.
+/// Blending of the three projections.
 #[derive(Clone, Copy, Debug)]
 pub struct Triplanar {
     /// From the world to the space whose axes are projected along.

@@ -1,9 +1,9 @@
-//! What lies outside of a picture.
+//! Wrap modes: the continuation of a picture beyond its sides.
 
 use super::integers::fraction;
 use steradian_math::Vec2;
 
-/// What lies outside of the unit square.
+/// Continuation of a picture outside the unit square.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Wrap {
     /// The picture again.
@@ -14,7 +14,7 @@ pub enum Wrap {
     Clamp,
     /// A colour.
     Border,
-    /// What lies there on the sphere of which the picture is an octahedral map: each edge is joined to itself, turned
+    /// Continuation on the sphere of which the picture is an octahedral map: each edge is joined to itself, turned
     /// about its middle. Both axes have it, or none.
     Octahedral,
 }

@@ -12,7 +12,7 @@ pub use two_part::{Intermediary, ObjectMap};
 /// A texture mapping.
 #[derive(Clone, Debug)]
 pub struct Mapping {
-    /// What is mapped.
+    /// Projector from points to coordinates.
     pub projector: Projector,
     /// From the world to the space of projectors and solid textures.
     pub local: Affine,

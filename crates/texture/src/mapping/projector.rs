@@ -11,7 +11,8 @@ use std::{
 };
 use steradian_math::{Vec2, Vec3, transform::Affine};
 
-/// How a point becomes a pair of coordinates. Space is that of the texture, which the mapping's transform leads to.
+/// Projection of a point to a pair of coordinates. Space is that of the texture, which the mapping's transform leads
+/// to.
 #[derive(Clone, Debug)]
 pub enum Projector {
     /// The surface's own parameters.
@@ -39,7 +40,7 @@ pub struct Projected {
     pub uv: Vec2,
     /// Which of several pieces it lies on.
     pub face: u8,
-    /// Whether u comes around at one.
+    /// True if u wraps around at one.
     pub wraps: bool,
 }
 

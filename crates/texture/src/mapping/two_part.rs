@@ -8,11 +8,11 @@ use steradian_math::{Vec2, Vec3, transform::Affine};
 /// From the object to the surface around it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ObjectMap {
-    /// Where the reflection of the line of sight leads: environment mapping.
+    /// Along the reflection of the line of sight: environment mapping.
     Reflection,
-    /// Where the object's normal leads.
+    /// Along the object's normal.
     Normal,
-    /// Where the line from the origin of texture space through the point leads.
+    /// Along the line from the origin of texture space through the point.
     Centroid,
     /// The point of the surface whose own normal leads here: shrink-wrapping.
     ProxyNormal,
@@ -31,8 +31,8 @@ pub enum Intermediary {
     Cube,
 }
 
-/// Where a line from `o` along `d` leaves the region within the surface; for the plane, where it meets it. A line that
-/// misses gives the point at infinity, by its direction.
+/// Point at which a line from `o` along `d` leaves the region within the surface; for the plane, its intersection. A
+/// line that misses gives the point at infinity, by its direction.
 fn reach(surface: Intermediary, o: Vec3, d: Vec3) -> Vec3 {
     let t = match surface {
         Intermediary::Plane => (1.0 - o.z) / d.z,

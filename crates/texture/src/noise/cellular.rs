@@ -7,7 +7,7 @@ use steradian_math::{
     hash::{mix32, unit_f32},
 };
 
-/// How distance is measured.
+/// Distance metric.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Metric {
     /// √(x² + y² + z²).
@@ -31,9 +31,9 @@ impl Metric {
 /// The random points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cellular {
-    /// How distance is measured.
+    /// Distance metric.
     pub metric: Metric,
-    /// How far points stray from the middle of their cell: 0 a regular grid, 1 anywhere in it.
+    /// Jitter of points from the middle of their cell: 0 a regular grid, 1 anywhere in it.
     pub jitter: f32,
     /// Which points.
     pub seed: u32,

@@ -8,7 +8,7 @@ use super::{gradient_noise, smoothstep, value_noise};
 use crate::{exact, mapping::Coordinates3};
 use steradian_math::Vec3;
 
-/// What is summed.
+/// Basis function of the sum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Basis {
     /// Perlin's noise.
@@ -49,7 +49,7 @@ impl Fractal {
         }
     }
 
-    /// How many octaves fit the footprint, with a fraction.
+    /// Number of octaves that fit the footprint, with a fraction.
     fn fitting(&self, at: &Coordinates3) -> f32 {
         let most = self.octaves.min(MAX_OCTAVES) as f32;
         let len2 = at.dx.length_squared().max(at.dy.length_squared());

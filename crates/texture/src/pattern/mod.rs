@@ -17,7 +17,7 @@ pub use solid::Wood;
 use steradian_math::{Vec2, Vec3};
 pub use tiling::Bricks;
 
-/// What varies.
+/// Procedural pattern.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pattern {
     /// 0 in squares whose cell indices have an even sum, 1 in the others.
@@ -65,9 +65,9 @@ pub enum Pattern {
 /// A pattern with all that its lookup needs.
 #[derive(Clone, Debug)]
 pub struct PatternTexture {
-    /// What varies.
+    /// Procedural pattern.
     pub pattern: Pattern,
-    /// Where.
+    /// Mapping of surface points to the pattern.
     pub mapping: Mapping,
     /// Noise and cells are looked up at (u, v, ½) instead of a point of space.
     pub over_surface: bool,
@@ -86,7 +86,7 @@ pub struct PatternTexture {
 }
 
 impl Pattern {
-    /// Whether it is a function of (u, v) rather than of space.
+    /// True if it is a function of (u, v) rather than of space.
     pub fn is_flat(&self) -> bool {
         matches!(
             self,
@@ -101,7 +101,7 @@ impl Pattern {
         )
     }
 
-    /// Whether it has no average of its own and is faded to its mean instead.
+    /// True if it has no average of its own and is faded to its mean instead.
     fn fades(&self) -> bool {
         matches!(
             self,
@@ -187,7 +187,7 @@ impl PatternTexture {
         t
     }
 
-    /// Whether the value depends on the footprint.
+    /// True if the value depends on the footprint.
     pub fn is_filtered(&self) -> bool {
         self.antialias
             && !matches!(self.pattern, Pattern::Coordinate(_) | Pattern::Radial | Pattern::Angular | Pattern::Facing(_))

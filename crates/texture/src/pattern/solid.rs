@@ -15,7 +15,7 @@ pub struct Wood {
     pub ring: f32,
     /// Share of a ring that is light.
     pub light: f32,
-    /// How far rings are from round.
+    /// Deviation of the rings from circles.
     pub wobble: f32,
     /// Bulges around a ring.
     pub lobes: f32,

@@ -84,7 +84,7 @@ pub struct Bricks {
     pub size: Vec2,
     /// Width of the mortar, along u and v.
     pub mortar: Vec2,
-    /// How far each row is moved against the one before, in bricks: 0 for tiles, ½ for a running bond.
+    /// Shift of each row against the one before, in bricks: 0 for tiles, ½ for a running bond.
     pub shift: f32,
 }
 
