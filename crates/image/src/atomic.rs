@@ -154,7 +154,7 @@ impl Write for Stream {
     }
 }
 
-/// Where the bytes go.
+/// Destination of the bytes.
 enum Target {
     /// A device or a pipe.
     Stream(Stream),

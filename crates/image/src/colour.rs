@@ -45,7 +45,7 @@ fn is_data(layer: &str) -> bool {
 
 /// A layer that has red, green and blue.
 struct Layer<'a> {
-    /// What its channels' names begin with: empty, or with a dot at its end.
+    /// Prefix of its channels' names: empty, or with a dot at its end.
     prefix: &'a str,
     /// Red, green and blue.
     rgb: [usize; 3],
@@ -88,7 +88,7 @@ pub(crate) fn groups(names: &[&str]) -> Vec<[usize; 3]> {
     layers(names).into_iter().filter(|layer| !is_data(layer.prefix)).map(|layer| layer.rgb).collect()
 }
 
-/// Whether the chosen channels are the red, green and blue of a layer that holds colours.
+/// True if the chosen channels are the red, green and blue of a layer that holds colours.
 pub(crate) fn holds_colours(names: &[&str], chosen: &[Option<usize>]) -> bool {
     chosen.len() >= 3 && groups(names).iter().any(|group| group.map(Some)[..] == chosen[..3])
 }
@@ -99,9 +99,9 @@ pub(crate) fn channels(names: &[&str]) -> Option<Vec<Option<usize>>> {
     choice(names).map(|choice| choice.channels)
 }
 
-/// What [`channels`] chooses.
+/// Channels chosen by [`channels`].
 struct Choice<'a> {
-    /// What the names of its channels begin with.
+    /// Prefix of its channels' names.
     prefix: &'a str,
     channels: Vec<Option<usize>>,
 }
@@ -131,8 +131,8 @@ fn grey<'a>(names: &[&str], prefix: &'a str) -> Option<Choice<'a>> {
     Some(Choice { prefix, channels: [Some(y), find(names, prefix, "A")].into_iter().flatten().map(Some).collect() })
 }
 
-/// Of layers none of which has all colours, the one that has most of red, green and blue; one with a luminance counts
-/// as one that has all. The only colour of a layer is taken for grey.
+/// Choice among layers none of which has all colours: the layer that has most of red, green and blue; one with a
+/// luminance counts as one that has all. The only colour of a layer is taken for grey.
 fn part<'a>(names: &[&'a str]) -> Option<Choice<'a>> {
     let of = |prefix: &'a str| {
         grey(names, prefix).map(|choice| (0, choice)).or_else(|| {
@@ -156,7 +156,7 @@ fn part<'a>(names: &[&'a str]) -> Option<Choice<'a>> {
     found.min_by_key(place).map(|(_, choice)| choice)
 }
 
-/// What the names of each layer's channels begin with, in the order of the channels.
+/// Name prefix of each layer, in the order of the channels.
 fn prefixes<'a>(names: &[&'a str]) -> Vec<&'a str> {
     let mut prefixes: Vec<&str> = Vec::new();
     for name in names {
@@ -187,7 +187,7 @@ pub(crate) fn note(names: &[&str]) -> Option<String> {
     (!said.is_empty()).then(|| format!("{subject}; {}", said.join("; ")))
 }
 
-/// What the chosen layer has none of.
+/// Message about the colours that the chosen layer lacks.
 fn lacking(names: &[&str], choice: &Choice<'_>) -> Option<String> {
     let [red, green, blue, ..] = choice.channels[..] else {
         // One colour of a layer that is no luminance.

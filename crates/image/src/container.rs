@@ -1,10 +1,10 @@
-//! What DDS and KTX2 files have in common: a table of pixel formats, and the first level of a picture in one of them.
+//! Parts common to DDS and KTX2 files: a table of pixel formats, and the first level of a picture in one of them.
 
 use crate::block::{self, BlockFormat, Decoded};
 use crate::{Encoding, Error, FileKind, Limits, Result, TexelData, Texels};
 use half::f16;
 
-/// How pixels lie in a file.
+/// Layout of the pixels in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Layout {
     /// Blocks of 4 × 4; whether they are signed.

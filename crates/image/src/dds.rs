@@ -35,7 +35,7 @@ const DXGI: [(u32, Layout, bool); 25] = [
     (91, Layout::Bgr(4), true),
 ];
 
-/// Those above 91, kept apart for their number.
+/// Formats with numbers above 91.
 const DXGI_LATE: [(u32, Layout, bool); 5] = [
     (93, Layout::Bgrx, true),
     (95, Layout::Blocks(BlockFormat::Bc6h, false), false),

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-/// How the colour samples of a file stand for linear values. Alpha is linear always.
+/// Encoding of a file's colour samples, relative to linear values. Alpha is linear always.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Encoding {
     /// The piecewise sRGB curve.

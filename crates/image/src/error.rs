@@ -1,4 +1,4 @@
-//! What can go wrong with a picture or its file.
+//! Errors of a picture or its file.
 
 use crate::FileKind;
 use std::path::PathBuf;
@@ -15,13 +15,13 @@ pub enum Error {
     File {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// Inner error.
         error: Box<Error>,
     },
     /// The operating system refused.
     #[error("cannot {action}: {error}")]
     Io {
-        /// What was tried (`open`, `read`, `write`, `create a file beside it`, …).
+        /// Action that failed (`open`, `read`, `write`, `create a file beside it`, …).
         action: &'static str,
         /// The system's answer.
         error: std::io::Error,
@@ -42,7 +42,7 @@ pub enum Error {
     Malformed {
         /// The format.
         kind: FileKind,
-        /// What is wrong.
+        /// Fault in the file.
         message: String,
     },
     /// The file is valid but uses something that is not read, or the picture holds something the format cannot store.
@@ -58,15 +58,15 @@ pub enum Error {
     Limit {
         /// The limited quantity.
         what: &'static str,
-        /// What the file declares.
+        /// Declared value.
         declared: u64,
-        /// What is allowed.
+        /// Allowed value.
         limit: u64,
     },
     /// The system does not give the memory that a picture needs.
     #[error("there is no memory for the picture: {bytes} bytes cannot be had")]
     OutOfMemory {
-        /// What was asked for, bytes.
+        /// Requested bytes.
         bytes: u64,
     },
     /// The file declares more pixels than its bytes can hold.
@@ -92,7 +92,7 @@ pub enum Error {
     /// A picture lacks channels that the operation needs.
     #[error("the image has no {wanted} channels (it has: {present})")]
     MissingChannels {
-        /// What is needed.
+        /// Channels that are needed.
         wanted: String,
         /// Comma-separated names that exist.
         present: String,
@@ -117,7 +117,7 @@ pub enum Error {
     ToneParameter {
         /// The curve.
         curve: &'static str,
-        /// What is wrong.
+        /// Fault in the data.
         message: String,
     },
     /// A number given to an operation is out of its range.

@@ -101,7 +101,7 @@ impl Resolution {
         if self.columns_first { (self.rows, self.row) } else { (self.row, self.rows) }
     }
 
-    /// Where sample `i` of scan line `j` is in the picture.
+    /// Index in the picture of sample `i` of scan line `j`.
     fn index(&self, i: usize, j: usize) -> usize {
         let (width, height) = self.size();
         let (x, y) = if self.columns_first { (j, i) } else { (i, j) };
@@ -117,7 +117,7 @@ struct Stored<'a> {
     at: usize,
 }
 
-/// Whether the data begin as a scan line in the new coding does.
+/// True if the data begin as a scan line in the new coding does.
 fn starts_new_style(data: &[u8], row: usize) -> bool {
     (8..=0x7fff).contains(&row)
         && matches!(data, [2, 2, high, low, ..] if usize::from(u16::from_be_bytes([*high, *low])) == row)

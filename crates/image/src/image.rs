@@ -83,7 +83,7 @@ pub struct Image {
     channels: Vec<Channel>,
     /// Free-form metadata, kept by EXR and (texts and numbers) PNG.
     pub metadata: Metadata,
-    /// Where pixel (0, 0) lies in the whole frame; not (0, 0) for crops. Kept by EXR.
+    /// Position of pixel (0, 0) in the whole frame; not (0, 0) for crops. Kept by EXR.
     pub offset: [i32; 2],
     /// The whole frame, when it differs from the pixels that are there. Kept by EXR.
     pub frame: Option<Window>,

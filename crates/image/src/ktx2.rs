@@ -120,7 +120,7 @@ pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
     Ok(texels)
 }
 
-/// Whether the entry `KTXorientation` says that the first row is the lowest.
+/// True if the entry `KTXorientation` says that the first row is the lowest.
 fn is_bottom_up(bytes: &[u8]) -> bool {
     const KEY: &[u8] = b"KTXorientation\0";
     let (Ok(start), Ok(length)) = (u32_at(KIND, bytes, 56), u32_at(KIND, bytes, 60)) else { return false };

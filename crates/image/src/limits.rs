@@ -1,4 +1,4 @@
-//! How large a picture may be: checked before a decoder allocates.
+//! Size limits of pictures, checked before a decoder allocates.
 
 use crate::{Error, FileKind, Result};
 
@@ -13,7 +13,7 @@ pub struct Limits {
     pub channels: u64,
 }
 
-/// What [`Limits::pixels`] bounds, in messages.
+/// Name of the quantity that [`Limits::pixels`] bounds, in messages.
 pub(crate) const PIXELS: &str = "the number of pixels";
 
 impl Default for Limits {

@@ -97,7 +97,7 @@ impl<'a> Words<'a> {
         word.parse().map_err(|_| Error::malformed(self.kind, format!("{what} `{word}` is not a number in range")))
     }
 
-    /// What follows the single white space after the last word.
+    /// Bytes after the single white space that follows the last word.
     pub(crate) fn rest(&self) -> &'a [u8] {
         self.bytes.get(self.at + 1..).unwrap_or_default()
     }
@@ -116,7 +116,7 @@ impl<'a> Words<'a> {
     }
 }
 
-/// How PPM files are written.
+/// Layout of a PPM file that is written.
 #[derive(Clone, Copy)]
 pub(crate) struct Layout {
     /// `P3` instead of `P6`.

@@ -51,7 +51,7 @@ impl std::fmt::Display for FileKind {
 }
 
 impl FileKind {
-    /// Whether the format holds display values, to which a tone curve leads, and not radiance.
+    /// True if the format holds display values, to which a tone curve leads, and not radiance.
     pub fn is_display(self) -> bool {
         matches!(self, Self::Png | Self::Jpeg | Self::Pnm | Self::Dds | Self::Ktx2 | Self::WebP | Self::Tga | Self::Bmp)
     }

@@ -24,7 +24,7 @@ pub fn open_regular(path: &Path) -> Result<(File, u64)> {
 pub struct Stamp(Option<(u64, Option<SystemTime>, [i64; 4])>);
 
 impl Stamp {
-    /// That of a file now; one without anything where it cannot be asked.
+    /// Stamp of a file now; an empty one if the file cannot be queried.
     pub fn of(path: &Path) -> Self {
         Self(std::fs::metadata(path).ok().map(|meta| (meta.len(), meta.modified().ok(), identity(&meta))))
     }

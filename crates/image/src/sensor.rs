@@ -84,7 +84,7 @@ impl Sensor {
         }
     }
 
-    /// What a pixel of one value is read as.
+    /// Sensor reading of a pixel of the given value.
     fn read(&self, value: f32, rng: &mut HashRng) -> f32 {
         if value.is_nan() {
             return value;

@@ -24,7 +24,7 @@ impl TemporaryFolder {
         Ok(Self { folder, _listed: listed })
     }
 
-    /// Where it is.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         self.folder.path()
     }

@@ -29,7 +29,7 @@ impl TexelData {
         }
     }
 
-    /// Whether there are none.
+    /// True if there are no samples.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -58,9 +58,9 @@ pub struct Texels {
     pub channels: usize,
     /// `width × height × channels` samples.
     pub data: TexelData,
-    /// How the colour samples stand for linear values, by default for this kind of file. Alpha is linear.
+    /// Encoding of the colour samples, by default for this kind of file. Alpha is linear.
     pub encoding: Encoding,
-    /// What else the file says (`gamma` of a PNG, `EXPOSURE` of a Radiance file, …); not applied to the samples.
+    /// Further metadata of the file (`gamma` of a PNG, `EXPOSURE` of a Radiance file, …); not applied to the samples.
     pub metadata: Metadata,
 }
 

@@ -48,7 +48,7 @@ fn changed() -> Error {
     io("replace")(std::io::Error::other(what))
 }
 
-/// What is removed again unless all goes well.
+/// Files and folders that are removed again unless all goes well.
 #[derive(Default)]
 struct Placed {
     files: Vec<PathBuf>,

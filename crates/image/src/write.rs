@@ -31,7 +31,7 @@ pub enum Compression {
     Piz,
 }
 
-/// How [`write()`] stores a picture. Each format uses what concerns it.
+/// Options with which [`write()`] stores a picture. Each format uses those that concern it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WriteOptions {
     /// EXR: sample type.
@@ -96,7 +96,7 @@ pub fn encode(kind: FileKind, image: &Image, options: &WriteOptions) -> Result<V
     Ok(bytes)
 }
 
-/// What is shown of a picture after exposure and tone curve: R, G, B from 0 to 255 of each pixel, rows from the top.
+/// Display values of a picture after exposure and tone curve: R, G, B from 0 to 255 of each pixel, rows from the top.
 ///
 /// # Errors
 /// [`Error::MissingChannels`] where it has no colours, and what a tone curve refuses.

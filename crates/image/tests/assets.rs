@@ -75,7 +75,7 @@ fn everything_is_read_or_refused_by_name() {
     assert!(count > 100);
 }
 
-/// What a pixel is in 16 bits: grey is repeated, and what has no alpha is opaque.
+/// RGBA of each pixel in 16 bits: grey is repeated, and pixels without alpha are opaque.
 fn rgba16(path: &Path) -> (usize, usize, Vec<u8>) {
     let texels = read_texels(path, &Limits::default()).unwrap_or_else(|e| panic!("{e}"));
     let code = |i: usize| ((texels.data.stored(i) * 65535.0).round() as u16).to_be_bytes();

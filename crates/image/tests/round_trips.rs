@@ -1,4 +1,4 @@
-//! What is written is what is read, the same bytes every time, and files appear whole or not at all.
+//! Written pictures are read back unchanged, the same bytes every time, and files appear whole or not at all.
 #![allow(clippy::print_stdout, reason = "a skipped test says so")]
 
 use steradian_image::{

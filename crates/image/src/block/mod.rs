@@ -47,7 +47,7 @@ impl BlockFormat {
         width.div_ceil(4) * height.div_ceil(4) * self.block_bytes()
     }
 
-    /// Whether samples are codes of colours, which may be sRGB-encoded.
+    /// True if samples are codes of colours, which may be sRGB-encoded.
     pub fn is_colour(self) -> bool {
         matches!(self, Self::Bc1 | Self::Bc2 | Self::Bc3 | Self::Bc7)
     }

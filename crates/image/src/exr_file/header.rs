@@ -115,7 +115,7 @@ pub(super) fn normalized(bytes: &[u8]) -> Result<Normalized<'_>> {
     Ok(Normalized { bytes: patched, steps })
 }
 
-/// What decoding a part takes.
+/// Cost of decoding a part.
 struct PartCost {
     width: u64,
     height: u64,

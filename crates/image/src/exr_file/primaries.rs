@@ -33,7 +33,7 @@ pub(super) fn text(c: Chromaticities) -> String {
     coordinates(c).as_flattened().iter().map(f32::to_string).collect::<Vec<_>>().join(" ")
 }
 
-/// Whether the primaries and the white are those of Rec.709.
+/// True if the primaries and the white are those of Rec.709.
 pub(super) fn are_rec709(c: Chromaticities) -> bool {
     are_close(&coordinates(c), &REC709_XY)
 }

@@ -23,7 +23,7 @@ enum End {
     Part(f64),
 }
 
-/// What a picture in false colour is like.
+/// Settings of a false-colour picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FalseColor {
     is_linear: bool,
@@ -41,7 +41,7 @@ struct Scale {
 }
 
 impl Scale {
-    /// Where a luminance is between the ends, held there.
+    /// Position of a luminance between the ends, clamped to them.
     fn place(&self, luminance: f64) -> f64 {
         let [low, high] = self.ends;
         let t = match self.is_linear {

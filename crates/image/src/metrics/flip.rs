@@ -115,7 +115,8 @@ fn redistribute(difference: f32, largest: f32) -> f32 {
     if difference < knee { PT / knee * difference } else { PT + (difference - knee) / (largest - knee) * (1.0 - PT) }
 }
 
-/// What the eye sees of each pixel: filtered per opponent channel, cut to the displayable, in Hunt-adjusted L*a*b*.
+/// Perceived colour of each pixel: filtered per opponent channel, clipped to the displayable gamut, in Hunt-adjusted
+/// L*a*b*.
 fn perceived(picture: &[Colour], width: usize, ppd: f32) -> Vec<Colour> {
     // Contrast sensitivity as sums of Gaussians a·exp(−b f²) (paper, table 1): amplitudes and spreads per channel.
     const ACHROMATIC: [[f32; 2]; 1] = [[1.0, 0.0047]];

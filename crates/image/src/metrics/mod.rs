@@ -1,4 +1,4 @@
-//! How far two pictures are apart.
+//! Error metrics between two pictures.
 
 mod delta_e;
 mod difference;

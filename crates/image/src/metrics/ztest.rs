@@ -24,7 +24,7 @@ pub struct ZTest {
     pub level: f64,
     /// Smallest p-value.
     pub min_p: f64,
-    /// Whether at least 99.75 % are accepted.
+    /// True if at least 99.75 % are accepted.
     pub passes: bool,
 }
 

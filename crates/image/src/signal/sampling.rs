@@ -34,7 +34,7 @@ impl Prefilter {
     pub const ALL: [(&str, Self); 4] =
         [("none", Self::None), ("box", Self::Box), ("gaussian", Self::Gaussian), ("sinc", Self::Sinc)];
 
-    /// What becomes of a wave's amplitude.
+    /// Factor on a wave's amplitude.
     pub fn response(self, [fx, fy]: [f64; 2], step: usize) -> f64 {
         use std::f64::consts::PI;
         let s = step as f64;
@@ -63,7 +63,7 @@ pub struct Peak {
     pub amplitude: f64,
     /// The frequency at which it appears after sampling.
     pub alias: [f64; 2],
-    /// Whether that is another one.
+    /// True if that differs from its own frequency.
     pub is_aliased: bool,
 }
 

@@ -3,7 +3,7 @@
 use super::{Curve, Parameter, luminance};
 use crate::encoding::srgb_encode;
 
-/// What data and tests want: no curve at all.
+/// Identity, for data and tests: no curve at all.
 pub(super) const NONE: Curve = Curve {
     name: "none",
     doc: "sRGB encoding, cut at 1",

@@ -24,9 +24,9 @@ const MAX_PARAMETERS: usize = 2;
 pub struct Curve {
     /// Name on the command line.
     pub name: &'static str,
-    /// What it is, in one line, with its source.
+    /// Description in one line, with its source.
     pub doc: &'static str,
-    /// How its result is encoded for the display, in words.
+    /// Encoding of its result for the display, in words.
     pub encoding: &'static str,
     /// Its parameters, two at most.
     pub parameters: &'static [Parameter],
@@ -38,7 +38,7 @@ pub struct Curve {
 pub struct Parameter {
     /// Name on the command line.
     pub name: &'static str,
-    /// What it does, with unit and range.
+    /// Description of its effect, with unit and range.
     pub doc: &'static str,
     /// Value when not given.
     pub default: f32,
@@ -46,7 +46,7 @@ pub struct Parameter {
     pub range: [f32; 2],
 }
 
-/// What a curve's function is given besides the colour.
+/// Arguments of a curve's function besides the colour.
 struct Settings {
     /// Values of the curve's parameters, in their order.
     values: [f32; MAX_PARAMETERS],

@@ -4,7 +4,7 @@
 use super::Curve;
 use crate::encoding::srgb_encode;
 
-/// Where compression starts.
+/// Value at which compression starts.
 const START: f32 = 0.8 - 0.04;
 /// Speed of the desaturation.
 const DESATURATION: f32 = 0.15;
