@@ -41,7 +41,7 @@ impl Bounds3 {
         Self { min: self.min.min(p), max: self.max.max(p) }
     }
 
-    /// Whether the box contains no point.
+    /// True if the box contains no point.
     pub fn is_empty(&self) -> bool {
         !(self.min.x <= self.max.x && self.min.y <= self.max.y && self.min.z <= self.max.z)
     }
@@ -95,7 +95,7 @@ impl Bounds3 {
         (c, (self.max - c).length())
     }
 
-    /// Whether the point lies in the closed box.
+    /// True if the point lies in the closed box.
     pub fn contains(&self, p: Vec3) -> bool {
         p.cmpge(self.min).all() && p.cmple(self.max).all()
     }

@@ -1,4 +1,4 @@
-//! What can be wrong with numbers that come from outside.
+//! Errors in numbers that come from outside.
 
 /// Why a value of this crate could not be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -9,7 +9,7 @@ pub enum Error {
     SpectrumFile {
         /// The line at fault, counted from 1.
         line: usize,
-        /// What is wrong there.
+        /// Fault in that line.
         reason: String,
     },
     /// Wavelengths and values do not make a curve.

@@ -1,7 +1,7 @@
 //! The least value of a function of one variable.
 
-/// Where `f` is least in `[a, b]`, by golden-section search (Kiefer 1953), for a function that first falls and then
-/// rises. What is found is as exact as the function's values tell: where it is smooth, to about the root of their
+/// Argument at which `f` is least in `[a, b]`, by golden-section search (Kiefer 1953), for a function that first falls
+/// and then rises. The result is as exact as the function's values tell: where it is smooth, to about the root of their
 /// rounding.
 pub fn golden_section(f: impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
     // Each step leaves 0.618 of the interval: 80 steps leave 2e-17.

@@ -79,7 +79,7 @@ impl Motion {
         (is_ordered && !keys.is_empty()).then_some(Self { keys })
     }
 
-    /// Whether it is the same transform at all moments from zero to one.
+    /// True if it is the same transform at all moments from zero to one.
     pub fn is_still(&self) -> bool {
         let first = self.key(0.0);
         let is_like =

@@ -53,7 +53,7 @@ impl Add for Stokes {
     }
 }
 
-/// What an interaction does to polarised light; row by row.
+/// Mueller matrix: the effect of an interaction on polarised light; row by row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mueller(pub [[Spectrum; 4]; 4]);
 
@@ -138,7 +138,7 @@ impl Mueller {
         Self(self.0.map(|r| r.map(|v| v * k)))
     }
 
-    /// What becomes of unpolarised light of some radiance: the first column.
+    /// Stokes vector that results from unpolarised light of some radiance: the first column.
     pub fn of_unpolarized(&self, radiance: Spectrum) -> Stokes {
         Stokes(self.0.map(|r| r[0] * radiance))
     }

@@ -5,9 +5,9 @@ use crate::Vec3;
 /// A half-line `origin + t·direction`, `0 < t < t_max`. The direction need not be of unit length.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
-    /// Where it starts.
+    /// Origin of the ray.
     pub origin: Vec3,
-    /// Where it goes; distances are in units of its length.
+    /// Direction of the ray; distances are in units of its length.
     pub direction: Vec3,
     /// Exclusive end of the interval in which hits count.
     pub t_max: f32,
@@ -28,7 +28,7 @@ impl Ray {
         self.origin + self.direction * t
     }
 
-    /// Whether origin and direction are finite and the direction is not zero.
+    /// True if origin and direction are finite and the direction is not zero.
     pub fn is_valid(&self) -> bool {
         self.origin.is_finite() && self.direction.is_finite() && self.direction != Vec3::ZERO
     }

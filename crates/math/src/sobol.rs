@@ -109,7 +109,7 @@ pub const fn owen_scramble(x: u32, seed: u32) -> u32 {
     laine_karras(x.reverse_bits(), seed).reverse_bits()
 }
 
-/// How the points of one pair of dimensions are shuffled and scrambled.
+/// Shuffling and scrambling of the points of one pair of dimensions.
 #[derive(Clone, Copy, Debug)]
 pub struct Scramble {
     order: u32,
@@ -118,7 +118,7 @@ pub struct Scramble {
 }
 
 impl Scramble {
-    /// That of a hash of what the pair is for.
+    /// Scramble from a hash of the purpose of the pair.
     #[inline(always)]
     pub const fn new(hash: u64) -> Self {
         // Two halves and the high half of a product.

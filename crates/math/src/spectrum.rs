@@ -45,13 +45,13 @@ impl Spectrum {
         self.0.to_array()
     }
 
-    /// Whether every lane is zero.
+    /// True if every lane is zero.
     #[inline]
     pub fn is_black(self) -> bool {
         self.0 == Vec4::ZERO
     }
 
-    /// Whether every lane is finite.
+    /// True if every lane is finite.
     #[inline]
     pub fn is_finite(self) -> bool {
         self.0.is_finite()

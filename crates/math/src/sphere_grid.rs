@@ -34,7 +34,7 @@ impl SphereGrid {
         (0..self.cells()).map(|i| self.integrate_cell(i, &density, tolerance, LEVELS)).collect()
     }
 
-    /// What `histogram`, of `samples` draws, should hold if it follows `density`, to a small part of its own noise.
+    /// Expected counts of `histogram`, of `samples` draws, if it follows `density`, to a small part of its own noise.
     ///
     /// Cells that differ from what is seen by more than noise often does, and those where something is seen that
     /// nothing accounts for, are integrated again by a finer quadrature, so that corners which an edge of the density
@@ -91,7 +91,7 @@ fn gauss(f: &impl Fn(Vec3) -> f64, z: [f64; 2], phi: [f64; 2]) -> f64 {
     corners(f, z, phi, GAUSS).iter().sum::<f64>() * 0.25 * (z[1] - z[0]) * (phi[1] - phi[0])
 }
 
-/// Whether the density is zero in some corners of a patch and matters in others.
+/// True if the density is zero in some corners of a patch and matters in others.
 fn ends_here(f: &impl Fn(Vec3) -> f64, z: [f64; 2], phi: [f64; 2], tolerance: f64) -> bool {
     // Not on the sides themselves, of which some are the horizon.
     let corners = corners(f, z, phi, [1e-3, 1.0 - 1e-3]).map(|v| v * (z[1] - z[0]) * (phi[1] - phi[0]));

@@ -90,12 +90,12 @@ impl Transform {
         inv.is_finite().then_some(Self { matrix: inv })
     }
 
-    /// Whether the linear part turns a right-handed basis into a left-handed one.
+    /// True if the linear part turns a right-handed basis into a left-handed one.
     pub fn swaps_handedness(&self) -> bool {
         glam::DMat3::from_mat4(self.matrix).determinant() < 0.0
     }
 
-    /// Whether every entry is finite.
+    /// True if every entry is finite.
     pub fn is_finite(&self) -> bool {
         self.matrix.is_finite()
     }
@@ -163,15 +163,14 @@ impl Affine {
         self.m.transform_vector3(v)
     }
 
-    /// How much larger the solid angle about a unit direction is in the image: `|det M| / |M d|³`.
+    /// Factor by which the map enlarges the solid angle about a unit direction: `|det M| / |M d|³`.
     pub fn solid_angle(&self, d: Vec3) -> f32 {
         let [x, y, z] = [self.m.x_axis, self.m.y_axis, self.m.z_axis].map(glam::Vec4::truncate);
         let length = (x * d.x + y * d.y + z * d.z).length();
         (x.cross(y).dot(z) / (length * length * length)).abs()
     }
 
-    /// How much larger the area about a point of a surface is in the image, where the unit normal is `n`:
-    /// `|det M| / |Mᵀ n|`.
+    /// Factor by which the map enlarges the area about a point of a surface with unit normal `n`: `|det M| / |Mᵀ n|`.
     pub fn area(&self, n: Vec3) -> f32 {
         let [x, y, z] = [self.m.x_axis, self.m.y_axis, self.m.z_axis].map(glam::Vec4::truncate);
         (x.cross(y).dot(z) / Vec3::new(x.dot(n), y.dot(n), z.dot(n)).length()).abs()

@@ -90,7 +90,7 @@ impl AliasTable {
         self.bins.len()
     }
 
-    /// Whether there is no index to draw.
+    /// True if there is no index to draw.
     pub fn is_empty(&self) -> bool {
         self.bins.is_empty()
     }

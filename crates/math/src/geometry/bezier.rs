@@ -3,7 +3,7 @@
 use super::{Point3, surface::SurfaceMesh};
 use glam::{DVec2, DVec3};
 
-/// How far triangles are from the patches by default, as a part of the diagonal of the box around all control points.
+/// Default distance of triangles from the patches, as a part of the diagonal of the box around all control points.
 const CLOSE: f64 = 1e-3;
 /// Most segments along a side of a patch.
 pub const MOST_SEGMENTS: u32 = 256;
@@ -80,8 +80,8 @@ impl BezierPatch {
     }
 }
 
-/// How many segments along each side keep triangles within a thousandth of the size of all patches: a chord of a curve
-/// with second derivatives up to `M` is within `M / (8 n²)`, and there are two directions.
+/// Number of segments along each side that keeps triangles within a thousandth of the size of all patches: a chord of a
+/// curve with second derivatives up to `M` is within `M / (8 n²)`, and there are two directions.
 pub fn segments(patches: &[BezierPatch]) -> u32 {
     let points = || patches.iter().flat_map(|p| p.points);
     let (low, high) = points().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));

@@ -12,7 +12,7 @@ use glam::DVec2;
 const MOST_CORNERS: usize = 1 << 13;
 /// Most trapezoids.
 const MOST_PARTS: usize = 1 << 20;
-/// What is nearer counts as one, as a part of the extent.
+/// Distance below which points count as one, as a part of the extent.
 const NEAR: f64 = 1e-12;
 
 /// The triangles that fill a polygon.
@@ -131,7 +131,7 @@ fn nearest(sorted: &[f64], v: f64) -> usize {
     if k > 0 && (k == sorted.len() || v - sorted[k - 1] <= sorted[k] - v) { k - 1 } else { k }
 }
 
-/// What is inside, strip by strip.
+/// Interior of the polygon, strip by strip.
 fn parts(edges: &[Edge], heights: &[f64], rule: FillRule) -> Option<Vec<Part>> {
     let mut parts = Vec::new();
     let (mut active, mut next) = (Vec::<&Edge>::new(), 0);

@@ -29,7 +29,7 @@ impl HomogeneousPoint {
         self.0
     }
 
-    /// Whether it lies at infinity.
+    /// True if it lies at infinity.
     pub fn is_ideal(&self) -> bool {
         self.0.w == 0.0
     }
@@ -40,7 +40,7 @@ impl HomogeneousPoint {
         p.is_finite().then_some(Point3::from_vector(p))
     }
 
-    /// Whether both are the same point: proportional quadruples, to a relative error of 1e-12.
+    /// True if both are the same point: proportional quadruples, to a relative error of 1e-12.
     pub fn is_same(&self, other: &Self) -> bool {
         let (a, b) = (scaled(self.0), scaled(other.0));
         (a - b).length() < 1e-12 || (a + b).length() < 1e-12

@@ -60,7 +60,7 @@ impl Plane {
         self.coordinates.dot(p.to_vector().extend(1.0))
     }
 
-    /// Whether a homogeneous point lies on the plane, to 1e-12 of the sizes of the coordinates.
+    /// True if a homogeneous point lies on the plane, to 1e-12 of the sizes of the coordinates.
     pub fn contains(&self, p: &HomogeneousPoint) -> bool {
         let x = p.coordinates();
         self.coordinates.dot(x).abs() <= 1e-12 * self.coordinates.length() * x.length()

@@ -1,4 +1,4 @@
-//! Where rays meet surfaces, in closed form.
+//! Ray intersections with surfaces, in closed form.
 //!
 //! Rays and results are `f32`, the arithmetic between is `f64`: products of two `f32` are exact there, so nothing
 //! cancels that the input does not already leave open. Directions need not be of unit length. Functions that return one

@@ -18,12 +18,12 @@ pub enum FillRule {
     NonZero,
 }
 
-/// How often the polygon winds around the point, counter-clockwise positive. Cost: one pass over the vertices.
+/// Winding number of the polygon around the point, counter-clockwise positive. Cost: one pass over the vertices.
 pub fn winding_number(p: Vec2, polygon: &[Vec2]) -> i32 {
     crossings(p, polygon).sum()
 }
 
-/// Whether the point lies in the polygon. Fewer than three vertices contain nothing.
+/// True if the point lies in the polygon. Fewer than three vertices contain nothing.
 pub fn is_inside(p: Vec2, polygon: &[Vec2], rule: FillRule) -> bool {
     match rule {
         FillRule::EvenOdd => crossings(p, polygon).count() % 2 == 1,

@@ -37,7 +37,7 @@ impl Dispersion {
         Self::Cauchy([n_d - b * d, b, 0.0])
     }
 
-    /// What the formula says at `lambda` nm.
+    /// Value of the formula at `lambda` nm.
     fn formula(&self, lambda: f64) -> f64 {
         let l2 = (lambda * 1e-3).powi(2);
         match self {
@@ -53,7 +53,7 @@ impl Dispersion {
         if n.is_nan() { 1.0 } else { n.clamp(0.05, 20.0) }
     }
 
-    /// Whether [`Dispersion::eval`] gives what the formula says at `lambda` nm.
+    /// True if [`Dispersion::eval`] gives the value of the formula at `lambda` nm, without clamping.
     pub fn is_possible(&self, lambda: f64) -> bool {
         (0.05..=20.0).contains(&self.formula(lambda))
     }

@@ -3,7 +3,7 @@
 use super::Wavelengths;
 use crate::{Spectrum, Vec3, color::luminance};
 
-/// What the four lanes of a [`Spectrum`] are.
+/// Meaning of the four lanes of a [`Spectrum`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ColorMode {
     /// Linear Rec.709 in three lanes.

@@ -7,7 +7,7 @@ use super::{CIE_Y_INTEGRAL, cie};
 /// Luminous efficacy of monochromatic light of 540 THz (555 nm), lm/W: the definition of the candela.
 pub const LUMINOUS_EFFICACY: f64 = 683.0;
 
-/// What a number about light measures.
+/// Radiometric or photometric quantity of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Quantity {
     /// Power through a surface or out of a source.

@@ -38,8 +38,8 @@ fn width(bin: usize) -> f32 {
 }
 
 impl Reradiation {
-    /// Of a function of the whole wavelengths, in nm, that light leaves with and that it comes with, in 1/nm: means
-    /// over the nanometres around them.
+    /// Matrix of a function of the integer wavelengths, in nm, that light leaves with and that it comes with, in 1/nm:
+    /// means over the nanometres around them.
     pub fn new(matrix: impl Fn(f32, f32) -> f32) -> Self {
         let mut sums = Vec::with_capacity(BINS * BINS);
         for out in 0..BINS {
@@ -53,9 +53,9 @@ impl Reradiation {
         Self { sums, illuminant: None }
     }
 
-    /// Of one pigment: the part of photons that it absorbs by wavelength, how many of these leave again, and the shape
-    /// of their spectrum (photons per nanometre, in any unit), both as tables of whole wavelengths. A photon has an
-    /// energy in proportion to 1/λ.
+    /// Matrix of one pigment: the part of photons that it absorbs by wavelength, the number of photons emitted per
+    /// absorbed one, and the shape of the emission spectrum (photons per nanometre, in any unit), both spectra as
+    /// tables of whole wavelengths. A photon has an energy in proportion to 1/λ.
     pub fn of_pigment(absorbed: impl Fn(f32) -> f32, quantum_yield: f32, emitted: impl Fn(f32) -> f32) -> Self {
         let all: f32 = (0..BINS).map(|bin| emitted(whole(bin)).max(0.0) * width(bin)).sum();
         let factor = if all > 0.0 { quantum_yield / all } else { 0.0 };
@@ -66,7 +66,7 @@ impl Reradiation {
         ((lambda - LAMBDA_MIN + 0.5).max(0.0) as usize).min(BINS - 1)
     }
 
-    /// What leaves at a wavelength of light of one per nanometre at all.
+    /// Light emitted at a wavelength for incident light of one per nanometre at all wavelengths.
     pub fn total(&self, out: f32) -> f32 {
         self.sums[Self::row(out) * BINS + BINS - 1]
     }
@@ -118,7 +118,7 @@ impl Reradiation {
         (interval(whole(bin))[0] + width(bin) * part).min(interval(whole(bin))[1].next_down())
     }
 
-    /// How many photons leave for one that comes with a wavelength.
+    /// Number of photons emitted per incident photon of a wavelength.
     pub fn photons(&self, from: f32) -> f32 {
         let bin = Self::row(from);
         let of = |out: usize| {
@@ -244,8 +244,8 @@ mod tests {
         Reradiation::of_pigment(absorbed, 0.9, |l| (-((l - 520.0) / 25.0).powi(2)).exp())
     }
 
-    /// Of photons at the middle of absorption 0.8 are absorbed, of which nine in ten leave; their energy is less, by
-    /// the ratio of wavelengths.
+    /// The pigment absorbs 0.8 of the photons at the middle of its absorption, and nine in ten of these leave again;
+    /// their energy is less, by the ratio of wavelengths.
     #[test]
     fn photons_and_energy_are_those_of_the_pigment() {
         let matrix = pigment();

@@ -1,4 +1,4 @@
-//! What the sensor of a camera makes of light: responses of its pixels, and the matrix from them to linear Rec.709.
+//! Sensor response of a camera: responses of its pixels, and the matrix from them to linear Rec.709.
 //!
 //! As in pbrt-v4 (5.4.2 of "Physically Based Rendering", 4th edition): the matrix is the one that, by least squares,
 //! gives the patches of a ColorChecker under daylight of the white balance the colours that they have under D65.
@@ -13,7 +13,7 @@ use super::{
 use crate::{Error, Mat3, Spectrum, Vec3, color::space::REC709};
 use glam::{DMat3, DVec3};
 
-/// How light becomes linear Rec.709, other than by the CIE 1931 observer.
+/// Response that turns light into linear Rec.709, other than by the CIE 1931 observer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Response {
     /// Responses of the pixels at each whole nanometre; without them linear Rec.709 itself.
@@ -95,7 +95,7 @@ impl Response {
 mod tests {
     use super::*;
 
-    /// What a spectrum looks like: its integral, by wavelengths that are drawn evenly in the visible importance.
+    /// Colour of a spectrum: its integral, by wavelengths that are drawn evenly in the visible importance.
     fn seen(response: &Response, s: impl Fn(f32) -> f32) -> Vec3 {
         const COUNT: usize = 1000;
         let of = |k: usize| {

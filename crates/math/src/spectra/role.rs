@@ -11,7 +11,7 @@ use crate::{
 };
 use std::sync::Arc;
 
-/// What a value stands for, which decides how RGB becomes a spectrum and a spectrum RGB.
+/// Physical meaning of a value, which decides how RGB becomes a spectrum and a spectrum RGB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// A reflectance or transmittance in [0, 1].
@@ -108,7 +108,7 @@ impl Color {
         }
     }
 
-    /// Whether it is zero everywhere.
+    /// True if it is zero everywhere.
     pub fn is_black(&self) -> bool {
         match self {
             Self::Lanes(s) => s.is_black(),

@@ -27,7 +27,7 @@ pub struct Wavelengths {
     pub pdf: [f32; 4],
     /// Place in the shutter interval, [0, 1).
     pub time: f32,
-    /// How long before that light set out that matter held back, s.
+    /// Delay by matter, s: the light set out that much earlier.
     pub delay: f32,
 }
 
@@ -66,7 +66,7 @@ impl Wavelengths {
         }
     }
 
-    /// Whether only the hero wavelength is left.
+    /// True if only the hero wavelength is left.
     pub fn is_secondary_terminated(&self) -> bool {
         self.pdf[1..] == [0.0; 3]
     }

@@ -100,7 +100,7 @@ impl Solver {
     }
 }
 
-/// What a reflectance's value at each node contributes to XYZ. Observer and white are linear over each 5-nm segment and
+/// Contribution of a reflectance's value at each node to XYZ. Observer and white are linear over each 5-nm segment and
 /// their product is integrated by Simpson's 3/8 rule, at whose inner points the reflectance is interpolated between the
 /// nodes by cubics.
 fn weights(white: &Dense) -> [DVec3; NODES] {

@@ -37,7 +37,7 @@ pub trait Parametric {
     /// Ranges of `u` and of `v`.
     fn domain(&self) -> [[f64; 2]; 2];
 
-    /// Whether `u` closes upon itself: its two ends are the same curve.
+    /// True if `u` closes upon itself: its two ends are the same curve.
     fn is_closed_in_u(&self) -> bool;
 
     /// The point of the parameters.
@@ -77,7 +77,7 @@ pub trait Explicit {
 
 #[cfg(test)]
 pub(crate) mod laws {
-    //! What every surface must obey.
+    //! Laws that every surface must obey.
 
     use super::*;
     use crate::geometry::random::Random;
