@@ -1,4 +1,8 @@
 //! Data shared by the queries: constants of a ray, and callbacks of the leaves.
+//!
+//! A box test bounds its rounding in two parts. The bound for the planes of a box is stored in the node (`widened`);
+//! the bound for the origin of the ray is one number for each ray and axis (`RayConstants`). A plane then costs one
+//! fused multiply-add, and a primitive far away does not widen the boxes of others.
 #![allow(unsafe_code)]
 
 use crate::dispatch::SupportedIsa;

@@ -1,4 +1,6 @@
 //! State kept from one compilation for the next of the same scene: after an edit only changed parts are made anew.
+//! Where only the camera or the size of the picture differs, everything else is kept, so that moves of the camera and
+//! previews cost no compilation.
 
 use super::{
     Compiled, Compiler, Options,

@@ -1,5 +1,11 @@
-//! From a description to a scene: every name is looked up, every number checked, every file loaded. What is wrong is
-//! reported with its place in the file; what Steradian lacks is replaced by the nearest thing it has, and reported too.
+//! From a description to a scene: every name is looked up, every number checked, every file loaded. Faults are reported
+//! with their place in the file; a model that Steradian lacks is replaced by the nearest one it has, and reported too
+//! (`nearest_material`).
+//!
+//! Ranges are those of the schema (`ranges`, `params`). Each image is loaded once, and images in parallel. Materials
+//! and textures refer to earlier ones by index, so that their trees cannot be cyclic; trees of textures may be of any
+//! depth, and are compiled with an explicit stack. Scenes far from the origin are compiled around another origin
+//! (`recentre`). The hierarchy is built last.
 
 mod assets;
 mod bezier;

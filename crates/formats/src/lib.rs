@@ -1,4 +1,17 @@
 //! Scene and mesh files ⇄ [`steradian_scene::SceneDesc`], with located diagnostics.
+//!
+//! A reader translates names and conventions, and writes defaults out where those of the format differ from ours, so
+//! that later stages need not know the format. The few exceptions are decided by `SceneDesc::format`: the default
+//! colour mode, masking–shadowing of microfacets (height-correlated as in pbrt, separable as in Mitsuba), whether
+//! models that only reflect do so on both sides (not in Mitsuba), the default size of the frame, the up axis of
+//! lat-long images, and the units of projectors.
+//!
+//! Reading goes on after faults. A message has a severity, a place (`Span`: file, line, column, excerpt with carets),
+//! help, and for losses a *fidelity*: `approximated`, `dropped` or `unused`. With `--strict` the first two are errors.
+//! Parameters that nothing in a directive reads are reported by the reader, since it knows the file's own names.
+//!
+//! Sizes that a file declares are held against the bytes present before anything is allocated (`limits`), and
+//! nesting is followed with explicit stacks or to a stated depth.
 
 mod beside;
 pub mod files;

@@ -1,4 +1,8 @@
 //! A pipeline: shaders and state that fit each other and a framebuffer's formats.
+//!
+//! A draw goes in batches of jobs of 1024 primitives. A thread runs the stages of a job (`front`), clips and projects
+//! the result (`primitive`) and lists it by tile. Then each tile of 64² pixels is drawn by one thread, its primitives
+//! in order (`tile`), so that bits do not depend on threads.
 
 use std::ops::Range;
 

@@ -10,6 +10,11 @@
 //! 3. `shading`: what that primitive sends to the eye: emission, light of each light, and what mirrors and glass show.
 //! 4. `shadow`: whether a light is seen: by rays, by shadow maps of many kinds, by shadow volumes, by projected
 //!    shadows, or always.
+//!
+//! Shading intersects the pixel's ray with the one primitive that it sees; `Scene::interaction` and `Scene::scattering`
+//! then give what a path tracer would have there. Lights are asked one by one, or chosen by the light tree where they
+//! are many; mirrors and glass go on with rays. Shadow maps are visibility pictures too, seen from lights. A technique
+//! of shadows is a file of `shadow`, a variant of `Shadows` and a row of `SHADOWS`.
 
 pub mod draw_list;
 mod hybrid;

@@ -1,4 +1,6 @@
 //! Evaluating trees of textures, with a stack of our own: their depth is the input's.
+//!
+//! A texture refers to earlier textures by index, so that trees cannot be cyclic; they may be of any depth.
 
 use super::{Texture, TextureContext, TextureId, Textures, adjust};
 use steradian_math::{

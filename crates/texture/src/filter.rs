@@ -2,6 +2,12 @@
 //!
 //! Coordinates of lookups are in periods of the picture, (0, 0) its top left corner; texel centres are at half-integers
 //!, and levels of detail follow from derivatives in texels, not in periods.
+//!
+//! Filters that average have smaller levels of the picture in the same precision, averaged in linear values, and ask
+//! for a *footprint*: the change of point and parameters from sample to sample. Ray differentials give it through
+//! mirrors and glass, and through lobes within about 10° of a mirror's. After the first event with more blur, as in
+//! pbrt, it is that of the camera seeing the point directly. Scenes without filtered textures carry no footprints, and
+//! pay one branch.
 
 #![allow(clippy::needless_range_loop, reason = "loops over lanes are unrolled for certain this way")]
 

@@ -1,4 +1,5 @@
-//! Texel storage: in memory as the file has them, or in tiles that are brought in on demand.
+//! Texel storage: in memory as the file has them (8 and 16 bits, half, float), decoded at lookup, or in tiles that are
+//! brought in on demand (`pages`). The bits of a lookup do not depend on the storage.
 
 #![allow(clippy::needless_range_loop, reason = "loops over lanes are unrolled for certain this way")]
 

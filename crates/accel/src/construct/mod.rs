@@ -1,6 +1,15 @@
-//! Building: a binary tree, then the cheapest eight-wide tree with the same splits.
+//! Construction of hierarchies: a binary tree, then the cheapest eight-wide tree with the same splits.
 //!
-//! Every step gives the same result for any number of threads: work is cut at places that depend on the input only.
+//! 1. `split` divides ranges of primitives by the surface area heuristic over bins. Triangles count by blocks of eight,
+//!    since a query tests whole blocks.
+//! 2. By choice, `spatial` also cuts triangles at planes, `ploc` builds from the leaves up, and `reinsert` moves
+//!    subtrees of the finished tree.
+//! 3. `binary` makes the binary tree eight-wide by dynamic programming.
+//! 4. `emit` writes the wide nodes and the blocks of triangles.
+//!
+//! All builders give the same hits. Every step gives the same tree for any number of threads: work is cut at places
+//! that depend on the input only. Areas of parts that are small beside the whole are taken in a scale of their own
+//! (`binary::fitted`), so that they do not vanish in `f32`.
 
 mod binary;
 mod clip;

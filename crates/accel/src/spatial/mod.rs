@@ -5,6 +5,11 @@
 //! hierarchy (`shear`), and of equal distances the smaller primitive id wins, so that it does not matter which cells
 //! are visited in which order, as long as none is left out that holds something the test accepts; `line` says how that
 //! is made sure.
+//!
+//! The memory of each structure is bounded: the grid has at most 5 cells and 24 entries for each primitive, the octree
+//! 16 levels and 17 entries, the k-d tree 8 + 1.3 log₂ n levels and 7 entries, the BSP 48 levels and 4 fragments.
+//! Hierarchies of other widths and with quantised boxes (`wide`) are there for comparison too. The choice costs queries
+//! of the eight-wide hierarchy one branch each.
 
 mod accel;
 mod bsp;

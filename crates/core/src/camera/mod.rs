@@ -1,4 +1,7 @@
 //! Cameras: from a point on the film to a ray. Camera space has +x to the right, +y up and +z forward.
+//!
+//! A camera moves as objects do, by a transform that is a function of the ray's time. The share of radiance that a lens
+//! of several elements (`lens`) lets through is a factor on the filter weight of the sample (`Camera::sample`).
 
 mod differentials;
 pub mod importance;

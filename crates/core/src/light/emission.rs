@@ -4,6 +4,9 @@
 //! that covers the scene), a direction by the cosine, over a cone, or as the light is bright. What is a delta
 //! distribution (the place of a point light, the direction of parallel light) is left out of densities, here and in
 //! next-event estimation, so that their ratios are right.
+//!
+//! Tests hold emission to three laws: the emitted flux has its closed form, emission and light samples give the same
+//! light, and the importance of cameras (`camera::importance`) integrates to the number of pixels.
 
 use super::{AreaLight, AreaShape, Environment, Light, Lights};
 use crate::Scene;

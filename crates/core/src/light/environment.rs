@@ -1,4 +1,9 @@
 //! Light from all directions: constant, an image, or the sky, maybe seen through a portal.
+//!
+//! A constant environment is found by samples of the BSDF only. A picture is sampled by its luminance above the mean
+//! (MIS compensation, Karlík et al. 2019), unless it is nearly constant. Portals are sampled by solid angle. The sky is
+//! two environments: the dome, sampled by a table of its luminance but evaluated by the model, and the sun, sampled as
+//! a cone.
 
 use super::{punctual::rgb, sky::Celestial};
 use steradian_image::Texels;

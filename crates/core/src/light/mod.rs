@@ -1,4 +1,20 @@
-//! Lights: where light comes from, and how a point of the scene finds it.
+//! Lights: sources of light, and how points of the scene find them.
+//!
+//! Each emitting triangle is a light; two triangles that form a rectangle are one. Points, spots and area lights are in
+//! a [light tree](tree), which chooses one in proportion to a bound on its contribution. Infinite lights share a list
+//! beside the tree. A tenth of all choices is spread evenly ([`Lights::choose`]).
+//!
+//! * [`area`]: a rectangle or triangle that subtends more than about a quarter of a steradian is sampled uniformly in
+//!   solid angle, else by area. The decision is a pure function of the point, so that the density asked for later
+//!   agrees. Whole spheres are sampled by their cone, other quadrics uniformly by area in object space, with the
+//!   stretch of their placement in the density (`Affine::area`).
+//! * Placements: the lights of a group are listed once more for each placement, from `Placement::first_light` on
+//!   (`Scene::light`). Lights of moving objects are placed for the moment of the ray (`moving`).
+//! * Emitting curves are meshes (`shape::tube`). The light of surfaces given by equations or distances has no samples:
+//!   paths meet it by chance.
+//! * Schedules: where a light does not always shine, `Lights::timetable` is asked for the moment of the exposure, less
+//!   the time for which matter held the light back (`Wavelengths::delay`). Scenes of that kind are followed path by
+//!   path (`Scene::is_for_paths_alone`).
 
 pub mod area;
 pub mod emission;

@@ -1,5 +1,9 @@
-//! Surface detail by the shading frame: normal maps and bump maps, what keeps them from sending light into the surface,
-//! and the turn of the tangent that stretched highlights follow.
+//! Surface detail by the shading frame: normal maps, bump maps, and the turn of the tangent that stretched highlights
+//! follow.
+//!
+//! Detail changes the shading normal before the frame is made, and then bends it back so far that the mirror direction
+//! leaves the surface. Displacement is geometry instead: it splits and moves triangles when the mesh is compiled
+//! (`shape::displacement`). `relief` traces height fields without geometry.
 
 // Comparisons are negated on purpose: NaN takes the way of the exception.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]

@@ -1,4 +1,14 @@
 //! Materials: textures and constants that become a [`Bsdf`] at a hit.
+//!
+//! [`scattering`] evaluates the textures of a material once and makes a `Bsdf`: a small `Copy` value that knows no
+//! texture and no scene. A mixture picks one of its parts at random for each event; Lambertian parts are mixed exactly
+//! instead. A two-sided material picks by the side.
+//!
+//! [`Needs`] says at compile time which data of a surface point a material asks for. Where nothing looks up a texture
+//! or needs a tangent, surface points have no parameters and derivatives (`Scene::interaction_of_light`).
+//!
+//! A `mask` becomes the `alpha` of the shape. Rays pass it by a hash of point and direction. Filtered masks are
+//! averaged over the footprint that the camera would have at the point.
 
 mod fluorescent;
 mod grating;

@@ -1,4 +1,7 @@
 //! Media that vary: coefficients at points, and bounds on them along rays.
+//!
+//! At most 16³ cells hold bounds on the extinction. A flight is tracked from cell to cell with these bounds
+//! (`steradian-transport`, `tracking`).
 
 use super::Cells;
 use steradian_math::{

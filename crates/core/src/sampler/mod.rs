@@ -3,6 +3,11 @@
 //! A path asks for its numbers by dimension, so it does not matter in which order, on which thread, or in which run
 //! they are drawn. Each sampler gives uniform numbers for any number of samples, and those of different dimensions, and
 //! of different seeds, are independent of each other.
+//!
+//! The points of Sobol' samplers are pairs of dimensions, each of them shuffled and Owen-scrambled by hashing. With
+//! `zsobol`, the default, the pixels of a block take consecutive runs of one sequence along a Z-curve, so that
+//! neighbours err in opposite directions. Samplers named by pbrt and Mitsuba files are replaced by the default, with a
+//! note: they change the noise only.
 
 mod halton;
 mod lattice;

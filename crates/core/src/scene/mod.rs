@@ -1,4 +1,11 @@
 //! The immutable scene: geometry, materials, textures, lights, media, camera and film, and the queries on them.
+//!
+//! There is no epsilon in scene units. A hit has a box that contains the true point, and spawned rays start just
+//! outside it. The triangle test is watertight and rejects hits within the rounding error of the origin, so that no ray
+//! meets the surface again that it leaves. Shadow rays end a relative 10⁻⁴ before the light ([`SHADOW_END`]).
+//!
+//! A scene whose details lie too far from the origin for single precision is compiled around another origin
+//! (`Scene::origin`). Points of the world pass `Scene::from_file` on the way in and `Scene::to_file` on the way out.
 
 mod differentials;
 mod earlier;

@@ -1,4 +1,15 @@
-//! Shapes: what rays meet.
+//! Shapes: the surfaces that rays meet.
+//!
+//! Triangles of meshes go into the hierarchy in world space, or in the space of their group, eight to a block.
+//! Quadrics, bilinear patches, segments of curves, blocks of height fields and cells of distance grids are user
+//! primitives of the same hierarchy: `steradian-accel` calls back through `UserPrimitives`, dispatched statically. Flat
+//! bilinear patches, and all patches that emit, become triangles. Infinite planes have no box and are tested one by
+//! one, outside the hierarchy.
+//!
+//! Groups with instances have hierarchies of their own; there is one level of instances. An object that moves while the
+//! shutter is open is an instance whose transform is a function of the ray's time (`steradian_math::motion`); its box
+//! contains it at all moments. All rays of a path, and of paths that share vertices, have one moment. Rays of scenes
+//! with motion are traced one by one.
 
 pub mod curve;
 pub mod displacement;

@@ -1,4 +1,18 @@
-//! Colour in the two modes: what a parameter's spectrum becomes on the four lanes.
+//! Colour in the two modes: a parameter's spectrum on the four lanes, by the role of the parameter.
+//!
+//! In RGB mode three lanes are linear Rec.709. In spectral mode the lanes are radiances at four wavelengths; the first
+//! is the hero, drawn by visible importance, and dispersion ends the other three. Arithmetic is the same in both: only
+//! the evaluation of a parameter looks at the mode.
+//!
+//! | role | RGB value in spectral mode | spectrum in RGB mode |
+//! |---|---|---|
+//! | `Albedo` | sigmoid of a quadratic (Jakob, Hanika 2019), from 0 to 1 | its colour under D65, clamped |
+//! | `Unbounded` | scaled sigmoid | its colour under D65 |
+//! | `Illuminant` | scaled sigmoid × D65 of luminance one | its tristimulus, ∫s·cmf/∫ȳ |
+//!
+//! So RGB white as emission is D65 of luminance one in either mode. `normalize` on a light, which pbrt asks for and
+//! Mitsuba does not, divides spectra other than RGB by their luminance. Two rules follow Mitsuba in its files: the RGB
+//! of an emitted texture, and coefficients of media up to one, take the spectrum of an albedo.
 
 use crate::{
     Spectrum, Vec3,

@@ -1,4 +1,7 @@
 //! A pipeline of task, mesh and fragment shaders.
+//!
+//! Task groups run 1024 at a time, then the mesh groups that they emitted in jobs of 16. Their primitives go the way of
+//! all others, from `primitive` on.
 
 use std::{ops::AddAssign, ops::Range};
 

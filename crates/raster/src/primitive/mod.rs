@@ -1,4 +1,7 @@
 //! From vertices in clip space to primitives that tiles can draw: clipping, projection, edges and planes.
+//!
+//! Window positions have 8 bits below the pixel. Edge functions are exact in 64 bits, and fit 32 within a block, since
+//! primitives are clipped at ±32000 pixels.
 
 mod clip;
 mod line;

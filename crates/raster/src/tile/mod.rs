@@ -1,4 +1,8 @@
 //! Drawing a tile: its primitives in order, block by block of 8×8 pixels, in strips of 8×2.
+//!
+//! Render targets are stored tile by tile, then block by block, so that threads own slices and no `unsafe` is needed.
+//! Weights of corners follow from the exact edge functions in `f64`, once for each strip, so that slivers keep their
+//! precision. The bounds of the depths of each block rule out primitives behind it (`bounds`).
 
 mod bounds;
 mod coverage;

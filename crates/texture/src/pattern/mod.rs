@@ -1,6 +1,9 @@
 //! Procedural patterns: numbers as a function of the place, averaged over the footprint. Tilings are averaged exactly
 //! by a box or tent as wide as the footprint; noise leaves out the octaves that do not fit; the others fade to their
 //! mean.
+//!
+//! A pattern is a number; two colours are mixed by it. Patterns use exact arithmetic only (`exact`), so that they have
+//! the same bits everywhere.
 
 pub mod solid;
 pub mod tiling;
