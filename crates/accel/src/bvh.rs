@@ -77,6 +77,7 @@ impl Tree {
     /// where the greatest ones are opened.
     pub fn upper_boxes(&self, count: usize) -> Vec<Bounds3> {
         let mut boxes = vec![(self.bounds, self.root)];
+        // Replace the box of greatest area by its children until there are enough boxes.
         while boxes.len() < count {
             let nodes = boxes.iter().enumerate().filter(|(_, (_, child))| child.is_node());
             let Some((greatest, _)) = nodes.max_by(|a, b| a.1.0.area().total_cmp(&b.1.0.area())) else { break };
@@ -177,6 +178,7 @@ impl Bvh {
     pub fn all_hits<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> Vec<Hit> {
         let mut hits = Vec::new();
         all_hits(self.isa, &self.tree, ray, &Leaves { tree: &self.tree, instance: WORLD, user }, &mut hits);
+        // Sort by distance, then by name, so that equal hits are neighbours.
         hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.id.cmp(&b.id)));
         // A triangle may be in several leaves.
         hits.dedup_by_key(|hit| hit.id);

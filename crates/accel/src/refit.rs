@@ -16,6 +16,7 @@ pub(crate) fn refit(tree: &mut Tree, primitives: &Primitives) -> bool {
     if tree.first != primitives.first || primitives.count() != tree.primitives {
         return false;
     }
+    // Keep the topology only if everything in the leaves can still be hit.
     let held = |index: u32| primitives.bounds(index).is_some();
     let is_in_place = |block: &Block| {
         let lanes = block.lanes();
@@ -30,6 +31,7 @@ pub(crate) fn refit(tree: &mut Tree, primitives: &Primitives) -> bool {
     if !users_held || !tree.arena.blocks().par_iter().all(is_in_place) {
         return false;
     }
+    // Write the present vertices into the blocks, in parallel.
     tree.arena.parts_mut().1.par_iter_mut().for_each(|block| {
         let lanes = block.lanes();
         for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
@@ -53,6 +55,7 @@ pub(crate) fn refit(tree: &mut Tree, primitives: &Primitives) -> bool {
             Bounds3::EMPTY
         }
     };
+    // Rebuild the boxes from the last node to the first, each from its children.
     let mut nodes = vec![Node::EMPTY; bounds.len()];
     for i in (0..nodes.len()).rev() {
         let children = arena.nodes()[i].children;

@@ -72,6 +72,7 @@ impl<S: Simd, U: UserLeaves> Query<S, U> for Closest<S, U::Extra> {
         if current.is_node() {
             // SAFETY: the reference comes from the tree and is to a node.
             let node = unsafe { tree.arena.node(current) };
+            // Test the boxes of all eight children and keep those that begin before the hit so far.
             let (enter, lanes) = self.slabs.test(s, node, s.splat(self.t));
             if lanes & lanes.wrapping_sub(1) != 0 {
                 // The nearest child is next; the others wait, nearer ones above.
@@ -103,6 +104,7 @@ impl<S: Simd, U: UserLeaves> Query<S, U> for Closest<S, U::Extra> {
                 self.best = Some(Nearest { hit, index, extra });
             }
         }
+        // Continue with the nearest waiting child; those behind the hit are dropped unvisited.
         match stack.pop(self.t) {
             Some(child) => {
                 self.current = child;
@@ -154,6 +156,7 @@ impl<S: Simd, U: UserLeaves> Query<S, U> for Any<S> {
         if current.is_node() {
             // SAFETY: the reference comes from the tree and is to a node.
             let node = unsafe { tree.arena.node(current) };
+            // Any order will do: take the first child entered and stack the others unsorted.
             let (_, mut lanes) = self.slabs.test(s, node, self.t_max);
             if lanes != 0 {
                 if lanes & (lanes - 1) != 0 {
@@ -203,6 +206,7 @@ pub(crate) fn nearest_in_block<S: Simd, U: UserLeaves>(
         let lane = lanes.trailing_zeros() as usize & (LANES - 1);
         lanes &= lanes - 1;
         let index = block.ids[lane] & !Block::FILTERED;
+        // Of equal distances the smaller index wins, in whatever order leaves are visited.
         let closer = candidates.t[lane] < *t || candidates.t[lane] == *t && best.is_some_and(|best| index < best.index);
         if closer {
             let hit = UserHit { t: candidates.t[lane], u: candidates.u[lane], v: candidates.v[lane] };

@@ -19,6 +19,7 @@ const DIGIT: u32 = 11;
 /// Calls `trace` with rays in sorted order, chunk by chunk, and puts the answers where they belong.
 pub(crate) fn in_order<T: Copy>(rays: &[Ray], answers: &mut [T], none: T, mut trace: impl FnMut(&[Ray], &mut [T])) {
     assert_eq!(rays.len(), answers.len(), "as many answers as rays");
+    // Sort places, not rays: a ray is gathered once, when its chunk is traced.
     let order = sorted(rays);
     let mut sorted_rays = Vec::with_capacity(CHUNK.min(rays.len()));
     let mut of_sorted = vec![none; CHUNK.min(rays.len())];
@@ -35,6 +36,7 @@ pub(crate) fn in_order<T: Copy>(rays: &[Ray], answers: &mut [T], none: T, mut tr
 
 /// Keys above, places below, by the keys; of equal keys the order stays. At most 2^32 rays.
 fn sorted(rays: &[Ray]) -> Vec<u64> {
+    // Quantise origins relative to the bounds of all valid rays.
     let usable = |ray: &&Ray| ray.is_valid();
     let bounds = rays.iter().filter(usable).fold(Bounds3::EMPTY, |b, ray| b.union_point(ray.origin));
     let cells = (1 << ORIGIN_BITS) as f32;
@@ -42,17 +44,20 @@ fn sorted(rays: &[Ray]) -> Vec<u64> {
     let scale = Vec3::select(scale.is_finite_mask(), scale, Vec3::ZERO);
     let key = |ray: &Ray| u64::from(key(ray, bounds.min, scale)) << 32;
     let mut keys: Vec<u64> = rays.iter().zip(0_u64..).map(|(ray, place)| key(ray) | place).collect();
+    // Few keys: a comparison sort is cheaper than clearing the histograms.
     if keys.len() < 1 << DIGIT {
         keys.sort_unstable();
         return keys;
     }
     let mut other = vec![0; keys.len()];
+    // Radix sort, least significant digit first; each pass is stable.
     for shift in (32..64).step_by(DIGIT as usize) {
         let digit = |key: u64| (key >> shift) as usize & ((1 << DIGIT) - 1);
         let mut starts = vec![0_usize; 1 << DIGIT];
         for &key in &keys {
             starts[digit(key)] += 1;
         }
+        // Exclusive prefix sums of the histogram are the first places of the digits.
         let mut sum = 0;
         for start in &mut starts {
             sum += std::mem::replace(start, sum);
@@ -77,9 +82,11 @@ fn key(ray: &Ray, corner: Vec3, scale: Vec3) -> u32 {
     } else {
         [2, 0, 1]
     };
+    // Octant and dominant axis decide which plane of a slab is near and how triangles are sheared: they lead the key.
     let constants = (d.to_array().into_iter().fold(0, |signs, x| signs << 1 | u32::from(x < 0.0)) * 3) + z as u32;
     let cell = |x: f32, bits: u32| (x as u32).min((1 << bits) - 1);
     let half = (1 << DIRECTION_BITS) as f32;
+    // Project the direction onto the face of its dominant axis, as in a cube map.
     let direction = [a[x] / a[z] * half, a[y] / a[z] * half].map(|x| cell(x, DIRECTION_BITS));
     let origin = ((ray.origin - corner) * scale).to_array().map(|x| cell(x, ORIGIN_BITS));
     (constants << (3 * ORIGIN_BITS) | interleaved(origin)) << (2 * DIRECTION_BITS) | interleaved(direction)

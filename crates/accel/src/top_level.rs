@@ -51,6 +51,7 @@ impl TopLevel {
         instances: &[Instance],
     ) -> Result<Self, Error> {
         let boxes = boxes(&objects, instances)?;
+        // Build one tree over world geometry and the boxes of instances.
         let tree = construct::build(&[world, &[Geometry::boxes(&boxes)]].concat(), builder)?;
         Ok(Self {
             first_instance: tree.first[world.len()],
@@ -70,6 +71,7 @@ impl TopLevel {
     /// As [`TopLevel::build`]; nothing is changed then.
     pub fn update(&mut self, world: &[Geometry], instances: &[Instance]) -> Result<bool, Error> {
         let boxes = boxes(&self.objects, instances)?;
+        // Refit or rebuild, then replace what refers to the old instances.
         let kept = self.tree.update(&[world, &[Geometry::boxes(&boxes)]].concat())?;
         self.first_instance = self.tree.first[world.len()];
         self.placements = instances.iter().map(Placement::of).collect();
@@ -127,6 +129,7 @@ impl TopLevel {
     /// All hits in `(0, ray.t_max)`, nearest first, and of hits at equal distance the smaller [`PrimId`](crate::PrimId)
     /// first: every triangle that is hit and, where it is filtered, accepted; of a user primitive its nearest hit.
     pub fn all_hits<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> Vec<Hit> {
+        // Collect, sort by distance and name, and drop duplicates.
         let mut hits = Vec::new();
         all_hits(self.isa, &self.tree, ray, &Leaves { scene: self, user }, &mut hits);
         hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.id.cmp(&b.id)));
@@ -142,6 +145,8 @@ impl TopLevel {
     /// When the slices differ in length.
     pub fn intersect_batch<U: UserPrimitives>(&self, rays: &[Ray], user: &U, hits: &mut [Option<Hit>]) {
         match self.world_alone(user) {
+            // Instances that move transform each ray by its own time: packets share one transformation and are ruled
+            // out.
             None if self.moves => {
                 assert_eq!(rays.len(), hits.len(), "one place for each ray");
                 rays.iter().zip(hits).for_each(|(ray, hit)| *hit = self.intersect(ray, user));
@@ -171,6 +176,7 @@ impl TopLevel {
     /// # Panics
     /// When the slices differ in length.
     pub fn intersect_stream<U: UserPrimitives>(&self, rays: &[Ray], user: &U, hits: &mut [Option<Hit>]) {
+        // Sort for coherence, then trace as batches.
         stream::in_order(rays, hits, None, |rays, hits| self.intersect_batch(rays, user, hits));
     }
 
@@ -216,11 +222,13 @@ fn only_triangles(world: &[Geometry], objects: &[Bvh]) -> bool {
 
 /// The boxes of instances in world space.
 fn boxes(objects: &[Bvh], instances: &[Instance]) -> Result<Vec<Bounds3>, Error> {
+    // Refuse instances of objects that do not exist before anything is built.
     for (i, instance) in instances.iter().enumerate() {
         if instance.object as usize >= objects.len() {
             return Err(Error::UnknownObject { instance: i, object: instance.object, objects: objects.len() });
         }
     }
+    // Enclose each object by the boxes of its upper nodes: transformed, they are tighter than the root's box alone.
     let outline = |object: &Bvh| Outline::new(&object.tree().upper_boxes(BOXES));
     let outlines: Vec<Outline> = objects.par_iter().map(outline).collect();
     let placed = |i: &Instance| outlines[i.object as usize].of(i);
@@ -240,6 +248,7 @@ impl<'a, U> Leaves<'a, U> {
     /// The instance with an index in the tree: its number, its object, and the way to the object's space.
     #[inline(always)]
     fn instance(&self, index: u32) -> Option<(u32, &'a Bvh, &'a Mat4)> {
+        // Indices behind those of world geometry are instances.
         let number = index.checked_sub(self.scene.first_instance)?;
         let place = &self.scene.placements[number as usize];
         Some((number, &self.scene.objects[place.object as usize], &place.object_from_world))
@@ -265,6 +274,8 @@ impl<U: UserPrimitives> UserLeaves for Leaves<'_, U> {
     #[inline]
     fn intersect(&self, index: u32, ray: &Ray) -> Option<(UserHit, u32)> {
         match self.enter(index, ray) {
+            // Descend into the instance with the ray in object space; distances stay the same, as directions are not
+            // normalised.
             Some((number, object, ray)) => object.nearest_as(number, &ray, self.user).map(|n| (n.hit, n.index)),
             None => self.user.intersect(self.scene.tree.id(WORLD, index), ray).map(|hit| (hit, 0)),
         }
@@ -308,6 +319,7 @@ impl<U: UserPrimitives> UserLeaves for Leaves<'_, U> {
     fn intersect_packet(&self, isa: SupportedIsa, index: u32, packet: &Packet, lanes: u32, inner: &mut Found) -> bool {
         let Some((instance, object, place)) = self.instance(index) else { return false };
         let leaves = ObjectLeaves { tree: object.tree(), instance, user: self.user };
+        // Transform the packet into object space and trace it there as a packet.
         nearest_packet_in(isa, object.tree(), (packet, place), lanes, &leaves, inner);
         true
     }

@@ -129,6 +129,8 @@ impl RayConstants {
         let axes = axes(*d);
         let [x, y, z] = axes;
         let reciprocal = d.recip();
+        // Shear constants of the watertight triangle test (Woop, Benthin, Wald 2013): divide by the greatest
+        // coordinate.
         let along = at(d, z);
         Self::with(ray, bounds, reciprocal, axes, [at(d, x) / along, at(d, y) / along, 1.0 / along])
     }
@@ -147,6 +149,7 @@ impl RayConstants {
         let mut inverse = reciprocal;
         let mut error = origin * inverse.abs();
         let moves = error.cmple(Vec3::splat(GREATEST));
+        // The common case: all products are finite, and the relative bound covers their rounding.
         if moves.all() {
             error = error * WIDEN + f32::MIN_POSITIVE;
         } else {
@@ -159,6 +162,7 @@ impl RayConstants {
             inverse = Vec3::select(moves, inverse, limit.copysign(ray.direction));
             error = Vec3::select(moves, error * WIDEN + f32::MIN_POSITIVE, Vec3::splat(at_rest));
         }
+        // p·i − o·i with o·i rounded down for near planes and up for far ones makes the slab test conservative.
         let exact = -(ray.origin * inverse);
         Self { inverse, offset: [exact - error, exact + error], axes, shear }
     }
@@ -177,6 +181,7 @@ pub(crate) struct Slabs<S: Simd> {
 impl<S: Simd> Slabs<S> {
     #[inline(always)]
     pub fn new(s: S, constants: &RayConstants) -> Self {
+        // The sign of the reciprocal tells which plane of each pair the ray meets first.
         let rows = |x: f32, axis: usize| if x.is_sign_negative() { (axis + 3, axis) } else { (axis, axis + 3) };
         let (x, y, z) = (rows(constants.inverse.x, 0), rows(constants.inverse.y, 1), rows(constants.inverse.z, 2));
         Self {
@@ -192,6 +197,7 @@ impl<S: Simd> Slabs<S> {
     pub fn test(&self, s: S, node: &Node, t_max: S::F) -> (S::F, u32) {
         let near = |axis| self.plane(s, node, self.near[axis], 0, axis);
         let far = |axis| self.plane(s, node, self.far[axis], 1, axis);
+        // Intersect the three slabs and [0, t_max] of eight boxes at once (Kay and Kajiya 1986).
         let enter = s.farther(s.farther(near(0), near(1)), s.farther(near(2), s.splat(0.0)));
         let leave = s.nearer(s.nearer(far(0), far(1)), s.nearer(far(2), t_max));
         (enter, s.bits(s.le(enter, leave)))

@@ -109,10 +109,13 @@ impl<S: Simd> Shear<S> {
     /// consequence.
     #[inline(always)]
     pub fn test(&self, s: S, block: &Block, t_max: S::F, in_boxes: bool) -> Option<Candidates> {
+        // Translate the vertices to the origin and shear them so that the ray becomes the z axis.
         let [a, b, c] = [self.vertex(s, block, 0), self.vertex(s, block, 1), self.vertex(s, block, 2)];
         let sheared = [self.sheared(s, a), self.sheared(s, b), self.sheared(s, c)];
         let corners = Sheared { shear: self, block, sheared };
         let Crossing { lanes, mut t, v, w, sum, depth } = cross(s, &corners, &self.shear, t_max)?;
+        // Distance at which the ray enters the triangle's box, by the nearest vertex on each axis: no hit may be
+        // nearer.
         if in_boxes {
             let [x, y] = self.inverse;
             let along_x = s.min(s.min(s.mul(a[0], x), s.mul(b[0], x)), s.mul(c[0], x));
@@ -186,6 +189,7 @@ pub(crate) fn edges<L: Lanes>(s: L, [[ax, ay], [bx, by], [cx, cy]]: [[L::F; 2]; 
 /// is the reciprocal of the greatest coordinate of the direction.
 #[inline(always)]
 pub(crate) fn cross<L: Lanes>(s: L, corners: &impl Corners<L>, shear: &[L::F; 3], t_max: L::F) -> Option<Crossing<L>> {
+    // Edge functions U, V, W of the projected vertices.
     let edges = edges(s, corners.across(s));
     // All of one sign, with zero on either side. The signs are right, but for zeros.
     if s.bits(of_one_sign(s, edges)) == 0 {
@@ -205,10 +209,12 @@ pub(crate) fn cross_at<L: Lanes>(
 ) -> Option<Crossing<L>> {
     let scale = shear[2];
     let zero = s.splat(0.0);
+    // Inside where all have one sign.
     let mut is_inside = of_one_sign(s, [u, v, w]);
     let on_edge = s.or(s.or(s.eq(u, zero), s.eq(v, zero)), s.eq(w, zero));
     let on_edge = s.bits(s.and(is_inside, on_edge));
     if on_edge != 0 {
+        // Recompute in double precision where an edge function is exactly zero (Woop et al. 2013).
         let mut edges = [Wide::splat(0.0); 3];
         let mut across = [[Wide::splat(0.0); 2]; 3];
         s.write(u, &mut edges[0]);
@@ -224,6 +230,7 @@ pub(crate) fn cross_at<L: Lanes>(
     }
 
     let [az, bz, cz] = corners.along(s);
+    // det = U + V + W, T = U·z_a + V·z_b + W·z_c, t = T·S_z / det.
     let sum = s.add(s.add(u, v), w);
     let depth = s.add(s.add(s.mul(u, az), s.mul(v, bz)), s.mul(w, cz));
     let mut t = s.div(s.mul(depth, scale), sum);
@@ -240,6 +247,7 @@ pub(crate) fn cross_at<L: Lanes>(
     // Whether it is asked must not depend on what was hit before, which `t_max` tells.
     if beyond & !in_front != 0 {
         let [[ax, ay], [bx, by], [cx, cy]] = corners.across(s);
+        // Compare T with its error bound; what is below is decided in double precision.
         let error = depth_error(s, [ax, bx, cx], [ay, by, cy], [az, bz, cz], [u, v, w]);
         let told = in_front | s.bits(s.lt(error, abs(s, depth)));
         let doubtful = beyond & !told;
@@ -263,6 +271,7 @@ pub(crate) fn cross_at<L: Lanes>(
 #[inline(always)]
 pub(crate) fn of_one_sign<L: Lanes>(s: L, [u, v, w]: [L::F; 3]) -> L::M {
     let zero = s.splat(0.0);
+    // All three are not negative, or all three are not positive.
     let (least, greatest) = (s.min(s.min(u, v), w), s.max(s.max(u, v), w));
     s.or(s.le(zero, least), s.le(greatest, zero))
 }
@@ -273,6 +282,7 @@ pub(crate) fn of_one_sign<L: Lanes>(s: L, [u, v, w]: [L::F; 3]) -> L::M {
 #[inline(always)]
 fn depth_error<L: Lanes>(s: L, x: [L::F; 3], y: [L::F; 3], z: [L::F; 3], edges: [L::F; 3]) -> L::F {
     let (x, y, z, e) = (greatest(s, x), greatest(s, y), greatest(s, z), greatest(s, edges));
+    // Bounds γ_n = nε/(1 − nε) on the sheared coordinates, then on the edge functions, then on their weighted sum.
     let (g2, g3, g5) = (s.splat(gamma(2)), s.splat(gamma(3)), s.splat(gamma(5)));
     let (dx, dy, dz) = (s.mul(g5, s.add(x, z)), s.mul(g5, s.add(y, z)), s.mul(g3, z));
     let de = s.add(s.mul(g2, s.mul(x, y)), s.add(s.mul(dy, x), s.mul(dx, y)));
@@ -323,6 +333,7 @@ pub(crate) fn exact_distance(points: [[f32; 3]; 4], [x, y, scale]: [f32; 3]) -> 
     let (mut height, mut size, mut slope) = (0.0, 0.0, 0.0);
     for (i, d) in [f64::from(x), f64::from(y), 1.0].into_iter().enumerate() {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        // Cross product of two sides: t = n·(a − o)/(n·d), with magnitudes summed alongside for the error bound.
         let (p, q) = (e[j] * f[k], e[k] * f[j]);
         height += (p - q) * r[i];
         size += (p.abs() + q.abs()) * r[i].abs();

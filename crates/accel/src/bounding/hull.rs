@@ -35,6 +35,7 @@ impl Hull {
         if bounds.is_empty() || points.iter().any(|p| !p.is_finite()) {
             return None;
         }
+        // Snap the points to the lattice, where all orientation tests are exact.
         let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
         let step = (max - min).max_element() / STEPS;
         let on_lattice = |p: &Vec3| -> Point {
@@ -49,6 +50,7 @@ impl Hull {
                     let n = cross(sub(lattice[b], lattice[a]), sub(lattice[c], lattice[a]));
                     DVec3::from_array(n.map(|x| x as f64)).normalize()
                 };
+                // Collect the planes; triangles of one flat face follow each other and share a normal.
                 let mut planes: Vec<DVec3> = Vec::new();
                 for &t in &triangles {
                     let n = normal(t);
@@ -87,6 +89,7 @@ impl Hull {
         Some(Self {
             vertices,
             triangles,
+            // Move each plane out to the farthest of the original points.
             planes: planes.into_iter().map(reach).collect(),
             error: step * 3.0_f64.sqrt(),
         })
@@ -146,6 +149,7 @@ impl Volume for Hull {
         let slack = self.slack() + ROUNDING * origin.abs().max_element();
         let mut t = line(origin, direction)?;
         for (normal, reach) in &self.planes {
+            // Clip the line by each half-space: entering ones raise t₀, leaving ones lower t₁ (Cyrus and Beck 1978).
             let (above, along) = (normal.dot(origin) - reach - slack, normal.dot(direction));
             if along == 0.0 {
                 if above > 0.0 {
@@ -170,6 +174,7 @@ impl Volume for Hull {
             a > d + slack || c > b + slack
         };
         let others = other.edges();
+        // Separating axes: face normals of both, and cross products of their edges.
         let products =
             self.edges().into_iter().flat_map(|a| others.iter().map(move |b| a.cross(*b)).collect::<Vec<_>>());
         !self.planes.iter().chain(&other.planes).map(|plane| plane.0).any(separates)
@@ -178,6 +183,7 @@ impl Volume for Hull {
 
     fn volume(&self) -> f64 {
         let Some(&o) = self.vertices.first() else { return 0.0 };
+        // Sum signed tetrahedra over the faces: V = Σ a·(b × c)/6 with a vertex as the origin.
         let corner = |i: u32| self.vertices[i as usize] - o;
         self.triangles.iter().map(|&[a, b, c]| corner(a).dot(corner(b).cross(corner(c))) / 6.0).sum()
     }
@@ -202,6 +208,7 @@ fn simplex(points: &[Point]) -> Result<[usize; 4], Vec<usize>> {
         let all = points.iter().enumerate().map(|(i, p)| (measure(*p), i));
         all.max_by(|a, b| a.0.cmp(&b.0).then(b.1.cmp(&a.1))).filter(|(m, _)| *m > 0).map(|(_, i)| i)
     };
+    // Grow the simplex by the farthest point from a point, from a line and from a plane.
     let a = 0;
     let Some(b) = farthest(&|p| dot(sub(p, points[a]), sub(p, points[a]))) else { return Err(vec![a]) };
     let ab = sub(points[b], points[a]);
@@ -211,6 +218,7 @@ fn simplex(points: &[Point]) -> Result<[usize; 4], Vec<usize>> {
     };
     let n = cross(ab, sub(points[c], points[a]));
     let Some(d) = farthest(&|p| dot(n, sub(p, points[a])).abs()) else { return Err(vec![a, b, c]) };
+    // Orient the base so that the fourth point lies behind it.
     Ok(if dot(n, sub(points[d], points[a])) < 0 { [a, b, c, d] } else { [a, c, b, d] })
 }
 
@@ -229,6 +237,7 @@ fn flat(points: &[Vec3], found: &[usize]) -> (Vec<[usize; 3]>, Vec<DVec3>) {
             let u = (at(1) - at(0)).normalize_or(DVec3::X);
             let n = u.cross(at(2) - at(0)).normalize_or(u.any_orthonormal_vector());
             let v = n.cross(u);
+            // Project into the plane and take the hull there; both sides become fans of triangles.
             let shadow = |p: &Vec3| DVec2::new(u.dot(p.as_dvec3() - at(0)), v.dot(p.as_dvec3() - at(0)));
             let rim = polygon(&mut points.iter().map(shadow).collect());
             // The first point there.
@@ -238,6 +247,7 @@ fn flat(points: &[Vec3], found: &[usize]) -> (Vec<[usize; 3]>, Vec<DVec3>) {
                 let [a, b, c] = [corners[0], corners[i - 1], corners[i]];
                 [[a, b, c], [a, c, b]]
             });
+            // The rim contributes planes perpendicular to the polygon.
             let sides = (0..rim.len()).map(|i| {
                 let d = rim[(i + 1) % rim.len()] - rim[i];
                 (u * d.y - v * d.x).normalize_or(n)
@@ -281,6 +291,7 @@ impl<'a> Quick<'a> {
 
     fn add(&mut self, corners: [usize; 3], neighbors: [usize; 3]) {
         let [a, b, c] = corners.map(|i| self.points[i]);
+        // Twice the face's area times its normal, in exact integers.
         let normal = cross(sub(b, a), sub(c, a));
         self.faces.push(Face { corners, neighbors, normal, outside: Vec::new(), is_gone: false });
     }
@@ -304,6 +315,7 @@ impl<'a> Quick<'a> {
         while next < self.faces.len() {
             let face = &self.faces[next];
             let outside = if face.is_gone { &[][..] } else { &face.outside };
+            // Take the farthest point in front of the face as the apex.
             let farthest =
                 outside.iter().map(|&p| (self.height(next, p), p)).max_by(|a, b| a.0.cmp(&b.0).then(b.1.cmp(&a.1)));
             match farthest {
@@ -321,6 +333,7 @@ impl<'a> Quick<'a> {
         // Sides of the rim: from, to, and the face beyond.
         let mut rim: HashMap<usize, (usize, usize)> = HashMap::new();
         self.faces[start].is_gone = true;
+        // Flood from the first face over all faces that the apex sees; their outer sides are the horizon.
         let mut i = 0;
         while i < seen.len() {
             let face = seen[i];
@@ -347,6 +360,7 @@ impl<'a> Quick<'a> {
         let base = self.faces.len();
         let count = rim.len();
         let mut from = first;
+        // Join every side of the horizon to the apex and link neighbours both ways.
         for k in 0..count {
             let Some(&(to, beyond)) = rim.get(&from) else { break };
             let (before, after) = (base + (k + count - 1) % count, base + (k + 1) % count);
@@ -355,6 +369,7 @@ impl<'a> Quick<'a> {
             self.faces[beyond].neighbors[side] = base + k;
             from = to;
         }
+        // Redistribute the points of removed faces over the new ones.
         for point in orphans {
             if point != apex {
                 self.give(point, base);

@@ -69,6 +69,7 @@ impl KDop {
         if points.is_empty() || points.iter().any(|p| !p.is_finite()) {
             return None;
         }
+        // The extent of the points along each direction.
         let slab = |d: DVec3| {
             let heights = points.iter().map(|p| d.dot(p.as_dvec3()));
             heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], h| [low.min(h), high.max(h)])
@@ -85,9 +86,12 @@ impl KDop {
     pub fn corners(&self) -> Vec<DVec3> {
         let planes: Vec<(DVec3, f64)> = self.slabs().flat_map(|(d, s)| s.map(|height| (d, height))).collect();
         let mut corners = Vec::new();
+        // Intersect every triple of planes and keep the points inside all slabs.
         for i in 0..planes.len() {
             for j in i + 1..planes.len() {
                 for k in j + 1..planes.len() {
+                    // Coordinates of the directions are integers: a determinant below one half means that the planes
+                    // are parallel.
                     let normals = DMat3::from_cols(planes[i].0, planes[j].0, planes[k].0).transpose();
                     if normals.determinant().abs() < 0.5 {
                         continue;
@@ -115,6 +119,7 @@ impl Volume for KDop {
     }
 
     fn overlaps(&self, other: &Self) -> bool {
+        // Slabs of equal directions are compared as intervals; more directions would be needed for an exact answer.
         let both = self.slabs.iter().zip(&other.slabs);
         self.directions == other.directions && both.clone().all(|(a, b)| a[0] <= b[1] && b[0] <= a[1])
     }

@@ -42,11 +42,13 @@ pub trait Volume {
 
 /// The part of a line between two parallel planes, `low ≤ normal·p ≤ high`; what is outside by rounding is inside.
 fn slab(interval: [f64; 2], at: f64, along: f64, [low, high]: [f64; 2]) -> Option<[f64; 2]> {
+    // Widen the slab by the rounding of the dot products.
     let slack = ROUNDING * (low.abs().max(high.abs()) + at.abs());
     let (low, high) = (low - slack, high + slack);
     if along == 0.0 {
         return (low <= at && at <= high).then_some(interval);
     }
+    // Distances of both planes, sorted by `min` and `max`.
     let (a, b) = ((low - at) / along, (high - at) / along);
     let [t0, t1] = [interval[0].max(a.min(b)), interval[1].min(a.max(b))];
     (t0 <= t1).then_some([t0, t1])

@@ -25,6 +25,7 @@ impl OrientedBox {
         if points.is_empty() || points.iter().any(|p| !p.is_finite()) {
             return None;
         }
+        // Mean and covariance matrix, scaled so that squares do not overflow.
         let n = points.len() as f64;
         let mean = points.iter().map(|p| p.as_dvec3() / n).sum::<DVec3>();
         let scale = points.iter().map(|p| (p.as_dvec3() - mean).abs().max_element()).fold(0.0, f64::max);
@@ -35,6 +36,7 @@ impl OrientedBox {
                 covariance += DMat3::from_cols(d * d.x, d * d.y, d * d.z);
             }
         }
+        // The eigenvectors of the covariance matrix are the principal axes.
         Some(Self::along(eigenvectors(covariance), points.iter().map(|p| p.as_dvec3())))
     }
 
@@ -42,6 +44,7 @@ impl OrientedBox {
     /// about it. The smallest box of all need not be among them, but is rarely much smaller (O'Rourke 1985 finds it in
     /// cubic time).
     pub fn flush(hull: &Hull) -> Self {
+        // For each face normal project the hull onto the face's plane and take the smallest rectangle there.
         let boxes = std::iter::once(DVec3::AXES).chain(hull.normals(FACES).map(|normal| {
             let u = normal.any_orthonormal_vector();
             let v = normal.cross(u);
@@ -50,6 +53,7 @@ impl OrientedBox {
             let x = u * along.x + v * along.y;
             [x, normal.cross(x), normal]
         }));
+        // Hull vertices lie on a lattice: grow the box by the lattice's error.
         let around = |axes| {
             let tight = Self::along(axes, hull.vertices().iter().copied());
             Self { extent: tight.extent.map(|[low, high]| [low - hull.error(), high + hull.error()]), ..tight }
@@ -110,6 +114,7 @@ impl Volume for OrientedBox {
         let between = other.center() - self.center();
         let products = self.axes.iter().flat_map(|x| other.axes.iter().map(move |y| x.cross(*y)));
         let slack = ROUNDING * (self.center().abs().max(other.center().abs())).max_element();
+        // Disjoint on an axis where the distance of the centres exceeds the sum of both projected radii.
         !self.axes.iter().chain(&other.axes).copied().chain(products).any(|axis| {
             let reach = |axes: &[DVec3; 3], half: [f64; 3]| -> f64 {
                 axes.iter().zip(half).map(|(x, h)| axis.dot(*x).abs() * h).sum()
@@ -127,11 +132,13 @@ impl Volume for OrientedBox {
 fn eigenvectors(matrix: DMat3) -> [DVec3; 3] {
     let (mut a, mut vectors) = (matrix, DMat3::IDENTITY);
     for _ in 0..32 {
+        // Cyclic sweeps: each rotation annihilates one off-diagonal element.
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
             let off = a.col(q)[p];
             if off.abs() <= 1e-300 {
                 continue;
             }
+            // cot 2φ = (a_qq − a_pp)/(2 a_pq); take the smaller root t = tan φ for stability (Numerical Recipes, 11.1).
             let theta = (a.col(q)[q] - a.col(p)[p]) / (2.0 * off);
             let t = theta.signum() / (theta.abs() + theta.hypot(1.0));
             let c = 1.0 / t.hypot(1.0);
@@ -145,6 +152,7 @@ fn eigenvectors(matrix: DMat3) -> [DVec3; 3] {
             vectors *= turn;
         }
     }
+    // Orthonormalise against the accumulated rounding.
     let x = vectors.x_axis.normalize_or(DVec3::X);
     let y = (vectors.y_axis - x * x.dot(vectors.y_axis)).normalize_or(x.any_orthonormal_vector());
     [x, y, x.cross(y)]
@@ -154,6 +162,8 @@ fn eigenvectors(matrix: DMat3) -> [DVec3; 3] {
 fn smallest_rectangle(mut points: Vec<DVec2>) -> DVec2 {
     let hull = polygon(&mut points);
     let mut best = (f64::INFINITY, DVec2::X);
+    // Rotating calipers by enumeration: one side of the optimal rectangle is collinear with a hull edge (Freeman and
+    // Shapira 1975).
     for i in 0..hull.len() {
         let Some(x) = (hull[(i + 1) % hull.len()] - hull[i]).try_normalize() else { continue };
         let extent = |d: DVec2| {
@@ -171,6 +181,7 @@ fn smallest_rectangle(mut points: Vec<DVec2>) -> DVec2 {
 
 /// The convex hull in the plane, counter-clockwise (Andrew's monotone chain, 1979).
 pub(super) fn polygon(points: &mut Vec<DVec2>) -> Vec<DVec2> {
+    // Sort lexicographically, build the lower chain from the left and the upper one from the right.
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     points.dedup();
     if points.len() < 3 {
@@ -179,6 +190,7 @@ pub(super) fn polygon(points: &mut Vec<DVec2>) -> Vec<DVec2> {
     let mut hull: Vec<DVec2> = Vec::new();
     for pass in 0..2 {
         let start = hull.len();
+        // Pop while the last turn is not to the left.
         let mut add = |p: DVec2| {
             while hull.len() >= start + 2
                 && (hull[hull.len() - 1] - hull[hull.len() - 2]).perp_dot(p - hull[hull.len() - 2]) <= 0.0

@@ -23,9 +23,11 @@ impl Sphere {
                 .iter()
                 .fold(first, |far, p| if distance(p) > far.distance_squared(from) { p.as_dvec3() } else { far })
         };
+        // The point farthest from any point, and the one farthest from that, span an initial diameter.
         let a = farthest(first);
         let b = farthest(a);
         let mut sphere = Self { center: (a + b) * 0.5, radius: a.distance(b) * 0.5 };
+        // Grow the sphere towards points outside just so far that it still holds the old sphere.
         for p in points.iter().map(|p| p.as_dvec3()) {
             let distance = p.distance(sphere.center);
             if distance > sphere.radius {
@@ -79,11 +81,14 @@ fn finite(points: &[Vec3]) -> Option<DVec3> {
 /// The smallest ball around the first points with all of `support` on its surface; points that support it move to the
 /// front.
 fn move_to_front(points: &mut [DVec3], end: usize, support: &mut Vec<DVec3>) -> Sphere {
+    // Start with the ball through the support; four points determine it.
     let mut ball = through(support);
     if support.len() == 4 {
         return ball;
     }
     for i in 0..end {
+        // A point outside the ball of its predecessors lies on the boundary of the smallest ball: recurse with it as
+        // support.
         if points[i].distance(ball.center) > ball.radius * (1.0 + ROUNDING) {
             support.push(points[i]);
             ball = move_to_front(points, i, support);
@@ -106,6 +111,7 @@ fn through(support: &[DVec3]) -> Sphere {
     for &point in others {
         let q = point - first;
         let mut z = q;
+        // Gram–Schmidt: the part of q orthogonal to the directions so far.
         for e in &basis {
             z -= *e * e.dot(z);
         }
@@ -131,6 +137,7 @@ impl Volume for Sphere {
         line(origin, direction)?;
         // From the point of the line that is nearest to the centre.
         let scale = direction.length();
+        // Distance along the line to the point nearest to the centre, and half the chord by Pythagoras.
         let d = direction / scale;
         let nearest = (self.center - origin).dot(d);
         let gap = (self.center - origin - d * nearest).length();

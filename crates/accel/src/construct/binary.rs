@@ -94,6 +94,7 @@ pub(super) fn build_range<const WIDTH: usize>(
     scale: f32,
     depth: u32,
 ) -> Costs<WIDTH> {
+    // Rescale subtrees whose areas would underflow in the scale of the whole tree.
     let own_scale = fitted(scale, &extent.bounds);
     if own_scale != scale {
         return rescaled(build_range(refs, nodes, first, extent, own_scale, depth), own_scale, scale);
@@ -101,12 +102,14 @@ pub(super) fn build_range<const WIDTH: usize>(
     let count = refs.len();
     let fits = fits_leaf(count, extent.triangles);
     let mut node = BinaryNode { bounds: extent.bounds, first, count: count as u32, second: 0, forest: [0; WIDTH] };
+    // A small range becomes one block: as a forest of any size it costs the same.
     if fits && count <= SMALL {
         node.forest[0] = 1;
         nodes.push(node);
         return [half_area(&extent.bounds, scale) * BLOCK_COST; WIDTH];
     }
 
+    // Split by the surface area heuristic, recurse on both parts and combine their costs.
     let (middle, [left_extent, right_extent]) = split(refs, &extent, scale, depth < SAH_DEPTH);
     let (left_refs, right_refs) = refs.split_at_mut(middle);
     let second = first + middle as u32;
@@ -130,6 +133,7 @@ impl<const WIDTH: usize> BinaryNode<WIDTH> {
         // The cheapest forests with exactly i + 1 places given to the two children, all of them side by side.
         let (mut shared, mut forest) = ([f32::INFINITY; WIDTH], [0; WIDTH]);
         let right = [[f32::INFINITY; WIDTH], *right];
+        // C(n, i) = min over k of C(left, k) + C(right, i − k): distribute the places among the two children.
         for of_left in 1..WIDTH {
             let right = &right.as_flattened()[WIDTH - of_left..][..WIDTH];
             for i in 0..WIDTH {
@@ -141,6 +145,8 @@ impl<const WIDTH: usize> BinaryNode<WIDTH> {
         }
         let mut forest = forest.map(|of_left| of_left as u8);
         let mut costs = [0.0; WIDTH];
+        // As one subtree: the node's own test and the cheapest forest that fills all slots; or a leaf where that is not
+        // dearer.
         let inner_cost = area * NODE_COST + shared[WIDTH - 1];
         if leaf_cost <= inner_cost {
             forest[0] = 1;

@@ -6,6 +6,7 @@ use steradian_math::{Bounds3, Vec3};
 /// is wanted of the triangle. They are rounded outwards, and both hold what lies in the plane.
 pub(super) fn clip(corners: [Vec3; 3], within: &Bounds3, axis: usize, plane: f32) -> [Bounds3; 2] {
     let mut parts = [Bounds3::EMPTY; 2];
+    // Walk the edges: vertices go to the side they are on, crossings to both (Sutherland and Hodgman 1974).
     for i in 0..3 {
         let (a, b) = (corners[i], corners[(i + 1) % 3]);
         if a[axis] <= plane {
@@ -19,6 +20,7 @@ pub(super) fn clip(corners: [Vec3; 3], within: &Bounds3, axis: usize, plane: f32
             parts = parts.map(|part| part.union(crossing));
         }
     }
+    // Clip to the box of the reference, which earlier planes may have cut already.
     let [mut below, mut above] = parts.map(|part| intersection(&part, within));
     below.max[axis] = below.max[axis].min(plane);
     above.min[axis] = above.min[axis].max(plane);

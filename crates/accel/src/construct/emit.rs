@@ -28,6 +28,7 @@ pub(super) fn emit(
         None => ChildRef::EMPTY,
         Some(root) if root.is_leaf() => upper.leaf(root, tags),
         Some(root) => {
+            // Lay out the upper levels down to subtrees of a size that is worth a task.
             subtrees = upper.lay_out(tags, if root.count as usize > PARALLEL { PARALLEL } else { 0 });
             ChildRef::node(0)
         }
@@ -39,8 +40,10 @@ pub(super) fn emit(
         part.lay_out(tags, 0);
         part
     };
+    // Lay out the subtrees in parallel, each with indices of its own.
     let mut parts: Vec<Layout> = subtrees.par_iter().map(lower).collect();
     // Where the parts begin.
+    // Assign every part its place behind the previous ones and link it to its parent's slot.
     let (mut nodes, mut blocks) = (upper.nodes.len(), upper.leaves.len());
     for (part, left_out) in parts.iter_mut().zip(&subtrees) {
         upper.nodes[left_out.node][left_out.slot].child = ChildRef::node(nodes as u32);
@@ -50,6 +53,7 @@ pub(super) fn emit(
     let only_triangles = upper.only_triangles && parts.iter().all(|part| part.only_triangles);
     parts.insert(0, upper);
 
+    // References address cache lines in a limited number of bits: refuse trees that exceed them.
     let lines = Arena::lines(nodes, blocks) as u64;
     let limit = u64::from(ChildRef::LIMIT);
     if lines >= limit {
@@ -77,6 +81,7 @@ pub(super) fn emit(
 
 /// The block of a range of references.
 fn block(primitives: &Primitives, tags: &[Tag], (first, count): (u32, u32)) -> Block {
+    // Look up the indices of all triangles first, so that the loads of their vertices overlap.
     let mut triangles = [None; LANES];
     for (triangle, tag) in triangles.iter_mut().zip(&tags[first as usize..][..count as usize]) {
         *triangle = primitives.indices(tag.index());
@@ -166,6 +171,7 @@ impl<'a> Layout<'a> {
         let mut pending = vec![(0, 0)];
         while let Some((binary_index, index)) = pending.pop() {
             let mut node = NOTHING;
+            // Open the binary subtree into up to eight children by the choices of the dynamic programme.
             let children = children(|i| self.source.get(i), binary_index);
             for (slot, binary) in children.into_iter().flatten().enumerate() {
                 let below = self.source.get(binary);
@@ -216,6 +222,8 @@ pub(super) fn children<'a, const WIDTH: usize>(
     let mut open = [(0, 0); WIDTH];
     let mut depth = 0;
     let (mut current, mut places) = (root, WIDTH);
+    // Walk the choices depth-first: a binary node with one place, or without children, becomes a child of the wide
+    // node.
     loop {
         let node = binary(current);
         if places == 1 || node.second == 0 {
@@ -227,8 +235,10 @@ pub(super) fn children<'a, const WIDTH: usize>(
             depth -= 1;
             (current, places) = open[depth];
         } else if node.forest[places - 1] == 0 {
+            // A forest with one subtree less is as cheap: give the place up.
             places -= 1;
         } else {
+            // Distribute the places as the recurrence chose; the right child waits on a stack.
             let of_left = usize::from(node.forest[places - 1]);
             open[depth] = (current + node.second as usize, places - of_left);
             depth += 1;

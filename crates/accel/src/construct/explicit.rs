@@ -45,6 +45,7 @@ impl Explicit {
 
     /// A node over two trees.
     pub fn join(bounds: Bounds3, mut left: Self, right: Self) -> Self {
+        // Append the right tree behind the left one and shift its indices.
         let (nodes, refs) = (left.nodes.len() as u32, left.refs.len() as u32);
         left.nodes.extend(right.nodes.into_iter().map(|node| Branch {
             below: match node.below {
@@ -67,6 +68,7 @@ impl Explicit {
         while let Some((from, parent)) = pending.pop() {
             let node = &ranges[from];
             let index = nodes.len() as u32;
+            // Ranges that fit a block stay whole.
             let below = if node.second == 0 || node.count <= LANES as u32 {
                 NodeContent::Refs { first: node.first, count: node.count }
             } else {
@@ -100,6 +102,7 @@ impl Explicit {
 
     /// The references in the order of the tree, and the tree as ranges of them.
     pub fn into_ranges<const WIDTH: usize>(self) -> (Vec<PrimRef>, BinaryTree<WIDTH>) {
+        // Count references from the leaves up: children come after their parents in the order.
         let mut counts = vec![0; self.nodes.len()];
         for &node in self.downwards().iter().rev() {
             counts[node as usize] = match self.nodes[node as usize].below {
@@ -133,10 +136,12 @@ impl Layout<'_> {
         scale: f32,
     ) -> Costs<WIDTH> {
         let node = &self.tree.nodes[index as usize];
+        // Rescale subtrees whose areas would underflow in the scale of the whole tree.
         let own_scale = fitted(scale, &node.bounds);
         if own_scale != scale {
             return rescaled(self.place(index, refs, ranges, [first, depth], own_scale), own_scale, scale);
         }
+        // Below the depth limit keep the tree's own split; otherwise collect the references and rebuild the range.
         let children = match node.below {
             NodeContent::Children(children) if depth < SAH_DEPTH && refs.len() > 2 => children,
             _ => {
@@ -145,6 +150,7 @@ impl Layout<'_> {
             }
         };
         let count = refs.len();
+        // The left subtree takes the front of the range, the right one the rest.
         let middle = self.counts[children[0] as usize] as usize;
         let (left, right) = refs.split_at_mut(middle);
         let second = first + middle as u32;

@@ -55,6 +55,7 @@ impl Places {
     #[target_feature(enable = "avx2")]
     fn of(&self, [low, high]: [__m128; 2]) -> (__m128, __m128i) {
         let half = _mm_set1_ps(0.5);
+        // Map the centre to a bin, one axis in each lane.
         let center = _mm_add_ps(_mm_mul_ps(low, half), _mm_mul_ps(high, half));
         let place = _mm_mul_ps(_mm_sub_ps(center, self.origin), self.scale);
         // What is not a number becomes zero, as in a cast; what is too large is a large number without a sign.
@@ -82,9 +83,12 @@ fn partitioned(cut: &Cut, refs: &mut [PrimRef]) -> (usize, [Bounds3; 2]) {
         let is_first = _mm_cmpgt_epi32(border, bin);
         let mask = _mm256_castsi256_ps(_mm256_set_m128i(is_first, is_first));
         let center = folded(center, center);
+        // Blend an empty box into the side that the reference does not join, so that both sides accumulate without a
+        // branch.
         left = _mm256_min_ps(left, _mm256_blendv_ps(empty(), center, mask));
         right = _mm256_min_ps(right, _mm256_blendv_ps(center, empty(), mask));
         // SAFETY: as above.
+        // Exchange the reference with the first one of the second part (branch-free Lomuto partition).
         unsafe {
             _mm256_storeu_ps(own, _mm256_loadu_ps(first_of_second));
             _mm256_storeu_ps(first_of_second, r);
@@ -114,6 +118,7 @@ fn cheapest_half(refs: &[PrimRef], extent: &Extent, scale: f32, grid: Grid) -> O
     let places = Places::new(grid, HALVES);
     let (mut left, mut right) = ([empty(); 4], [empty(); 4]);
     let mut of_right = _mm_setzero_si128();
+    // Add every box to one half on each axis by masks, and count the right halves by adding bin numbers.
     for r in refs {
         let [low, high] = r.lanes();
         let (_, bin) = places.of([low, high]);
@@ -130,6 +135,7 @@ fn cheapest_half(refs: &[PrimRef], extent: &Extent, scale: f32, grid: Grid) -> O
     }
     let of_left = _mm_sub_epi32(_mm_set1_epi32(refs.len() as i32), of_right);
     let counts = _mm256_set_m128i(of_right, of_left);
+    // Cost of a cut: the area times the tests of the left half plus the same of the right one.
     let costs = costs(areas(&left, &right, 0, scale), counts, extent);
     let costs = _mm_add_ps(_mm256_castps256_ps128(costs), _mm256_extractf128_ps::<1>(costs));
     let mut of_axis = [0.0; 4];
@@ -167,6 +173,7 @@ impl<const BINS: usize> Folded<BINS> {
                     let bin = bin[axis] as usize;
                     (self.boxes[axis].get_unchecked_mut(bin), self.counts[axis].get_unchecked_mut(bin))
                 };
+                // One minimum merges both corners, because the greatest one has its sign changed.
                 *own = _mm256_min_ps(*own, span);
                 *count += 1;
             }
@@ -186,15 +193,18 @@ impl<const BINS: usize> Folded<BINS> {
         let mut least = _mm256_set1_ps(f32::INFINITY);
         for axis in 0..3 {
             let (boxes, after) = (&mut self.boxes[axis], &mut after[axis]);
+            // Sweep from the right: the boxes of all second parts.
             let mut bounds = empty();
             for bin in (0..used).rev() {
                 bounds = _mm256_min_ps(bounds, boxes[bin]);
                 after[bin] = bounds;
             }
+            // Sweep from the left: the boxes of all first parts, in place.
             let mut bounds = empty();
             for own in &mut boxes[..used] {
                 (*own, bounds) = (bounds, _mm256_min_ps(bounds, *own));
             }
+            // Evaluate SAH costs A_l·N_l + A_r·N_r of eight cuts at a time, with prefix sums of the counts.
             let mut count = _mm256_setzero_si256();
             for cuts in (0..used).step_by(8) {
                 // SAFETY: there are as many counts as bins.
@@ -233,6 +243,7 @@ impl<const BINS: usize> Folded<BINS> {
 /// The sums of the counts before each, behind so many in every lane; and the sum of all.
 #[target_feature(enable = "avx2")]
 fn before(counts: __m256i, start: __m256i) -> (__m256i, __m256i) {
+    // Prefix sum by shifts of one and of two lanes within each half.
     let pairs = _mm256_add_epi32(counts, _mm256_slli_si256::<4>(counts));
     let halves = _mm256_add_epi32(pairs, _mm256_slli_si256::<8>(pairs));
     // The sum of the lower half is added to the upper one.
@@ -246,6 +257,7 @@ fn before(counts: __m256i, start: __m256i) -> (__m256i, __m256i) {
 /// Areas times how many tests so many primitives are (see [`Extent::tests`]); without an end for none.
 #[target_feature(enable = "avx2")]
 fn costs(areas: __m256, counts: __m256i, extent: &Extent) -> __m256 {
+    // Blocks of eight triangles are tested at once: round the count up to whole blocks.
     const { assert!(LANES == 8) };
     let blocks = _mm256_srli_epi32::<3>(_mm256_add_epi32(counts, _mm256_set1_epi32(7)));
     let tests = _mm256_cvtepi32_ps(if extent.triangles { blocks } else { counts });
@@ -306,6 +318,7 @@ fn faces((left, right): (__m256, __m256), scale: f32) -> __m256 {
     let half = _mm256_set1_ps(0.5);
     let (left, right) = (_mm256_mul_ps(left, half), _mm256_mul_ps(right, half));
     // The lengths with a sign, which products lose.
+    // Folded boxes hold −max, so that min − max comes from one addition.
     let sum = _mm256_add_ps(_mm256_blend_ps::<0xf0>(left, right), _mm256_permute2f128_ps::<0x21>(left, right));
     let d = _mm256_mul_ps(sum, _mm256_set1_ps(scale));
     _mm256_mul_ps(d, _mm256_permute_ps::<0b11_00_10_01>(d))

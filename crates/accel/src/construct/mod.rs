@@ -105,6 +105,7 @@ pub(crate) fn wide<const WIDTH: usize>(
         }
         Some(_) => vec![(0, 0)],
     };
+    // Open wide nodes from the root down by the choices of the dynamic programme.
     while let Some((from, index)) = pending.pop() {
         for (slot, child) in emit::children(|i| &binary[i], from).into_iter().flatten().enumerate() {
             let node = &binary[child];
@@ -129,6 +130,7 @@ fn binary_tree<const WIDTH: usize>(
     if refs.is_empty() {
         return (refs, Nodes::new().finish());
     }
+    // Top-down builders yield ranges directly; the others pass through the explicit tree.
     let mut tree = match builder {
         Builder::Sah => {
             let nodes = binary::build(&mut refs);
@@ -141,6 +143,7 @@ fn binary_tree<const WIDTH: usize>(
         Builder::Spatial => spatial::build(primitives, refs),
         Builder::Ploc => return ploc::build(refs).into_ranges(),
     };
+    // Reinsert subtrees until the area hardly shrinks any more.
     reinsert::optimize(&mut tree, ROUNDS);
     tree.into_ranges()
 }

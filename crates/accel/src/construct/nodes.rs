@@ -35,6 +35,7 @@ impl<const WIDTH: usize> Nodes<WIDTH> {
         self.push(node);
         let piece = self.pieces.len() - 1;
         let place = self.pieces[piece].len() - 1;
+        // Build the right subtree into pieces of its own while another thread builds the left one, then append them.
         let (second, costs) = if is_large {
             let mut of_right = Self::new();
             let (left, right) = rayon::join(|| left(self), || right(&mut of_right));

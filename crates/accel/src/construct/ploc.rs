@@ -25,6 +25,7 @@ const TINY: f32 = 1.0 / (1_u64 << 40) as f32;
 pub(super) fn build(refs: Vec<PrimRef>) -> Explicit {
     let extent = Extent::of(&refs);
     let scale = scale(&extent.bounds);
+    // Areas relative to the scene underflow in `f32` when primitives are tiny: switch to `f64` for these.
     let is_tiny = |r: &PrimRef| ((r.max() * 0.5 - r.min() * 0.5) * scale).max_element() < TINY;
     let any_tiny = refs.par_iter().with_min_len(PIECE).any(is_tiny);
     let refs = along_curve(&refs, &extent.centers);
@@ -43,8 +44,10 @@ fn cluster<A: PartialOrd + Copy>(refs: Vec<PrimRef>, area: impl Fn(&Bounds3) -> 
     nodes.reserve(refs.len());
     let mut clusters: Vec<(Bounds3, u32)> = nodes.iter().zip(0..).map(|(node, i)| (node.bounds, i)).collect();
     while clusters.len() > 1 {
+        // Find the best partner of each cluster within the search radius.
         let nearest = nearest_neighbours(&clusters, &area);
         let mut merged = Vec::with_capacity(clusters.len() / 2 + 1);
+        // Merge mutual nearest neighbours; the lower index makes the new cluster, the others wait for the next round.
         for (i, &(bounds, node)) in clusters.iter().enumerate() {
             let other = nearest[i] as usize;
             if nearest[other] as usize != i {
@@ -89,6 +92,7 @@ fn nearest_neighbours<A: PartialOrd + Copy>(
 /// Those of a crowded cell go along a curve through this cell: else one primitive far away would put all others into
 /// one cell. Cells become smaller by 2^10 each time, so that this ends.
 fn along_curve(refs: &[PrimRef], centers: &Bounds3) -> Vec<PrimRef> {
+    // Quantise centres to ten bits on each axis and interleave them to a Morton code.
     let (origin, scale) = (Vec3A::from(centers.min), Vec3A::from(1024.0 / centers.diagonal()));
     let key = |(r, place): (&PrimRef, u32)| {
         let cell = ((r.center() - origin) * scale).to_array().map(|x| (x as u32).min(1023));
@@ -96,10 +100,12 @@ fn along_curve(refs: &[PrimRef], centers: &Bounds3) -> Vec<PrimRef> {
         u64::from(code) << 32 | u64::from(place)
     };
     let places = 0..refs.len() as u32;
+    // Sort by code, then by place: unique keys make the order independent of the number of threads.
     let mut keys: Vec<u64> = refs.par_iter().zip(places).map(key).collect();
     keys.par_sort_unstable();
     let mut sorted: Vec<PrimRef> = keys.par_iter().map(|&key| refs[key as u32 as usize]).collect();
     let mut rest = &mut sorted[..];
+    // Refine crowded cells by a curve over their own extent.
     for cell in keys.chunk_by(|a, b| a >> 32 == b >> 32) {
         let (of_cell, others) = rest.split_at_mut(cell.len());
         rest = others;

@@ -166,6 +166,7 @@ impl<'a> Primitives<'a> {
     /// References to all primitives that a ray can hit, in the order of their indices.
     pub(super) fn refs(&self) -> Vec<PrimRef> {
         let mut refs = storage::vec_with_capacity(self.first[self.geometries.len()] as usize);
+        // Make references in parallel, then drop those of primitives that no ray can hit.
         for (geometry, &first) in self.geometries.iter().zip(&self.first) {
             let reference = |prim: usize| {
                 let (bounds, user) = usable(geometry, prim)?;

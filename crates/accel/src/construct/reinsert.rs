@@ -80,12 +80,14 @@ impl<'a> Work<'a> {
     /// Looks for moves and makes them: how many.
     fn round(&mut self) -> usize {
         let nodes = 0..self.tree.nodes.len() as u32;
+        // Find the best move of each subtree in parallel, and apply the most profitable ones first.
         let mut moves: Vec<Move> = nodes.into_par_iter().filter_map(|node| self.best_move(node)).collect();
         moves.par_sort_unstable_by(|a, b| b.gain.total_cmp(&a.gain).then(a.node.cmp(&b.node)));
         let mut touched = vec![false; self.tree.nodes.len()];
         let mut made = 0;
         for Move { node, target, .. } in moves {
             let parent = self.parents[node as usize];
+            // A move changes the links of six nodes: skip it when an earlier one of this round has touched any of them.
             let grandparent = self.parents[parent as usize];
             let all = [node, parent, grandparent, self.sibling(node), target, self.parents[target as usize]];
             if all.iter().any(|&n| touched[n as usize]) || self.is_below(target, node) {
@@ -95,6 +97,7 @@ impl<'a> Work<'a> {
             self.make(node, target);
             made += 1;
         }
+        // Refit boxes and areas from the leaves up.
         for &node in self.tree.downwards().iter().rev() {
             if let NodeContent::Children([a, b]) = self.tree.nodes[node as usize].below {
                 let bounds = self.bounds(a).union(*self.bounds(b));
@@ -127,6 +130,8 @@ impl<'a> Work<'a> {
             pending.push((other, 0.0));
             while let Some((target, grown)) = pending.pop() {
                 looks += 1;
+                // Branch and bound: the union is at least as large as the subtree, so `gained − grown − area` bounds
+                // what is left.
                 if gained - grown - area <= best.gain || looks > LOOKS {
                     continue;
                 }
@@ -143,6 +148,7 @@ impl<'a> Work<'a> {
             if pivot == root || looks > LOOKS {
                 break;
             }
+            // Climb one level: the ancestor's box shrinks to what remains without the subtree.
             if pivot != parent {
                 gained += self.areas[pivot as usize] - half_area(&shrunk, self.scale);
             }
@@ -165,8 +171,10 @@ impl<'a> Work<'a> {
     fn make(&mut self, node: u32, target: u32) {
         let parent = self.parents[node as usize];
         let (sibling, grandparent) = (self.sibling(node), self.parents[parent as usize]);
+        // Unlink: the sibling takes the parent's place.
         self.replace(grandparent, parent, sibling);
         let above = self.parents[target as usize];
+        // Relink: the parent becomes the node over the target and the subtree.
         self.replace(above, target, parent);
         self.tree.nodes[parent as usize].below = NodeContent::Children([target, node]);
         self.parents[target as usize] = parent;

@@ -55,6 +55,7 @@ impl Builder<'_> {
             return Explicit::leaf(extent.bounds, refs);
         }
         let count = refs.len();
+        // Try the object split first.
         // Where that is not the scale of all, boxes are too small for planes.
         let cut = best_plane(&refs, &extent, fitted(self.scale, &extent.bounds));
         let cost = cut.as_ref().map_or(f32::INFINITY, |cut| cut.cost);
@@ -62,12 +63,15 @@ impl Builder<'_> {
             .and_then(|cut| cut.apply(&mut refs, &extent))
             .map_or_else(|| halve(&mut refs, &extent), |(middle, _)| middle);
         let (left, right) = refs.split_at(middle);
+        // Try a spatial split only where the boxes of the object split overlap noticeably: elsewhere it cannot save
+        // much.
         let overlap = intersection(&bounds_of(left), &bounds_of(right));
         let plane = if budget > 0 && half_area(&overlap, self.scale) > self.least_overlap {
             self.best_plane(&refs, &extent).filter(|plane| plane.cost < cost)
         } else {
             None
         };
+        // Keep the spatial split only if it makes progress and stays within the budget of references.
         let parts = plane.and_then(|plane| self.cut(&refs, &plane)).filter(|[left, right]| {
             let both = left.len() + right.len();
             left.len() < count && right.len() < count && !left.is_empty() && !right.is_empty() && both <= count + budget
@@ -76,6 +80,7 @@ impl Builder<'_> {
             let right = refs.split_off(middle);
             [refs, right]
         });
+        // Share the rest of the budget by size.
         let rest = count + budget - left.len() - right.len();
         let of_left = (rest as u64 * left.len() as u64 / (left.len() + right.len()) as u64) as usize;
         let left = || self.build(left, of_left, depth + 1);
@@ -94,6 +99,8 @@ impl Builder<'_> {
             let bin = |x: f32| (((x - bounds.min[axis]) / size[axis] * BINS as f32) as usize).min(BINS - 1);
             let mut boxes = [Bounds3::EMPTY; BINS];
             let (mut begin, mut end) = ([0; BINS], [0; BINS]);
+            // Chop every reference at the bin borders and add its pieces to the bins; count where it begins and where
+            // it ends.
             for r in refs {
                 let (first, last) = (bin(r.min()[axis]), bin(r.max()[axis]));
                 let mut rest = *r;
@@ -106,6 +113,7 @@ impl Builder<'_> {
                 begin[first] += 1;
                 end[last] += 1;
             }
+            // Sweep from the right, then from the left, and keep the plane of least SAH cost.
             let mut after = [(Bounds3::EMPTY, 0); BINS + 1];
             for bin in (1..BINS).rev() {
                 after[bin] = (after[bin + 1].0.union(boxes[bin]), after[bin + 1].1 + end[bin]);
@@ -158,11 +166,14 @@ impl Builder<'_> {
             let area = |b: &Bounds3| half_area(b, self.scale);
             let (a, b) = (area(&left.0), area(&right.0));
             let (to_left, to_right) = (left.0.union(r.bounds()), right.0.union(r.bounds()));
+            // Reference unsplitting: the costs of a reference on both sides, wholly on the left and wholly on the right
+            // (Stich et al. 2009).
             let costs = [
                 a * left.1 as f32 + b * right.1 as f32,
                 area(&to_left) * left.1 as f32 + b * (right.1 - 1) as f32,
                 a * (left.1 - 1) as f32 + area(&to_right) * right.1 as f32,
             ];
+            // Take the cheapest of the three and keep boxes and counts of both sides up to date.
             if costs[1] < costs[0] && costs[1] <= costs[2] {
                 (left.0, right.1) = (to_left, right.1 - 1);
                 sides[0].push(*r);

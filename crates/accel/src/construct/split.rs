@@ -32,6 +32,7 @@ impl Extent {
 
     /// The extent of a range.
     pub fn of(refs: &[PrimRef]) -> Self {
+        // Reduce long ranges in parallel, piece by piece.
         if refs.len() > PIECE {
             return refs.par_chunks(PIECE).map(Self::of).reduce(|| Self::EMPTY, Self::union);
         }
@@ -93,6 +94,7 @@ pub(super) struct Grid {
 
 impl Grid {
     pub fn new(centers: &Bounds3, len: usize) -> Self {
+        // Use more bins for longer ranges: the cost of binning is in proportion to both.
         let count = if len <= FEW { HALVES } else { (4 + len / 16).clamp(MIN_BINS, MAX_BINS) };
         let scale = count as f32 / centers.diagonal();
         let scale = Vec3::select(scale.is_finite_mask(), scale, Vec3::ZERO);
@@ -120,6 +122,7 @@ impl<const BINS: usize> Bins<BINS> {
     }
 
     fn of(refs: &[PrimRef], grid: Grid) -> Self {
+        // Reduce long ranges in parallel; the union of boxes does not depend on the order.
         if refs.len() > PIECE {
             let pieces = refs.par_chunks(PIECE).map(|piece| Self::of(piece, grid));
             return pieces.reduce_with(|a, b| a.union(&b)).unwrap_or_else(Self::new);
@@ -158,6 +161,7 @@ impl<const BINS: usize> Bins<BINS> {
 
 /// Sorts a range into two parts that are not empty, and says where the second one begins and what is known of both.
 pub(super) fn split(refs: &mut [PrimRef], extent: &Extent, scale: f32, use_sah: bool) -> (usize, [Extent; 2]) {
+    // Fall back to halves when no plane separates the centres.
     let chosen = if use_sah { best_plane(refs, extent, scale) } else { None };
     if let Some(parts) = chosen.and_then(|cut| cut.apply(refs, extent)) {
         return parts;
@@ -266,6 +270,7 @@ impl<const BINS: usize> Bins<BINS> {
                 parts[bin] = bounds;
             }
             let (mut bounds, mut count) = (Span::EMPTY, 0);
+            // Sweep from the left and add the cost of the second part: A_l·N_l + A_r·N_r.
             for bin in 1..grid.count.min(BINS) {
                 bounds = bounds.union(bins.bounds[axis][bin - 1]);
                 count += bins.counts[axis][bin - 1];

@@ -31,6 +31,7 @@ pub(crate) fn any_packet<S: Simd, L: Lanes, U: UserLeaves>(
     lanes: u32,
     users: &U,
 ) -> u32 {
+    // Trace beams and bundles together, then each remaining ray on its own from the root.
     let (mut hits, left) = any_beams(isa, (s, l), tree, packet, (lanes, true), users);
     for lane in Set(left.alone) {
         let ray = packet.ray(lane, packet.t_max.0[lane]);
@@ -54,9 +55,11 @@ pub(super) fn any_beams<S: Simd, L: Lanes, U: UserLeaves>(
     let beam_constants = BeamConstants::new(l, packet);
     let single = beam_constants.single(l);
     let lanes = lanes & beam_constants.valid;
+    // Rays that hardly move along an axis need limited reciprocals, which only the constants of single rays have.
     let (mut rest, mut alone) = (lanes & beam_constants.moving, lanes & !beam_constants.moving);
     let mut hits = 0;
     while rest != 0 {
+        // Form a beam of all rays that share the signs and the greatest axis of the first one.
         let group = beam_constants.like_first(rest);
         rest &= !group;
         if group.count_ones() < beam(isa.width()) {
@@ -64,12 +67,14 @@ pub(super) fn any_beams<S: Simd, L: Lanes, U: UserLeaves>(
             continue;
         }
         let beam = beam_constants.beam(group.trailing_zeros() as usize);
+        // A wide beam overlaps nearly every box of a large tree: its interval test would cull nothing.
         if !tree.is_small() && !beam.is_narrow(l, group, NARROW) {
             alone |= group;
         } else {
             hits |= Query { isa, s, l, tree, packet, users, beam, single: &single }.run(group);
         }
     }
+    // Bundle what no beam has taken, so that the nodes around the origins are fetched once for all of it.
     let bundle = Bundle { isa, s, l, rows: &beam_constants.rows, single: &single, tree, packet, users };
     let mut left = RemainingRays { alone, poor: false };
     let group = if may_bundle { left.bundle(beam_constants.moving) } else { 0 };
@@ -97,6 +102,8 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Query<'_, S, L, U> {
     #[inline(always)]
     fn run(&self, group: u32) -> u32 {
         let (s, l, tree) = (self.s, self.l, self.tree);
+        // Bound the origins and reciprocals of the beam: one slab test with these bounds culls children for all its
+        // rays.
         let interval = Interval::new(s, l, &self.beam, group);
         let t_max = l.read(&self.packet.t_max);
         let ends @ [_, farthest] = range(l, l.mask(group), t_max);
@@ -109,6 +116,7 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Query<'_, S, L, U> {
             if current.is_node() {
                 // SAFETY: the reference comes from the tree and is to a node.
                 let node = unsafe { tree.arena.node(current) };
+                // Cull the eight children against the beam up to the farthest end of its rays.
                 let (enter, lanes) = interval.test(s, node, s.splat(farthest));
                 if lanes != 0 {
                     tree.prefetch_children(node, lanes);
@@ -121,6 +129,8 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Query<'_, S, L, U> {
                 }
             } else {
                 if current.is_block() {
+                    // Close the rays that hit something in the leaf; an occlusion query ends with the first hit of
+                    // each.
                     open &= !self.block(&interval, current, active, ends);
                 } else if current != ChildRef::EMPTY {
                     open &= !self.user(current.index() as u32, active);
@@ -129,6 +139,7 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Query<'_, S, L, U> {
                     return group;
                 }
             }
+            // Take the next child and test its box with all open rays: the beam's bounds alone are conservative.
             loop {
                 let Some(Waiting { key, child, parent }) = next.take().or_else(|| stack.pop(farthest)) else {
                     return group & !open;
@@ -140,6 +151,7 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Query<'_, S, L, U> {
                     current = child;
                     break;
                 }
+                // Too few rays are left for shared tests: let each search this subtree alone.
                 for lane in Set(active) {
                     let ray = self.packet.ray(lane, self.packet.t_max.0[lane]);
                     if any_hit_from(self.isa, tree, &ray, self.users, &self.single.get(lane), child) {
@@ -161,6 +173,7 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Query<'_, S, L, U> {
         let boxes = Boxes::new(self.s, interval, block, farthest);
         // Where a hit is exactly matters to rays that end.
         let some_end = nearest < f32::INFINITY;
+        // Where all active rays lie in one register, test with that half only.
         match self.l.half_of(active) {
             Some(first) => self.triangles(self.l.half(), (block, &boxes), (first, active >> first), some_end) << first,
             None => self.triangles(self.l, (block, &boxes), (0, active), some_end),
@@ -181,6 +194,7 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Query<'_, S, L, U> {
         let mut open = active;
         let mut seen = Seen::new(boxes.entered);
         while seen.rest != 0 && open != 0 {
+            // Compute edge functions until every open ray may hit one of the triangles, then solve for the distances.
             seen.look(k, &sheared, block, open, true);
             for slot in Set(seen.slots) {
                 let slot = slot & (LANES - 1);
@@ -192,6 +206,7 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Query<'_, S, L, U> {
                     let Crossing { lanes, t, v, w, sum, .. } = crossing;
                     let mut hits = lanes & open & k.bits(k.lt(t, t_max));
                     let index = block.ids[slot] & !Block::FILTERED;
+                    // Ask the caller's filter, for example an alpha test, before a hit counts.
                     if block.ids[slot] != index {
                         hits = accepted(k, self.packet, self.users, index, [t, v, w, sum], (first, hits));
                     }

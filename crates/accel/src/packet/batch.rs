@@ -22,6 +22,7 @@ use steradian_math::Ray;
 fn may_be_beam(rays: &[Ray], width: usize) -> bool {
     let mut counts = [0; 32];
     rays.iter().any(|ray| {
+        // Classify by octant and dominant axis: 8 × 3 classes in 32 counters.
         let d = &ray.direction;
         let signs = u32::from(d.x < 0.0) | u32::from(d.y < 0.0) << 1 | u32::from(d.z < 0.0) << 2;
         let count = &mut counts[(signs as usize) << 2 | axes(*d)[2]];
@@ -94,6 +95,7 @@ trait Batch<S: Simd, L: Lanes> {
         while done < rays.len() {
             let len = L::COUNT.min(width).min(rays.len() - done);
             let all = first_lanes(len);
+            // Prefetch the rays of the next packet while this one is traced.
             for ray in rays[done + len..].iter().take(len).step_by(IN_LINE) {
                 prefetch(ray);
             }
@@ -101,6 +103,8 @@ trait Batch<S: Simd, L: Lanes> {
                 pausing -= 1;
                 all
             } else {
+                // Without bundles, and after an incoherent packet, count ray classes before touching the wide
+                // registers.
                 let hopeless = doubtful && !may_bundle && !may_be_beam(&rays[done..done + len], width);
                 let lanes = if hopeless {
                     all
@@ -109,6 +113,8 @@ trait Batch<S: Simd, L: Lanes> {
                     may_bundle &= !left.poor;
                     left.alone
                 };
+                // A packet of which more than three quarters of the rays went alone is incoherent; pause before the
+                // next attempt.
                 doubtful = lanes.count_ones() as usize * 4 > len * 3;
                 pausing = if doubtful { PAUSE } else { 0 };
                 lanes
@@ -150,6 +156,7 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Batch<S, L> for ClosestHits<'_, U> {
         let mut found = Found::nothing(&packet.t_max);
         let lanes = (first_lanes(len), may_bundle);
         let left = nearest_beams(self.isa, (s, l), self.tree, &packet, lanes, self.users, &mut found);
+        // Divide the scaled barycentrics by their sum once for the whole packet, not at each candidate hit.
         let sum = l.read(&found.sum);
         l.write(l.div(l.read(&found.u), sum), &mut found.u);
         l.write(l.div(l.read(&found.v), sum), &mut found.v);

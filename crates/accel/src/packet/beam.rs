@@ -68,6 +68,7 @@ impl<L: Lanes> BeamConstants<L> {
         let (mut size, mut slack) = ([zero; 3], zero);
         for axis in 0..3 {
             let (o, d) = (origin[axis], d[axis]);
+            // Bound the rounding of (p − o)·(1/d) by a multiple of |o|·|1/d|, as the constants of single rays do.
             let reciprocal = l.div(l.splat(1.0), d);
             let error = l.mul(abs(l, o), abs(l, reciprocal));
             moving &= l.bits(l.le(error, l.splat(GREATEST)));
@@ -76,19 +77,24 @@ impl<L: Lanes> BeamConstants<L> {
             inverse[axis] = reciprocal;
             offset[0][axis] = l.sub(exact, error);
             offset[1][axis] = l.add(exact, error);
+            // Far planes may be tested with the near offset when the sum of both bounds is added to the exit distance.
             slack = l.max(l.add(error, error), slack);
             negative[axis] = l.bits(l.lt(d, zero));
             size[axis] = abs(l, d);
+            // x − x is zero for finite x only: infinite and NaN coordinates drop out here.
             valid &= l.bits(l.and(l.eq(l.sub(o, o), zero), l.eq(l.sub(d, d), zero)));
             moves |= l.bits(l.lt(zero, size[axis]));
         }
         valid &= moves & l.bits(l.lt(zero, l.read(&packet.t_max)));
+        // Choose the axis of greatest extent of each direction; ties go to the earlier axis, as for single rays.
         let [x, y, z] = size;
         let along_x = l.bits(l.and(l.le(y, x), l.le(z, x)));
         let along_y = l.bits(l.le(z, y)) & !along_x;
         let along_z = !(along_x | along_y);
         let masks = [l.mask(along_x), l.mask(along_y)];
         let greatest = chosen(l, masks, d);
+        // Shear constants S_x = d_x/d_z, S_y = d_y/d_z, S_z = 1/d_z (Woop, Benthin, Wald, "Watertight Ray/Triangle
+        // Intersection", JCGT 2013).
         let shear = [
             l.div(chosen(l, masks, [d[1], d[2], d[0]]), greatest),
             l.div(chosen(l, masks, [d[2], d[0], d[1]]), greatest),
@@ -114,6 +120,7 @@ impl<L: Lanes> BeamConstants<L> {
     /// The rays among `rest` that go the same way as the first of them.
     #[inline(always)]
     pub fn like_first(&self, rest: u32) -> u32 {
+        // Isolate the lowest set bit and keep the lanes that agree with it in all signs and in the dominant axis.
         let first = rest & rest.wrapping_neg();
         let mut same = rest;
         for axis in 0..3 {
@@ -127,6 +134,7 @@ impl<L: Lanes> BeamConstants<L> {
     #[inline(always)]
     pub fn beam(&self, lane: usize) -> Beam<L> {
         let (mut near, mut far) = ([0, 1, 2], [3, 4, 5]);
+        // A ray in a negative direction enters through the upper plane and leaves through the lower one.
         for axis in 0..3 {
             if self.negative[axis] >> lane & 1 == 1 {
                 (near[axis], far[axis]) = (axis + 3, axis);
@@ -211,6 +219,7 @@ impl<L: Lanes> Rows<L> {
             let (inverse, offset) = (self.inverse[axis], self.offset[0][axis]);
             let first = l.mul_add(l.splat(node.rows[axis].0[slot]), inverse, offset);
             let last = l.mul_add(l.splat(node.rows[axis + 3].0[slot]), inverse, offset);
+            // The signs of the rays differ: sort both slab distances, near and far, by minimum and maximum.
             enter = l.max(l.min(first, last), enter);
             leave = l.min(l.max(first, last), leave);
         }
@@ -233,6 +242,8 @@ impl<L: Lanes> Beam<L> {
     pub fn enters(&self, l: L, node: &Node, slot: usize, t_max: L::F) -> u32 {
         let near = [self.plane(l, node, slot, 0, 0), self.plane(l, node, slot, 0, 1), self.plane(l, node, slot, 0, 2)];
         let far = [self.plane(l, node, slot, 1, 0), self.plane(l, node, slot, 1, 1), self.plane(l, node, slot, 1, 2)];
+        // Enter at the last near plane, leave at the first far plane; the box is entered where the interval is not
+        // empty (Kay and Kajiya 1986).
         let enter = l.farther(l.farther(near[0], near[1]), l.farther(near[2], l.splat(0.0)));
         let leave = l.nearer(l.nearer(far[0], far[1]), l.nearer(far[2], t_max));
         l.bits(l.le(enter, leave))

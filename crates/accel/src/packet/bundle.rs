@@ -167,6 +167,7 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Bundle<'_, S, L, U> {
                 // SAFETY: the reference comes from the tree and is to a node.
                 let node = unsafe { tree.arena.node(current) };
                 let ends = question.ends(l, self.packet);
+                // Push the farthest child first, so that the nearest one is popped next.
                 if Q::ORDERED {
                     let (slots, count) = self.farthest_first(node, group.trailing_zeros() as usize);
                     for &slot in &slots[..count] {
@@ -186,6 +187,7 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Bundle<'_, S, L, U> {
             } else if current.is_user() {
                 open &= !question.at_user(self, current.index() as u32, active);
             } else {
+                // In leaves, and where the bundle has thinned out, every ray continues with its own test or traversal.
                 for lane in Set(active) {
                     let ray = self.packet.ray(lane, self.packet.t_max.0[lane]);
                     let constants = self.single.get(lane);
@@ -200,6 +202,7 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Bundle<'_, S, L, U> {
                     open &= !(u32::from(done) << lane);
                 }
             }
+            // Pop children until one has rays that still search; rays that have their answer drop out of the mask.
             loop {
                 let Some((child, lanes)) = stack.pop() else { return (group & !open, single > group.count_ones()) };
                 active = lanes & open;
@@ -220,9 +223,11 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Bundle<'_, S, L, U> {
         for axis in 0..3 {
             let origin = s.splat(self.packet.origin[axis].0[lane]);
             let (least, greatest) = (s.load(&node.rows[axis]), s.load(&node.rows[axis + 3]));
+            // Squared distance of the box from the origin: the part of each coordinate outside the slab.
             let outside = s.max(s.max(s.sub(least, origin), s.sub(origin, greatest)), s.splat(0.0));
             square = s.add(square, s.mul(outside, outside));
         }
+        // Unused slots have inverted boxes.
         let chosen = s.bits(s.le(s.load(&node.rows[0]), s.load(&node.rows[3])));
         let (keys, _) = s.sort_descending(square, chosen, ChildRef::bits(&node.children));
         (keys.map(key_lane), chosen.count_ones() as usize)

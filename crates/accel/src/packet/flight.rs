@@ -36,6 +36,7 @@ pub(super) fn alone<S: Simd, U: UserLeaves, Q: Query<S, U>>(
     mut answer: impl FnMut(usize, Q::Answer),
 ) {
     let mut times = [Duration::ZERO; 2];
+    // Time a few rays each way, in turn and interleaved, and trace the rest by the faster way.
     let trials = if tree.is_large() && places.len() >= ENOUGH { 2 } else { 0 };
     for part in 0..=trials {
         let is_trial = part < trials;
@@ -94,6 +95,7 @@ fn trace_packet<S: Simd, U: UserLeaves, Q: Query<S, U>>(
                 // SAFETY: what has a ray has been written.
                 let (query, stack) = unsafe { (queries[slot].assume_init_mut(), stacks[slot].assume_init_mut()) };
                 let place = place_of[slot];
+                // Advance one query by a node or block, then fetch the next one while the other rays use the processor.
                 let Some(found) = query.step(stack, s, tree, &rays[place], users) else {
                     tree.arena.prefetch(query.current());
                     i += 1;
@@ -119,6 +121,7 @@ fn trace_packet<S: Simd, U: UserLeaves, Q: Query<S, U>>(
                     i += 1;
                 }
                 None => {
+                    // No ray is left: retire the slot by exchanging it with the last open one.
                     open -= 1;
                     flying = flying.min(open);
                     order.swap(i, open);

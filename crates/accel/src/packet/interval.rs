@@ -29,8 +29,11 @@ impl<S: Simd> Interval<S> {
             let [first, last] = range(l, mask, beam.rows.origin[axis]);
             let [least, greatest] = range(l, mask, beam.rows.inverse[axis]);
             let negative = beam.near[axis] >= 3;
+            // The near distance (p − o)·(1/d) is least for the greatest origin and the least reciprocal of a positive
+            // direction; for far planes and negative directions the extremes change roles.
             let sides = if negative { [(first, greatest), (last, least)] } else { [(last, least), (first, greatest)] };
             for (side, (origin, inverse)) in sides.into_iter().enumerate() {
+                // Widen by the rounding of the product, downwards for near planes and upwards for far ones.
                 let error = origin.abs() * inverse.abs() * WIDEN + f32::MIN_POSITIVE;
                 let error = if side == 0 { -error } else { error };
                 interval.inverse[side][axis] = s.splat(inverse);
@@ -54,11 +57,13 @@ impl<S: Simd> Interval<S> {
     #[inline(always)]
     pub fn triangles(&self, s: S, block: &Block, t_max: S::F) -> (u32, [S::F; 3]) {
         let (mut near, mut far) = ([s.splat(0.0); 3], [s.splat(0.0); 3]);
+        // Bound each triangle of the block by the minimum and maximum of its vertices, eight triangles at once.
         for axis in 0..3 {
             let [a, b, c] = [s.load(&block.rows[axis]), s.load(&block.rows[axis + 3]), s.load(&block.rows[axis + 6])];
             let (least, greatest) = (s.min(s.min(a, b), c), s.max(s.max(a, b), c));
             (near[axis], far[axis]) = if self.near[axis] == axis { (least, greatest) } else { (greatest, least) };
         }
+        // Pad the planes outwards by their own rounding.
         // As [`crate::widened::widened`] does it.
         let margin = |x| s.mul_add(abs(s, x), s.splat(WIDEN), s.splat(f32::MIN_POSITIVE));
         let (mut first, mut last) = (near, far);
@@ -81,6 +86,7 @@ impl<S: Simd> Interval<S> {
         let ([i, j], [o, p]) = (&self.inverse, &self.offset);
         let near = [s.mul_add(near[0], i[0], o[0]), s.mul_add(near[1], i[1], o[1]), s.mul_add(near[2], i[2], o[2])];
         let far = [s.mul_add(far[0], j[0], p[0]), s.mul_add(far[1], j[1], p[1]), s.mul_add(far[2], j[2], p[2])];
+        // Intersect the intervals of the three slabs with [0, t_max]; where it is empty no ray of the beam enters.
         let enter = s.farther(s.farther(near[0], near[1]), s.farther(near[2], s.splat(0.0)));
         let leave = s.nearer(s.nearer(far[0], far[1]), s.nearer(far[2], t_max));
         (enter, s.bits(s.le(enter, leave)))

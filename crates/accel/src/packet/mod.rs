@@ -63,6 +63,7 @@ impl Packet {
     /// Packet of some rays, no more than there are lanes; the lanes after these have no meaning.
     #[inline(always)]
     pub fn new<L: Lanes>(l: L, rays: &[Ray]) -> Self {
+        // Fill the lanes of a short packet with copies of the first ray, which keeps their arithmetic harmless.
         if rays.len() < L::COUNT {
             let mut padded = [rays[0]; WIDE];
             padded[..rays.len()].copy_from_slice(rays);
@@ -75,6 +76,7 @@ impl Packet {
     #[inline(always)]
     fn full<L: Lanes>(l: L, rays: &[Ray]) -> Self {
         const { assert!(size_of::<Ray>() == size_of::<[f32; COLUMNS]>() && align_of::<Ray>() == align_of::<f32>()) };
+        // Transpose rays into columns, one register for each coordinate.
         // SAFETY: a ray is so many `f32`.
         let columns = l.columns(unsafe { std::slice::from_raw_parts(rays.as_ptr().cast(), rays.len()) });
         let mut packet = Self::EMPTY;
@@ -98,6 +100,7 @@ impl Packet {
         for axis in 0..3 {
             let (x, y) = (l.splat(m.x_axis[axis]), l.splat(m.y_axis[axis]));
             let (z, w) = (l.splat(m.z_axis[axis]), l.splat(m.w_axis[axis]));
+            // Multiply and add in the order of the scalar matrix product, so that every ray gets its own bits.
             let origin = l.add(l.mul(z, oz), l.add(l.mul(y, oy), l.mul(x, ox)));
             let direction = l.add(l.mul(z, dz), l.add(l.mul(y, dy), l.mul(x, dx)));
             l.write(l.add(w, origin), &mut packet.origin[axis]);
@@ -174,6 +177,7 @@ impl Found {
         let mask = l.mask(lanes);
         let [t, u, v, sum] = new;
         let index = l.splat(f32::from_bits(index));
+        // Blend the new hits into the stored ones by the mask; the other lanes keep their values.
         l.write_from(l.select(mask, t, l.read_from(&self.t, first)), &mut self.t, first);
         l.write_from(l.select(mask, u, l.read_from(&self.u, first)), &mut self.u, first);
         l.write_from(l.select(mask, v, l.read_from(&self.v, first)), &mut self.v, first);

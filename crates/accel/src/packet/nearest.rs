@@ -54,6 +54,7 @@ pub(super) fn nearest_beams<S: Simd, L: Lanes, U: UserLeaves>(
     let lanes = lanes & beam_constants.valid;
     let (mut rest, mut alone) = (lanes & beam_constants.moving, lanes & !beam_constants.moving);
     while rest != 0 {
+        // Form a beam of all rays that share the signs and the greatest axis of the first one.
         let group = beam_constants.like_first(rest);
         rest &= !group;
         if group.count_ones() < beam(isa.width()) {
@@ -61,12 +62,14 @@ pub(super) fn nearest_beams<S: Simd, L: Lanes, U: UserLeaves>(
             continue;
         }
         let beam = beam_constants.beam(group.trailing_zeros() as usize);
+        // A wide beam overlaps nearly every box of a large tree: its interval test would cull nothing.
         if !tree.is_small() && !beam.is_narrow(l, group, NARROW) {
             alone |= group;
         } else {
             Query { isa, s, l, tree, packet, users, beam, single: &single }.run(group, found);
         }
     }
+    // Bundle what no beam has taken.
     let bundle = Bundle { isa, s, l, rows: &beam_constants.rows, single: &single, tree, packet, users };
     let mut left = RemainingRays { alone, poor: false };
     let group = if may_bundle { left.bundle(beam_constants.moving) } else { 0 };
@@ -92,6 +95,7 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Query<'_, S, L, U> {
     #[inline(always)]
     fn run(&self, group: u32, found: &mut Found) {
         let (s, l, tree) = (self.s, self.l, self.tree);
+        // Bound the origins and reciprocals of the beam for one slab test on behalf of all its rays.
         let interval = Interval::new(s, l, &self.beam, group);
         let in_group = l.mask(group);
         let none = l.splat(f32::NEG_INFINITY);
@@ -105,6 +109,7 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Query<'_, S, L, U> {
             if current.is_node() {
                 // SAFETY: the reference comes from the tree and is to a node.
                 let node = unsafe { tree.arena.node(current) };
+                // Cull the eight children against the beam up to its farthest hit so far.
                 let (enter, lanes) = interval.test(s, node, s.splat(farthest));
                 if lanes != 0 {
                     tree.prefetch_children(node, lanes);
@@ -116,6 +121,7 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Query<'_, S, L, U> {
                     unsafe { stack.push(keys, children, current, lanes.count_ones() as usize - 1) };
                 }
             } else {
+                // Intersect the leaf; a nearer hit may shorten the interval of the whole beam.
                 let hits = if current.is_block() {
                     self.block(&interval, current, active, farthest, found)
                 } else {
@@ -126,6 +132,7 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Query<'_, S, L, U> {
                     farthest = l.greatest(l.select(in_group, l.read(&found.t), none));
                 }
             }
+            // Pop the next child that begins before the farthest hit and that some ray enters.
             loop {
                 let Some(Waiting { key, child, parent }) = next.take().or_else(|| stack.pop(farthest)) else { return };
                 // SAFETY: parents are nodes of the tree.
@@ -152,6 +159,7 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Query<'_, S, L, U> {
         // SAFETY: the reference comes from the tree and is to a block.
         let block = unsafe { self.tree.arena.block(reference) };
         let boxes = Boxes::new(self.s, interval, block, farthest);
+        // Where all active rays lie in one register, test with that half only.
         match self.l.half_of(active) {
             Some(first) => self.triangles(self.l.half(), (block, &boxes), (first, active >> first), found),
             None => self.triangles(self.l, (block, &boxes), (0, active), found),
@@ -168,6 +176,8 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Query<'_, S, L, U> {
         found: &mut Found,
     ) -> bool {
         let sheared = ShearedRays::new(k, self.packet, self.single, first, self.beam.axes);
+        // Evaluate the edge functions of all triangles in entered boxes first, then solve for the distances of the
+        // survivors.
         let mut seen = Seen::new(boxes.entered);
         seen.look(k, &sheared, block, active, false);
         let mut hits = false;
@@ -176,6 +186,7 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Query<'_, S, L, U> {
             let so_far = k.read_from(&found.t, first);
             // SAFETY: the slot is in the set.
             if let Some(mut crossing) = unsafe { seen.cross(k, &sheared, block, slot, so_far) } {
+                // Move a hit in front of its triangle's box to the box, so that culling by boxes never contradicts it.
                 crossing.t = boxes.at_least(k, &sheared, slot, &crossing);
                 crossing.lanes &= active & k.bits(k.le(crossing.t, so_far));
                 self.triangle(k, block.ids[slot], &crossing, first, found);
@@ -190,6 +201,8 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Query<'_, S, L, U> {
     fn triangle<K: Lanes>(&self, k: K, id: u32, crossing: &Crossing<K>, first: usize, found: &mut Found) {
         let &Crossing { lanes, t, v, w, sum, .. } = crossing;
         let index = id & !Block::FILTERED;
+        // Nearer hits replace; equal distances are resolved below, so that results do not depend on the order of
+        // visits.
         let mut closer = lanes & k.bits(k.lt(t, k.read_from(&found.t, first)));
         for lane in Set(lanes & !closer) {
             // At equal distance the smaller index wins.
@@ -219,6 +232,8 @@ pub(super) fn at_user<L: Lanes, U: UserLeaves>(
 ) -> bool {
     // Fewer would go alone below.
     if active.count_ones() >= beam(isa.width()) {
+        // Descend with the packet into the instance; intervals end at the hits so far, inclusive where this index wins
+        // ties.
         let mut t_max = found.t;
         for lane in Set(active & found.hits) {
             t_max.0[lane] = end(found, lane, index);
@@ -233,6 +248,7 @@ pub(super) fn at_user<L: Lanes, U: UserLeaves>(
             return inner.hits != 0;
         }
     }
+    // Test user primitives, and instances with few rays, one ray at a time.
     for lane in Set(active) {
         let t_max = end(found, lane, index);
         if let Some((hit, extra)) = users.intersect(index, &packet.ray(lane, t_max))

@@ -36,11 +36,13 @@ impl<L: Lanes> Seen<L> {
         while self.rest != 0 {
             let slot = self.rest.trailing_zeros() as usize & (LANES - 1);
             self.rest &= self.rest - 1;
+            // Signed areas of the three edges as seen along the ray; equal signs mean that the ray passes inside.
             let edges = edges(l, Spot { sheared, block, slot }.across(l));
             self.edges[slot].write(edges);
             let lanes = l.bits(of_one_sign(l, edges)) & active;
             self.slots |= u32::from(lanes != 0) << slot;
             met |= lanes;
+            // One candidate for each ray suffices for occlusion: stop once all have one.
             if one_will_do && met == active {
                 return;
             }
@@ -85,6 +87,7 @@ impl Boxes {
     /// Distances of hits on a triangle, moved to its box where they are before it, see [`crate::triangle`].
     #[inline(always)]
     pub fn at_least<L: Lanes>(&self, l: L, sheared: &ShearedRays<L>, slot: usize, crossing: &Crossing<L>) -> L::F {
+        // Distances at which each ray meets the near planes of the triangle's box across the two minor axes.
         let ([x, y, _], origin, inverse) = (sheared.axes, sheared.origin, sheared.inverse);
         let along_x = l.mul(l.sub(l.splat(self.near[x][slot]), origin[0]), inverse[0]);
         let along_y = l.mul(l.sub(l.splat(self.near[y][slot]), origin[1]), inverse[1]);
@@ -110,6 +113,7 @@ impl<L: Lanes> Spot<'_, L> {
     fn vertex(&self, l: L, vertex: usize) -> [L::F; 2] {
         let [x, y, z] = [self.coordinate(l, vertex, 0), self.coordinate(l, vertex, 1), self.coordinate(l, vertex, 2)];
         let shear = &self.sheared.shear;
+        // Shear so that the ray becomes the z axis: p' = (x − S_x·z, y − S_y·z).
         [l.sub(x, l.mul(shear[0], z)), l.sub(y, l.mul(shear[1], z))]
     }
 }

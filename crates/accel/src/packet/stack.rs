@@ -44,6 +44,7 @@ impl PacketStack {
     #[inline(always)]
     pub unsafe fn push(&mut self, keys: [u32; LANES], children: [u32; LANES], parent: ChildRef, count: usize) {
         debug_assert!(count <= LANES && self.len + LANES <= CAPACITY);
+        // Write whole registers and advance by the count: what lies beyond is overwritten by the next push.
         // SAFETY: the caller promises that there is room for whole groups.
         unsafe {
             self.keys.as_mut_ptr().add(self.len).cast::<[u32; LANES]>().write_unaligned(keys);
@@ -56,6 +57,7 @@ impl PacketStack {
     /// Takes children from the top up to one whose box begins at `t` or nearer.
     #[inline(always)]
     pub fn pop(&mut self, t: f32) -> Option<Waiting> {
+        // Compare keys as integers: distances are not negative, so their bits are ordered as the numbers are.
         let last = last_key(t);
         loop {
             self.len = self.len.checked_sub(1)?;
@@ -94,6 +96,7 @@ impl BundleStack {
     #[inline(always)]
     pub unsafe fn push(&mut self, child: ChildRef, lanes: u32) {
         debug_assert!(self.len < CAPACITY);
+        // Write in any case and count only entries that have rays, without a branch.
         // SAFETY: the caller promises that there is room.
         unsafe { self.children.get_unchecked_mut(self.len).write((child, lanes)) };
         self.len += usize::from(lanes != 0);

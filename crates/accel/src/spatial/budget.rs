@@ -13,6 +13,7 @@ impl Budget {
 
     /// Budget that remains when `n` entries become `below`; `None` if that is too many.
     pub fn spend(self, n: usize, below: usize) -> Option<Self> {
+        // Only copies are paid for: a division that duplicates nothing is free.
         let added = below.saturating_sub(n) as u64;
         self.0.checked_sub(added).map(Self)
     }

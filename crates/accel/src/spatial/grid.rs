@@ -38,11 +38,13 @@ impl Grid {
         let mut wanted = CELLS_PER_ITEM * items.list.len() as f64;
         loop {
             let grid = Self::empty(bounds, items.list.len(), wanted);
+            // Count the entries that this resolution would need, and halve the number of cells while they are too many.
             let listed = items.list.iter().map(|item| {
                 let b = item.bounds();
                 let [low, high] = padded(b.min, b.max, items.padding()).map(|p| grid.cell_at(p));
                 (0..3).map(|axis| u64::from(high[axis] - low[axis] + 1)).product::<u64>()
             });
+            // Bound the memory whatever the scene: large primitives would be listed in most cells of a fine grid.
             let most = (LISTED_PER_ITEM * items.list.len() as u64 + 1024).min(1 << 31);
             if grid.counts == [1; 3] || listed.sum::<u64>() <= most {
                 return grid.filled(items);
@@ -61,6 +63,8 @@ impl Grid {
         // Flat axes have one cell; the others share the cells.
         let mut counts = [1_u32; 3];
         let mut is_flat = [false; 3];
+        // Cell size s = (V/N)^(1/k) for k axes with extent; an axis shorter than that gets one cell, and the size is
+        // found anew.
         for _ in 0..3 {
             let open: Vec<usize> = (0..3).filter(|&axis| !is_flat[axis]).collect();
             let volume: f64 = open.iter().map(|&axis| extent[axis]).product();
@@ -92,6 +96,7 @@ impl Grid {
             for z in low[2]..=high[2] {
                 for y in low[1]..=high[1] {
                     for x in low[0]..=high[0] {
+                        // List a primitive only in cells that it really overlaps, not in all that its box does.
                         let [min, max] = [[x, y, z], [x + 1, y + 1, z + 1]].map(|c| self.corner(c));
                         if is_one || overlaps(item, [min - padding, max + padding]) {
                             pairs.push((self.index([x, y, z]), slot as u32));
@@ -130,6 +135,7 @@ impl Grid {
         if line.reach > 0.0 {
             return self.walk_slices(line, visitor);
         }
+        // Start in the cell of the entry point.
         let mut cell = self.cell_at(line.at(line.t[0]));
         // Where the line leaves the cell on each axis.
         let leave = |axis: usize, cell: u32| {
@@ -140,21 +146,25 @@ impl Grid {
             let plane = self.min[axis] + self.cell[axis] * f64::from(cell + u32::from(d > 0.0));
             (plane - line.origin[axis]) * line.inverse[axis]
         };
+        // Only the crossed axis needs a new distance at each step.
         let mut next = [0, 1, 2].map(|axis| leave(axis, cell[axis]));
         loop {
             visitor.step();
             if visitor.visit(self.lists.get(self.index(cell))) {
                 return;
             }
+            // Step across the nearest of the three planes (Amanatides and Woo 1987).
             let axis = match (next[0] <= next[1], next[0] <= next[2], next[1] <= next[2]) {
                 (true, true, _) => 0,
                 (false, _, true) => 1,
                 _ => 2,
             };
             let entry = next[axis];
+            // The next cell begins behind the ray's end or behind the hit: nothing there can be nearer.
             if entry > line.t[1] || is_beyond(entry, visitor.t_max()) {
                 return;
             }
+            // Leave the grid through an outer face, or enter the neighbour and find where its slab ends.
             let is_up = line.direction[axis] > 0.0;
             if cell[axis] == if is_up { self.counts[axis] - 1 } else { 0 } {
                 return;
@@ -175,6 +185,7 @@ impl Grid {
             2
         };
         let is_up = line.direction[axis] > 0.0;
+        // Visit slices front to back; each is bounded by two planes widened by the reach.
         for i in 0..self.counts[axis] {
             let slice = if is_up { i } else { self.counts[axis] - 1 - i };
             let low = self.min[axis] + self.cell[axis] * f64::from(slice);
@@ -187,6 +198,7 @@ impl Grid {
             if is_beyond(t0, visitor.t_max()) {
                 return;
             }
+            // All cells that the widened line may touch in the slice, as a rectangle.
             let (p, q) = (line.at(t0), line.at(t1));
             let [mut from, mut to] = [p.min(q) - line.reach, p.max(q) + line.reach].map(|p| self.cell_at(p));
             (from[axis], to[axis]) = (slice, slice);

@@ -26,6 +26,7 @@ pub(super) fn cost<U: UserPrimitives>(top: &TopLevel, query: Query, ray: &Ray, u
     if !is_askable(ray) {
         return Steps::default();
     }
+    // Behind an instance the walk goes on in the object's tree; its cost is added.
     let world = |index: u32, ray: &Ray| match top.enter(index, ray) {
         Some((instance, object, ray)) => {
             let objects =
@@ -47,8 +48,10 @@ fn ask<U: UserPrimitives>(user: &U, query: Query, id: PrimId, ray: &Ray) -> Opti
 
 /// Entry distance of a ray into the box of a slot, if before `t`, as [`crate::traverse::Slabs`] finds it.
 fn entered(constants: &RayConstants, node: &Node, lane: usize, t: f32) -> Option<f32> {
+    // The slab test of one box.
     let (mut enter, mut leave) = (0.0_f32, t);
     for axis in 0..3 {
+        // The sign of the reciprocal selects the near plane.
         let inverse = constants.inverse[axis];
         let rows = if inverse.is_sign_negative() { [axis + 3, axis] } else { [axis, axis + 3] };
         let [near, far] = rows.map(|row| node.rows[row].0[lane] * inverse);
@@ -70,6 +73,7 @@ fn walk<U: UserPrimitives>(
     let mut steps = Steps::default();
     let (mut t, mut found) = (ray.t_max, None);
     let mut stack = vec![(tree.root, 0.0)];
+    // Depth-first with a stack; entries that begin behind the hit are skipped.
     while let Some((child, entry)) = stack.pop() {
         if entry > t || child == ChildRef::EMPTY {
             continue;
@@ -80,6 +84,7 @@ fn walk<U: UserPrimitives>(
             let entry = |lane: usize| entered(&constants, node, lane, t);
             let first = stack.len();
             stack.extend((0..LANES).filter_map(|lane| Some((node.children[lane], entry(lane)?))));
+            // Push the children so that the nearest is on top; any order serves an occlusion query.
             match query {
                 Query::Nearest => stack[first..].sort_by(|a, b| b.1.total_cmp(&a.1)),
                 Query::Any => stack[first..].reverse(),
@@ -88,6 +93,7 @@ fn walk<U: UserPrimitives>(
             let block = &tree.arena.blocks()[tree.arena.block_index(child)];
             for (lane, &tagged) in block.ids.iter().enumerate() {
                 let row = |i: usize| block.rows[i].0[lane];
+                // Test the triangles of the block one by one, lanes without a triangle are NaN.
                 if row(0).is_nan() {
                     continue;
                 }
@@ -102,6 +108,7 @@ fn walk<U: UserPrimitives>(
             }
         } else {
             steps.test();
+            // User primitives and instances see an interval that ends at the hit so far.
             let (hit, more) = below(child.index() as u32, &Ray { t_max: t, ..*ray });
             steps = steps.plus(more);
             if let Some(at) = hit {

@@ -63,6 +63,8 @@ impl Items {
         for geometry in geometries {
             let first = items.first[items.first.len() - 1];
             for prim in 0..geometry.len() {
+                // Copy primitives and skip what no ray can hit: degenerate triangles, empty boxes, vertices out of
+                // range.
                 let flag = if geometry.filtered { Item::FILTERED } else { 0 };
                 let item = match geometry.shape {
                     Shape::Triangles { positions, indices } => {

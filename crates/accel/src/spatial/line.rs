@@ -31,6 +31,7 @@ impl Line {
             return None;
         }
         let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+        // The rounding of the triangle test grows with the distance: what the padding does not cover becomes the reach.
         let farthest = (min - origin).abs().max((max - origin).abs()).max_element();
         let reach = (farthest * ROUNDING - padding).max(0.0);
         let mut line = Self { origin, direction, inverse: direction.recip(), t: [0.0, f64::from(ray.t_max)], reach };
@@ -43,6 +44,7 @@ impl Line {
     pub fn clip(&self, [min, max]: [DVec3; 2], [mut t0, mut t1]: [f64; 2]) -> Option<[f64; 2]> {
         for axis in 0..3 {
             let (o, d) = (self.origin[axis], self.direction[axis]);
+            // Intersect with the slab of the axis.
             if d == 0.0 {
                 if o < min[axis] || o > max[axis] {
                     return None;

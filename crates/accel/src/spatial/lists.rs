@@ -10,6 +10,7 @@ pub(super) struct Lists {
 impl Lists {
     /// From pairs of cell and slot, in the order of slots.
     pub fn from_pairs(cells: usize, pairs: &[(u32, u32)]) -> Self {
+        // Counting sort: histogram, prefix sums, then scatter.
         let mut first = vec![0_u32; cells + 1];
         for &(cell, _) in pairs {
             first[cell as usize + 1] += 1;

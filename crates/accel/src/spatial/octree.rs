@@ -58,12 +58,14 @@ impl Octree {
     pub fn build(items: &Items) -> Self {
         let n = items.list.len();
         let [min, max] = items.padded_bounds();
+        // Integer coordinates: 2^16 fine cells on each axis.
         let fine = (max - min) / f64::from(1_u32 << DEPTH);
         let mut tree = Self { min, fine, nodes: vec![Node(Node::LEAF)], lists: Lists::default() };
         let deepest = (3 + (n.max(1)).ilog2() / 2).min(DEPTH);
         let budget = Budget::new(n, LISTED_PER_ITEM);
         let mut pending = vec![Pending { node: 0, low: [0; 3], depth: 0, slots: (0..n as u32).collect(), budget }];
         while let Some(Pending { node, low, depth, slots, budget }) = pending.pop() {
+            // Divide cells with many primitives while depth and budget allow; eight children lie side by side.
             let divided = (slots.len() > LEAF && depth < deepest).then(|| tree.divide(items, low, depth, &slots));
             let spent = divided.and_then(|parts| {
                 let below = parts.iter().map(|(_, slots)| slots.len()).sum();
@@ -90,6 +92,7 @@ impl Octree {
         let padding = items.padding();
         std::array::from_fn(|child| {
             let low: [u32; 3] = std::array::from_fn(|axis| low[axis] + half * (child as u32 >> axis & 1));
+            // An octant lists every primitive that overlaps it, padding included.
             let [min, max] = self.cell(low, half);
             let cell = [min - padding, max + padding];
             (low, slots.iter().copied().filter(|&slot| overlaps(&items.list[slot as usize], cell)).collect())
@@ -115,6 +118,7 @@ impl Octree {
         if line.reach > 0.0 {
             return self.walk_down(line, visitor);
         }
+        // Locate the leaf of the entry point by its integer coordinates.
         let start = line.at(line.t[0]);
         let mut at = [0, 1, 2].map(|axis| self.coordinate(start, axis));
         // The nodes above the leaf, by depth.
@@ -128,6 +132,7 @@ impl Octree {
                 if let Some(list) = node.list() {
                     break list;
                 }
+                // The bit of each coordinate at this level selects the octant.
                 let shift = DEPTH - 1 - depth;
                 let child = (at[0] >> shift & 1) | (at[1] >> shift & 1) << 1 | (at[2] >> shift & 1) << 2;
                 depth += 1;
@@ -137,8 +142,10 @@ impl Octree {
                 return;
             }
             // Where the line leaves it.
+            // The leaf's extent in fine cells follows from its depth; its low corner clears the bits below.
             let size = 1 << (DEPTH - depth);
             let low = at.map(|x| x & !(size - 1));
+            // Exit face: the nearest of the far planes.
             let (mut exit, mut across) = (f64::INFINITY, 0);
             for (axis, &low) in low.iter().enumerate() {
                 let d = line.direction[axis];
@@ -169,6 +176,7 @@ impl Octree {
                     (false, false) => old[axis],
                 };
             }
+            // The highest bit that differs gives the depth of the common ancestor, whence the descent goes on.
             let differ = (at[0] ^ old[0]) | (at[1] ^ old[1]) | (at[2] ^ old[2]);
             depth = DEPTH - 1 - differ.ilog2();
         }
@@ -179,6 +187,7 @@ impl Octree {
         let mut stack = [(0_u32, [0_u32; 3], 0_u32, 0.0_f64); 7 * DEPTH as usize + 8];
         stack[0].3 = line.t[0];
         let mut len = 1;
+        // Visiting children in the order `i ^ first` is front to back for the octant of the direction.
         let first = (0..3).map(|axis| u32::from(line.direction[axis] < 0.0) << axis).sum::<u32>();
         while len > 0 {
             len -= 1;

@@ -8,6 +8,7 @@ use steradian_math::{DVec3, Vec3};
 /// box.
 pub(super) fn overlaps(item: &Item, [min, max]: [DVec3; 2]) -> bool {
     let [a, b, c] = item.corners.map(Vec3::as_dvec3);
+    // The axes of the box first: they are the cheapest and separate most.
     let (low, high) = (a.min(b).min(c), a.max(b).max(c));
     let boxes = low.cmple(max).all() && high.cmpge(min).all();
     boxes && (item.is_user() || triangle_overlaps([a, b, c], (min + max) * 0.5, (max - min) * 0.5))
@@ -15,15 +16,18 @@ pub(super) fn overlaps(item: &Item, [min, max]: [DVec3; 2]) -> bool {
 
 /// The axes that are not those of the box: the normal, and the products of edges with the axes.
 fn triangle_overlaps(corners: [DVec3; 3], center: DVec3, half: DVec3) -> bool {
+    // Move the box to the origin.
     let [a, b, c] = corners.map(|p| p - center);
     let edges = [b - a, c - b, a - c];
     // A bound on rounding, so that touching counts.
     let slack = 1e-14 * (a.abs().max(b.abs()).max(c.abs()) + half).max_element();
+    // Project triangle and box onto the axis; disjoint intervals separate them.
     let separates = |axis: DVec3| {
         let [p, q, r] = [axis.dot(a), axis.dot(b), axis.dot(c)];
         let reach = half.dot(axis.abs()) + slack * axis.abs().element_sum();
         p.min(q).min(r) > reach || p.max(q).max(r) < -reach
     };
+    // The normal and nine cross products of edges and axes.
     let products = edges.into_iter().flat_map(|e| DVec3::AXES.map(|axis| axis.cross(e)));
     !separates(edges[0].cross(edges[1])) && !products.into_iter().any(separates)
 }

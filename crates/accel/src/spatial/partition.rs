@@ -86,6 +86,7 @@ impl Partition {
             tree.walk(ray, &self.items.bounds, visitor);
             return;
         }
+        // Clip the ray to the padded bounds, in `f64`, before it walks the cells.
         let Some(line) = Line::new(ray, self.items.padded_bounds(), self.items.padding()) else { return };
         match &self.cells {
             Cells::Grid(grid) => grid.walk(&line, visitor),
@@ -106,6 +107,7 @@ impl Partition {
         if !is_askable(ray) {
             return (None, tally);
         }
+        // The visitor shortens its interval with every hit; the walk stops behind it.
         let mut search = NearestSearch::new(&self.items, users, ray, tally);
         self.walk(ray, &mut search);
         (search.best, search.tally)

@@ -34,11 +34,13 @@ impl PartitionedScene {
                 return Err(Error::UnknownObject { instance: i, object: instance.object, objects: objects.len() });
             }
         }
+        // Box of an instance in world space, over its whole motion.
         let bounds = |i: &Instance| {
             let bounds = objects[i.object as usize].bounds();
             if bounds.is_empty() { Bounds3::EMPTY } else { Outline::new(&[bounds]).of(i) }
         };
         let boxes: Vec<Bounds3> = instances.iter().map(bounds).collect();
+        // Instances are appended to the world's geometries as boxes.
         let mut geometries = world.to_vec();
         geometries.push(Geometry::boxes(&boxes));
         let partition = Partition::build(accelerator, &geometries)?;
@@ -108,6 +110,7 @@ struct Leaves<'a, U, T> {
 impl<'a, U, T: Tally + Total> Leaves<'a, U, T> {
     /// The instance with an index: its number, its object, and the ray in the object's space.
     fn enter(&self, index: u32, ray: &Ray) -> Option<(u32, &'a Partition, Ray)> {
+        // Indices behind the world's own primitives are instances.
         let number = index.checked_sub(self.scene.first_instance)?;
         let place = &self.scene.placements[number as usize];
         Some((number, &self.scene.objects[place.object as usize], place.enter(ray)))
@@ -129,6 +132,7 @@ impl<U: UserPrimitives, T: Tally + Total> UserLeaves for Leaves<'_, U, T> {
         let Some((instance, object, ray)) = self.enter(index, ray) else {
             return self.user.intersect(self.id(index), ray).map(|hit| (hit, 0));
         };
+        // Trace the object with the transformed ray; the cost is added to that of the query.
         let (nearest, below) =
             object.nearest(&ray, &ObjectLeaves { object, instance, user: self.user }, self.below.get());
         self.below.set(below);

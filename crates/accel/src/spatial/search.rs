@@ -57,6 +57,7 @@ impl Mailbox {
     /// True if a primitive is new, as far as the table knows.
     #[inline]
     fn admits(&mut self, slot: u32) -> bool {
+        // Direct-mapped: a collision only repeats a test.
         let place = &mut self.0[slot as usize % 64];
         let is_new = *place != slot;
         *place = slot;
@@ -88,9 +89,11 @@ impl<'a, U: UserLeaves, T: Tally> NearestSearch<'a, U, T> {
     fn test(&mut self, slot: u32) {
         let item = &self.items.list[slot as usize];
         let index = item.index();
+        // The index decides between hits at equal distance, so that the order of cells does not matter.
         let wins_ties = self.best.as_ref().is_some_and(|best| index < best.index);
         self.tally.test();
         if item.is_user() {
+            // One step beyond the hit so far, so that a tie can be won by the smaller index.
             let t_max = if wins_ties { self.t.next_up() } else { self.t };
             if let Some((hit, extra)) = self.users.intersect(index, &Ray { t_max, ..*self.ray })
                 && hit.t > 0.0
@@ -100,6 +103,7 @@ impl<'a, U: UserLeaves, T: Tally> NearestSearch<'a, U, T> {
                 self.best = Some(Nearest { hit, index, extra });
             }
         } else if let Some(hit) = self.shear.hit(&item.corners, self.t) {
+            // A nearer hit, or a tie won by the smaller index, replaces the best if the filter accepts it.
             let closer = hit.t < self.t || wins_ties;
             if closer && (!item.is_filtered() || self.users.accept(index, hit, self.ray)) {
                 self.t = hit.t;
@@ -155,6 +159,7 @@ impl<'a, U: UserLeaves, T: Tally> AnySearch<'a, U, T> {
         if item.is_user() {
             return self.users.occluded(item.index(), self.ray);
         }
+        // The triangle test includes its end; the query excludes it.
         match self.shear.hit(&item.corners, self.ray.t_max) {
             Some(hit) if hit.t < self.ray.t_max => {
                 !item.is_filtered() || self.users.accept(item.index(), hit, self.ray)

@@ -17,6 +17,7 @@ impl Shear {
     /// For a valid ray.
     pub fn new(ray: &Ray) -> Self {
         let d = ray.direction;
+        // Dominant axis of the direction.
         let a = d.abs();
         let z = if a.x >= a.y && a.x >= a.z {
             0
@@ -52,19 +53,24 @@ impl Shear {
     /// The hit on a triangle with `0 < t <= t_max`, farther than rounding can tell from the origin.
     #[inline]
     pub fn hit(&self, corners: &[Vec3; 3], t_max: f32) -> Option<UserHit> {
+        // Translate and shear the vertices so that the ray becomes the positive z axis.
         let [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = corners.map(|p| self.vertex(p));
+        // Edge functions U, V, W: scaled barycentric coordinates.
         let mut u = cx * by - cy * bx;
         let mut v = ax * cy - ay * cx;
         let mut w = bx * ay - by * ax;
+        // A zero may have the wrong sign: recompute in double precision.
         if u == 0.0 || v == 0.0 || w == 0.0 {
             [u, v, w] = edges_in_f64([ax, ay, bx, by, cx, cy]);
         }
+        // Inside where all have one sign; zero counts for both, so that shared edges have no gaps.
         let positive = u >= 0.0 && v >= 0.0 && w >= 0.0;
         let negative = u <= 0.0 && v <= 0.0 && w <= 0.0;
         if !(positive || negative) {
             return None;
         }
         let sum = (u + v) + w;
+        // T = U·z_a + V·z_b + W·z_c and t = T·S_z / (U + V + W).
         let depth = (u * az + v * bz) + w * cz;
         let scale = self.shear[2];
         let mut t = depth * scale / sum;
@@ -73,6 +79,8 @@ impl Shear {
         if !is_beyond {
             return None;
         }
+        // A triangle that reaches behind the origin may be hit in front of it by rounding alone: compare with the error
+        // bound.
         let nearest = min(min(az * scale, bz * scale), cz * scale);
         let in_front = nearest > 0.0;
         if !in_front {
@@ -87,9 +95,11 @@ impl Shear {
         if t > t_max {
             return None;
         }
+        // Move the hit behind the entry of its box, as the hierarchy does.
         let [a, b, c] = corners.map(|p| self.relative(p));
         let mut begin = 0.0;
         for (axis, inverse) in self.inverse.into_iter().enumerate() {
+            // Nearest of the three vertices along the axis.
             let [a, b, c] = [a, b, c].map(|p| p[axis] * inverse);
             begin = max(min(min(a, b), c), begin);
         }
@@ -108,6 +118,7 @@ fn edges_in_f64(corners: [f32; 6]) -> [f32; 3] {
 /// The bound of [`crate::triangle`] on the rounding error of the depth.
 fn depth_error(x: [f32; 3], y: [f32; 3], z: [f32; 3], edges: [f32; 3]) -> f32 {
     let (x, y, z, e) = (greatest(x), greatest(y), greatest(z), greatest(edges));
+    // Errors of the sheared coordinates, of the edge functions, and of their weighted sum.
     let (dx, dy, dz) = (gamma(5) * (x + z), gamma(5) * (y + z), gamma(3) * z);
     let de = gamma(2) * (x * y) + (dy * x + dx * y);
     let de = de + de;

@@ -66,6 +66,7 @@ struct Quantised<const WIDTH: usize> {
 
 impl<const WIDTH: usize> Boxes<WIDTH> for Quantised<WIDTH> {
     fn new(boxes: [Bounds3; WIDTH]) -> Self {
+        // The node's own box is the frame of the quantisation.
         let all = boxes.iter().fold(Bounds3::EMPTY, |all, b| all.union(*b));
         let mut node = Self { origin: all.min.to_array(), step: [1.0; 3], planes: [[[0; WIDTH]; 3]; 2] };
         for axis in 0..3 {
@@ -79,6 +80,7 @@ impl<const WIDTH: usize> Boxes<WIDTH> for Quantised<WIDTH> {
             }
             node.step[axis] = step as f32;
             for (child, b) in boxes.iter().enumerate().filter(|(_, b)| !b.is_empty()) {
+                // Round low planes down and high planes up, so that the quantised box encloses the exact one.
                 let steps = |x: f32| ((f64::from(x) - f64::from(all.min[axis])) / step).clamp(0.0, 255.0);
                 let (mut low, mut high) = (steps(b.min[axis]).floor() as u8, steps(b.max[axis]).ceil() as u8);
                 while place(step, low) > b.min[axis] && low > 0 {
@@ -125,6 +127,7 @@ impl<B: Boxes<WIDTH>, const WIDTH: usize> Tree<B, WIDTH> {
             boxes: B::new(parts.map(|part| part.map_or(Bounds3::EMPTY, |(bounds, _)| clamped(&widened(&bounds))))),
             children: parts.map(|part| part.map_or(Child::NONE, |(_, part)| Child::new(part))),
         };
+        // Leaves of the builder hold indices over all geometries; slots are found by binary search.
         let slot = |index: &u32| items.list.partition_point(|item| item.index() < *index) as u32;
         Ok(Self { nodes: nodes.iter().map(node).collect(), order: indices.iter().map(slot).collect() })
     }
@@ -134,8 +137,10 @@ impl<B: Boxes<WIDTH>, const WIDTH: usize> Tree<B, WIDTH> {
         if self.nodes.is_empty() {
             return;
         }
+        // Constants of the conservative slab test.
         let constants = RayConstants::new(ray, bounds);
         let (i, o) = (constants.inverse.to_array(), constants.offset.map(|offset| offset.to_array()));
+        // Index of the far plane on each axis, by the sign of the reciprocal.
         let far = i.map(|x| usize::from(!x.is_sign_negative()));
         let mut pending = Vec::with_capacity(64);
         pending.push((0.0, Child(0)));
@@ -143,6 +148,7 @@ impl<B: Boxes<WIDTH>, const WIDTH: usize> Tree<B, WIDTH> {
             if entry > visitor.t_max() {
                 continue;
             }
+            // A leaf shows its primitives to the visitor.
             let (count, index) = child.get();
             visitor.step();
             if count > 0 {
@@ -153,6 +159,7 @@ impl<B: Boxes<WIDTH>, const WIDTH: usize> Tree<B, WIDTH> {
             }
             let Node { boxes, children } = &self.nodes[index];
             let planes = boxes.get();
+            // Slab test of all children.
             let (mut enter, mut leave) = ([0.0_f32; WIDTH], [visitor.t_max(); WIDTH]);
             for axis in 0..3 {
                 let (near, far) = (&planes[1 - far[axis]][axis], &planes[far[axis]][axis]);
@@ -162,6 +169,7 @@ impl<B: Boxes<WIDTH>, const WIDTH: usize> Tree<B, WIDTH> {
                 }
             }
             let first = pending.len();
+            // Insert the entered children sorted by entry distance, the nearest on top.
             for child in (0..WIDTH).filter(|&child| children[child] != Child::NONE && enter[child] <= leave[child]) {
                 // Farther ones below.
                 let nearer = pending[first..].partition_point(|&(entry, _)| entry > enter[child]);
@@ -234,6 +242,7 @@ fn clamped(b: &Bounds3) -> Bounds3 {
 
 /// Bounds that hold quantised boxes too, which are greater by at most a step in 255, and steps by at most two.
 fn grown(bounds: &Bounds3) -> Bounds3 {
+    // Half as much again as two steps of 1/255 would need.
     let more = (bounds.max - bounds.min) * 0.01;
     Bounds3 { min: bounds.min - more, max: bounds.max + more }
 }

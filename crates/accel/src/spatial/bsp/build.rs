@@ -38,14 +38,17 @@ struct Pending {
 impl Builder {
     fn build(mut self, fragments: Vec<Fragment>, budget: Budget, depth: u32) -> Bsp {
         let mut root = Child::List(0);
+        // Divide depth-first with an explicit stack: trees of polygons may be deep.
         let mut pending = vec![Pending { holder: None, fragments, budget, depth }];
         while let Some(Pending { holder, fragments, budget, depth }) = pending.pop() {
             let child = match self.divide(fragments, budget, depth) {
                 Err(fragments) => Child::List(self.list(fragments)),
+                // Primitives in the plane are stored at the node itself, between its half-spaces.
                 Ok((plane, coplanar, sides, budget)) => {
                     let coplanar = self.list(coplanar);
                     self.nodes.push(Node { plane, coplanar, children: [Child::List(coplanar); 2] });
                     let node = self.nodes.len() - 1;
+                    // The sides share the budget in proportion to their fragments.
                     let below = sides[0].len() + sides[1].len();
                     for (side, fragments) in sides.into_iter().enumerate() {
                         let budget = budget.share(fragments.len(), below);
@@ -81,6 +84,7 @@ impl Builder {
         if depth == 0 || fragments.len() <= LEAF {
             return Err(fragments);
         }
+        // Choose a plane, classify every fragment, and split those on both sides.
         let Some(plane) = self.choose(&fragments) else { return Err(fragments) };
         let sides: Vec<Side> = fragments.iter().map(|f| f.side(&plane, self.tolerance())).collect();
         let count = |side: Side| sides.iter().filter(|s| **s == side).count();
@@ -118,8 +122,10 @@ impl Builder {
         let n = fragments.len();
         // Evenly spread, without pattern: multiples of a number that has no factor in common with most.
         let sample = |i: usize, of: usize| (i * n / of + i * 7) % n;
+        // Candidates: planes of a few polygons, and medians across the axes for scenes whose polygons separate badly.
         let polygons = (0..TRIED.min(n)).filter_map(|i| fragments[sample(i, TRIED.min(n))].plane());
         let axes = DVec3::AXES.into_iter().filter_map(|normal| {
+            // The median of one vertex of each polygon stands for the median of the polygons.
             let mut middles: Vec<f64> = fragments.iter().map(|f| normal.dot(f.points[0])).collect();
             let (_, offset, _) = middles.select_nth_unstable_by(n / 2, f64::total_cmp);
             offset.is_finite().then_some(Plane { normal, offset: *offset })
@@ -137,6 +143,7 @@ impl Builder {
             }
             // Nothing is worse than a plane with everything on one side and nothing in it.
             let is_useless = behind + both == judges as i64 || front + both == judges as i64;
+            // Score a plane by its imbalance and, four times as heavily, by the fragments that it splits.
             (is_useless, (behind - front).abs() + 4 * both)
         };
         polygons.chain(axes).map(|plane| (cost(&plane), plane)).min_by_key(|(cost, _)| *cost).map(|(_, plane)| plane)

@@ -70,6 +70,7 @@ impl Bsp {
     pub fn walk(&self, line: &Line, visitor: &mut impl Visitor) {
         // Polygons that the builder took for being in a plane, or on one side of it, may be off by its tolerance.
         let reach = line.reach + self.padding;
+        // Keep a stack of subtrees with the interval of the ray inside each.
         let mut stack = [(Child::List(0), [0.0_f64; 2]); 2 * DEPTH as usize + 2];
         stack[0] = (self.root, line.t);
         let mut len = 1;
@@ -89,6 +90,7 @@ impl Bsp {
                     continue;
                 }
             };
+            // Solve for the distance of the plane: t = −(n·o − offset)/(n·d).
             let (height, d) = (node.plane.height(line.origin), node.plane.normal.dot(line.direction));
             let mut push = |child: Child, t: [f64; 2]| {
                 if t[0] <= t[1] {
@@ -109,6 +111,7 @@ impl Bsp {
                 }
                 continue;
             }
+            // Visit the half-space of the origin first, then what lies in the plane, then the other half-space.
             let [near, far] = if d > 0.0 { node.children } else { [node.children[1], node.children[0]] };
             let (crossing, width) = (-height / d, reach / d.abs());
             push(far, [t[0].max(crossing - width), t[1]]);

@@ -52,6 +52,7 @@ impl Fragment {
 
     /// Side of the plane; points within the tolerance count as in the plane.
     pub fn side(&self, plane: &Plane, tolerance: f64) -> Side {
+        // The least and greatest height over the plane classify the fragment.
         let heights = self.points.iter().map(|&p| plane.height(p));
         let (low, high) = heights.fold((0.0_f64, 0.0_f64), |(low, high), h| (low.min(h), high.max(h)));
         match (low < -tolerance, high > tolerance) {
@@ -76,6 +77,7 @@ impl Fragment {
             };
             let n = self.points.len();
             let mut points = Vec::with_capacity(n + 1);
+            // Keep the vertices on this side, and add the point where an edge crosses the plane.
             for (i, &p) in self.points.iter().enumerate() {
                 let q = self.points[(i + 1) % n];
                 let (a, b) = (height(p), height(q));

@@ -35,12 +35,14 @@ enum Built {
 pub(super) fn build(items: &Items, planes: Planes) -> KdTree {
     let n = items.list.len();
     let padding = items.padding();
+    // Pad the boxes, so that what the rounded triangle test accepts is found in a visited leaf.
     let reference = |(slot, item): (usize, &crate::spatial::items::Item)| {
         let b = item.bounds();
         Reference::new(slot as u32, [b.min.as_dvec3() - padding, b.max.as_dvec3() + padding])
     };
     let references: Vec<Reference> = items.list.iter().enumerate().map(reference).collect();
     let bounds = references.iter().fold(Bounds3::EMPTY, |b, r| b.union(r.bounds));
+    // The depth limit of pbrt: 8 + 1.3·log₂ n.
     let depth = (8 + (1.3 * (n.max(1) as f64).log2()) as u32).min(DEPTH);
     let built = subtree(items, planes, references, bounds, depth, Budget::new(n, LISTED_PER_ITEM));
     let (mut nodes, mut lists) = (Vec::new(), Lists::default());
@@ -60,15 +62,18 @@ fn subtree(items: &Items, planes: Planes, refs: Vec<Reference>, bounds: Bounds3,
         Planes::Sah => best_plane(&refs, &bounds),
         Planes::Median => median(&refs, &bounds),
     };
+    // Make a leaf where no plane pays, and where the copies of divided references exceed the budget.
     let Some((axis, plane)) = plane else { return leaf(refs) };
     let [low, high] = divide(items, &refs, axis, plane);
     let below = low.len() + high.len();
+    // The median may leave everything on one side: stop where neither child is smaller.
     let is_progress = planes == Planes::Sah || low.len().max(high.len()) < n;
     let Some(budget) = budget.spend(n, below).filter(|_| is_progress) else { return leaf(refs) };
     drop(refs);
     let (mut left, mut right) = (bounds, bounds);
     left.max[axis] = plane;
     right.min[axis] = plane;
+    // Divide the budget in proportion to the references and recurse.
     let shares = [&low, &high].map(|part| budget.share(part.len(), below));
     let below = || subtree(items, planes, low, left, depth - 1, shares[0]);
     let above = || subtree(items, planes, high, right, depth - 1, shares[1]);
@@ -83,6 +88,7 @@ fn median(refs: &[Reference], bounds: &Bounds3) -> Option<(usize, f32)> {
     }
     // In `f64`, where nothing overflows.
     let d = bounds.max.as_dvec3() - bounds.min.as_dvec3();
+    // Cut the longest axis at the median of the centres.
     let axis = (0..3).fold(0, |best, axis| if d[axis] > d[best] { axis } else { best });
     let mut centers: Vec<f32> = refs.iter().map(|r| r.bounds.center()[axis]).collect();
     let middle = centers.len() / 2;
@@ -95,6 +101,8 @@ fn lay_out(built: &Built, nodes: &mut Vec<Node>, lists: &mut Lists) {
     match built {
         Built::Leaf(slots) => nodes.push(Node::leaf(lists.push(slots))),
         Built::Inner(axis, plane, children) => {
+            // Reserve the inner node, lay out its first child right behind it, then fill in where the second one
+            // begins.
             let place = nodes.len();
             nodes.push(Node::leaf(0));
             lay_out(&children[0], nodes, lists);

@@ -79,6 +79,7 @@ impl KdTree {
 
     /// With a stack of the far children.
     fn walk_down(&self, line: &Line, visitor: &mut impl Visitor) {
+        // One far child waits for each level at most.
         let mut stack = [(0_u32, [0.0_f64; 2]); DEPTH as usize + 1];
         let mut len = 0;
         let (mut current, mut t) = (0, line.t);
@@ -89,6 +90,7 @@ impl KdTree {
                 if visitor.visit(self.lists.get(list)) {
                     return;
                 }
+                // Pop the next subtree in front of the hit.
                 loop {
                     if len == 0 {
                         return;
@@ -104,6 +106,7 @@ impl KdTree {
             let axis = node.axis();
             let (below, above) = (current + 1, node.second());
             let (plane, o, d) = (f64::from(node.plane), line.origin[axis], line.direction[axis]);
+            // Parallel to the plane: visit every side within reach.
             if d == 0.0 {
                 let (is_low, is_high) = (o <= plane + line.reach, o >= plane - line.reach);
                 if is_low && is_high {
@@ -113,15 +116,19 @@ impl KdTree {
                 current = if is_low { below } else { above };
                 continue;
             }
+            // Order the children along the ray and find where it crosses the plane.
             let (near, far) = if d > 0.0 { (below, above) } else { (above, below) };
             let crossing = (plane - o) * line.inverse[axis];
             let width = line.reach * line.inverse[axis].abs();
+            // Within the reach both sides may hold a hit: the intervals of near and far child overlap by it.
             let (enter_far, leave_near) = (crossing - width, crossing + width);
+            // The ray has left the near side before its interval begins: go to the far child alone.
             if leave_near < t[0] {
                 current = far;
                 t[0] = t[0].max(enter_far);
             } else {
                 current = near;
+                // Descend to the near child; the far child waits unless the interval ends before it.
                 if enter_far <= t[1] {
                     stack[len] = (far, [t[0].max(enter_far), t[1]]);
                     len += 1;

@@ -28,9 +28,11 @@ impl Ropes {
         let empty = Leaf { faces, ropes: [NONE; 6] };
         let leaves = tree.nodes.iter().filter(|node| node.list().is_some()).count();
         let mut ropes = Self(vec![empty; leaves]);
+        // Carry faces and ropes down the tree; each inner node ties its children to each other across its plane.
         let mut pending = vec![(0_u32, empty)];
         while let Some((index, mut leaf)) = pending.pop() {
             let node = tree.nodes[index as usize];
+            // Push each rope down while one child alone covers the face ("rope optimisation").
             for face in 0..6 {
                 leaf.ropes[face] = lower(&tree.nodes, &leaf, face);
             }
@@ -63,6 +65,8 @@ fn lower(nodes: &[Node], leaf: &Leaf, face: usize) -> u32 {
         }
         let axis = node.axis();
         let (below, above) = (rope + 1, node.second());
+        // A split across the face's axis: the child that touches the face. Otherwise the child that covers the whole
+        // face, if one does.
         rope = if axis == face % 3 {
             if face < 3 { above } else { below }
         } else if node.plane <= leaf.faces[axis] {
@@ -82,6 +86,7 @@ impl KdTree {
         let mut at: DVec3 = line.at(line.t[0]).clamp(self.bounds[0], self.bounds[1]);
         let mut current = 0;
         loop {
+            // Descend to the leaf that holds the point; on the plane the direction decides.
             let list = loop {
                 visitor.step();
                 let node = self.nodes[current as usize];
@@ -96,6 +101,7 @@ impl KdTree {
                 return;
             }
             let leaf = &ropes.0[list as usize];
+            // Find the face through which the ray leaves the leaf.
             let (mut exit, mut across) = (f64::INFINITY, 0);
             for axis in 0..3 {
                 let d = line.direction[axis];
@@ -107,6 +113,7 @@ impl KdTree {
                     }
                 }
             }
+            // Follow the rope across that face.
             current = leaf.ropes[across];
             if current == NONE || exit > line.t[1] || is_beyond(exit, visitor.t_max()) {
                 return;

@@ -35,6 +35,7 @@ pub(super) fn best_plane(refs: &[Reference], bounds: &Bounds3) -> Option<(usize,
     let extent = bounds.max.as_dvec3() - bounds.min.as_dvec3();
     let area = |d: DVec3| d.x * d.y + d.y * d.z + d.z * d.x;
     let whole = area(extent);
+    // A leaf costs one test for each primitive; a plane must be cheaper than that.
     let mut best = (TEST * refs.len() as f64, None);
     for axis in 0..3 {
         let (min, max) = (bounds.min[axis], bounds.max[axis]);
@@ -42,6 +43,7 @@ pub(super) fn best_plane(refs: &[Reference], bounds: &Bounds3) -> Option<(usize,
             if !(plane > min && plane < max) {
                 return;
             }
+            // Conditional probability that a ray through the node also meets the child: the ratio of their areas.
             let part = |length: f64| {
                 let mut d = extent;
                 d[axis] = length;
@@ -49,12 +51,15 @@ pub(super) fn best_plane(refs: &[Reference], bounds: &Bounds3) -> Option<(usize,
             };
             let low = part(f64::from(plane) - f64::from(min));
             let high = part(f64::from(max) - f64::from(plane));
+            // Favour planes that cut off empty space.
             let bonus = if below == 0 || above == 0 { 1.0 - EMPTY_BONUS } else { 1.0 };
+            // C = C_step + C_test·(1 − b)·(p_low·n_low + p_high·n_high), with the bonus b for cutting off empty space.
             let cost = 1.0 + TEST * bonus * (low * below as f64 + high * above as f64);
             if cost < best.0 {
                 best = (cost, Some((axis, plane)));
             }
         };
+        // Try every face of a box where references are few, evenly spaced planes elsewhere.
         if refs.len() <= EXACT {
             sweep(refs, axis, &mut consider);
         } else {
@@ -70,6 +75,7 @@ fn sweep(refs: &[Reference], axis: usize, consider: &mut impl FnMut(f32, usize, 
     let mut ends: Vec<f32> = refs.iter().map(|r| r.bounds.max[axis]).collect();
     starts.sort_unstable_by(f32::total_cmp);
     ends.sort_unstable_by(f32::total_cmp);
+    // Merge the sorted starts and ends: the primitives below have started, those above have not ended.
     let (mut s, mut e) = (0, 0);
     while e < ends.len() {
         let plane = starts.get(s).map_or(ends[e], |&start| start.min(ends[e]));
@@ -95,6 +101,7 @@ fn bins(refs: &[Reference], axis: usize, [min, max]: [f32; 2], consider: &mut im
         end[bin(r.bounds.max[axis])] += 1;
     }
     let (mut begun, mut ended) = (0, 0);
+    // Sweep the planes between bins with running counts.
     for i in 1..BINS {
         begun += begin[i - 1];
         ended += end[i - 1];
@@ -136,6 +143,7 @@ fn cut(items: &Items, r: &Reference, axis: usize, plane: f32) -> [Reference; 2] 
         return parts;
     }
     let padding = items.padding();
+    // Clip the triangle itself, not only its box, so that flat and long triangles reach few leaves.
     let corners = item.corners.map(Vec3::as_dvec3);
     for (part, side) in parts.iter_mut().zip([-1.0, 1.0]) {
         // All of the triangle that is no farther than the padding beyond the plane, and the padding around it.
@@ -153,6 +161,7 @@ fn cut(items: &Items, r: &Reference, axis: usize, plane: f32) -> [Reference; 2] 
             }
         }
         let rounded = Reference::new(r.slot, [min - padding, max + padding]).bounds;
+        // The part's box is no larger than the reference's box on this side.
         part.bounds.min = part.bounds.min.max(rounded.min);
         part.bounds.max = part.bounds.max.min(rounded.max);
     }
