@@ -1,5 +1,11 @@
 //! The dimensions of a camera sample and of each scattering event. Fixed, so that every number is a function of what it
 //! is for.
+//!
+//! Samples are a pure function of (pixel, sample index, dimension, seed). A camera sample has four dimensions (place on
+//! the film, place on the lens, wavelengths, moment of the exposure), each scattering event ten. Where paths share
+//! vertices, the numbers from the first bounce on belong to the group rather than to the pixel: they are one point set,
+//! of which each member has a block of consecutive points, so that they are stratified for the member and over the
+//! pixels about it. The wavelengths and the moment of a sample are common to a layer of groups (`partition`).
 
 /// Place on the film.
 pub const FILM: u32 = 0;

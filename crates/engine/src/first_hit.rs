@@ -1,4 +1,9 @@
 //! Auxiliary layers: what a camera ray sees first.
+//!
+//! First hits are gathered beside the samples, and counted by object and material for Cryptomatte (`steradian_film`).
+//! For the layer of motion, a session hands its scene on to the session of the next frame (`Session::take_history`,
+//! `Session::follow`), and `steradian_core::scene` finds the position of the surface point in the earlier frame
+//! (`earlier`).
 
 use steradian_bsdf::{Bsdf, TransportMode};
 use steradian_core::{

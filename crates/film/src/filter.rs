@@ -1,6 +1,8 @@
 //! Pixel filters, by importance sampling: each sample belongs to one pixel and is placed around its centre with a
 //! density proportional to the filter (Ernst, Stamminger, Greiner 2006). No sample is shared, so pixels stay
 //! independent of each other.
+//!
+//! Filters with negative lobes are sampled by their magnitude and weighted by their sign, rather than splatted.
 
 use std::sync::Arc;
 use steradian_math::{Vec2, distribution::Piecewise1D};

@@ -5,6 +5,9 @@
 //! what camera rays see first ([`FirstHitSums`], [`MatteSums`]), the light of each group of lights ([`Film`]) and
 //! halves of samples ([`Half`]). [`develop`] makes a picture with layers of it. Sums are taken in an order that
 //! does not depend on threads.
+//!
+//! Sums are `f64`, and the samples of a pixel are added in the order of their index. [`Pixel::add`] is the one gate for
+//! NaN and infinity: such a sample counts as black and is counted.
 
 mod cryptomatte;
 mod film;

@@ -1,4 +1,8 @@
 //! Path tracing, on surfaces alone or through media: the loop of [`steradian_transport::leaving`] from the camera.
+//!
+//! [`PathTracer`] is `path` without media and `volpath` with them. `SharedPath` wraps it with sharing, guides and
+//! splitting against noise. The example `path_recursive` of `steradian` computes the same bits recursively; a test
+//! compares them.
 
 use crate::Depth;
 use steradian_engine::{Integrator, PathContext};

@@ -1,5 +1,19 @@
 //! The thread that renders what pages look at: it takes requests, makes a picture at once, then a better one, and shows
 //! it as it grows.
+//!
+//! The thread owns the description, its compiled scene, and the session. A request comes with a place for its answer
+//! and breaks off the step under way; all requests that wait are carried out before anything is rendered. The answer
+//! follows the state that knows of the request; until then the page keeps the changes in its fields (`takeFields` in
+//! `web/src/main.ts`). Then come a preview as coarse as its time allows, first paths of a coarse picture, and the
+//! session, in steps of 0.1 to 1 s.
+//!
+//! Each picture is encoded once (`tile`: half floats) and handed to all sockets by a `watch` channel, so that a slow
+//! page misses frames and holds up none. Where the session has no samples yet, the picture before shows (`Backdrop`).
+//! Edits (`edits`) are parameters of nodes and places, set by texts in Steradian's own language, or an environment map;
+//! they are undone, made again after files have changed, and compiled with what the last compilation kept. Light groups
+//! are further planes of a frame, weighed by the page (`groups`). The path of one sample (`path`) is traced beside the
+//! render by the path tracer itself, with a `Sink` that keeps its steps. Readers hold files of uploads and edits to a
+//! folder (`Options::within`).
 
 use crate::{
     denoiser::Library,

@@ -1,6 +1,16 @@
 //! What all methods of light transport share: the state of a path and its vertices, following it to the next vertex,
 //! next-event estimation, emission and environments, media, Russian roulette, and weights of multiple importance
 //! sampling.
+//!
+//! * `walk` is the loop of path tracing: at each vertex the light sample, the direction, roulette, and the way to the
+//!   next vertex (`follow`). A `PathState` draws light samples and directions at a `Vertex`; a `PathContext` carries
+//!   scene, random numbers, wavelengths and counters; a `Sink` takes the light that a path finds, or records its way.
+//! * Light samples and BSDF samples are weighted by the power heuristic. The density of a light sample includes the
+//!   probability of choosing that light.
+//! * `flight` and `tracking` sample distances in homogeneous media and in media that vary; `attenuation` takes shadow
+//!   rays through media, interfaces and thin panes. Passing an interface straight is not a scattering event.
+//! * `volume_emission` draws light samples of emissive media, `subsurface` the points at which light leaves a body
+//!   again.
 
 pub mod attenuation;
 #[cfg(test)]

@@ -1,4 +1,7 @@
 //! Russian roulette by throughput.
+//!
+//! The throughput of a path is that of its largest lane, without the compression of radiance by refraction, and as if
+//! BSDFs alone had chosen the directions that photons guide: guided paths carry little because there are many of them.
 
 use crate::Depth;
 use steradian_core::sampler::PixelSampler;

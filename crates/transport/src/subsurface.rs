@@ -1,6 +1,12 @@
 //! From where light enters a surface to where it leaves the same object: by the profile of diffusion of the material,
 //! along rays through the surface near by (King, Kulla, Conty, Fajardo 2013, "BSSRDF Importance Sampling"), or by a
 //! walk at random through the medium below.
+//!
+//! A material `subsurface` has a lobe of its own (`Lobe::SUBSURFACE`, `steradian_bsdf::subsurface`). Where a path draws
+//! it, `PathState::emerge` finds the point at which the light leaves, and the path goes on from a vertex that scatters
+//! by `Emergence`. Scenes with subsurface or fluorescent materials are followed path by path, without waves, sharing
+//! and photons (`Scene::is_for_paths_alone`); the film sees the wavelengths with which a path began. Methods that do
+//! not follow such paths refuse the scene, or render a local approximation (`Scene::with_local_scattering`).
 
 use crate::{flight::lanes, live_max, state::PathState, vertex::Vertex};
 use steradian_bsdf::{

@@ -2,6 +2,10 @@
 //! there is real or null (Woodcock and others 1965). Along a way value and density are kept for every lane, so that
 //! colours are combined by the balance heuristic of lanes (Miller, Georgiev, Jarosz 2019, "A Null-Scattering Path
 //! Integral Formulation of Light Transport").
+//!
+//! A walk through at most 16³ cells gives a bound on the extinction in each; events drawn from it are real or null.
+//! Random numbers of a flight are a hash of the ray and of one number of the path. The optical depth of a cell counts
+//! as at most 4000, which bounds the number of collisions.
 
 use crate::flight::{Flight, lanes};
 use steradian_core::{

@@ -1,5 +1,8 @@
 //! Next-event estimation of emissive media: a direction to where one of them gives off light, and all that arrives
 //! along it from this medium, weighted against directions that scattering draws.
+//!
+//! A light sample is a direction, and counts all the light that the medium emits along it. A path's own flight through
+//! the medium is therefore weighted by the density of the direction that it took.
 
 use crate::{attenuation, power_heuristic, vertex::Vertex};
 use steradian_core::{

@@ -6,6 +6,10 @@
 //! when all about it has come as far. What depends on the picture so far, namely how many samples a cell gets
 //! ([`crate::adaptive`]) and whether the error is small enough, is decided between steps, at numbers of samples that
 //! are fixed.
+//!
+//! Tiles are 16 pixels wide and aligned to the frame rather than to the crop, so that a crop has the bits of the whole;
+//! with adaptive sampling, where needs are decided by the pixels present, it does not. A session is saved and restored
+//! between steps (`state`).
 
 mod alone;
 mod scales;

@@ -11,6 +11,9 @@
 //! over the photons i of its neighbourhood, with kernels K as wide as the photons lie apart and a share s by how much
 //! light they bring. Values divided by this density are right whatever the photons are, so these need neither be many
 //! nor exact: they decide about the error, not about the mean.
+//!
+//! Up to 2¹⁶ photons are sent; a k-d tree stores their landings. The map is a `Guide` of `steradian_transport`. A trial
+//! decides whether it pays (`trials::caustics`).
 
 mod photons;
 use crate::Stop;

@@ -1,5 +1,13 @@
 //! Methods by passes ([`steradian_engine::Pass`]): those that start at lights, or whose paths land on other pixels than
 //! their own.
+//!
+//! Contributions are added in the order of pieces of work (`Run::in_order`), so that splats need no atomics and bits do
+//! not depend on threads. The spread between passes gives the variance of pixels.
+//!
+//! `subpath` traces subpaths from the camera or from lights, and `vertex` scatters at their vertices. `bidirectional`
+//! connects subpaths for `light`, `bdpt` and `vcm`; `mlt` drives the same code with Markov chains; `sppm` and
+//! `photon_map` gather photons. `missed` estimates the caustics that no path from the camera finds. The emission of
+//! lights is in `steradian_core::light::emission`, the importance of cameras in `steradian_core::camera::importance`.
 
 mod bidirectional;
 mod missed;

@@ -6,6 +6,9 @@
 //! or by rays without a matrix (`stochastic`). Where a scene has more pieces than patches are asked for, it is solved
 //! for clusters of patches (`clusters`). What is kept is the irradiance (`solution`), so that textures stay sharp;
 //! pictures are made of it by `view`.
+//!
+//! The solution is found before the session. A hit leads to its patch by primitive and parameters. The façade keeps
+//! solutions in files, with a fingerprint of the scene without its cameras.
 
 mod bands;
 mod cells;

@@ -1,4 +1,9 @@
 //! Trials: before a picture a few of its samples tell which means against noise pay.
+//!
+//! Trials run in the first step of a session, on its own threads. They can be cancelled, and their time counts. Renders
+//! of at least 2²⁰ samples spend about a thirtieth of them on effort: `effort` selects one to four light samples for
+//! each vertex and the roulette threshold, and `splitting` makes a sample in some cells of the picture the mean of two
+//! or four paths. `sharing` selects the size of groups, `caustics` decides about photons.
 
 pub(crate) mod caustics;
 mod effort;

@@ -1,6 +1,31 @@
 //! Many paths at once: all rays of a bounce go through the scene together, and vertices at which the same model
-//! scatters are computed in columns ([`block`]). Both give the bits of a path that is followed alone; what has no
-//! columns is.
+//! scatters are computed in columns ([`block`]). Both give the bits of a path that is followed alone.
+//!
+//! A wave has up to 1024 paths that share nothing: four samples of each pixel of a tile (`steradian_engine`,
+//! `tiles::alone`). A bounce has five steps:
+//!
+//! 1. All rays are sorted by the signs and the greatest axis of their directions, and traced in one batch.
+//! 2. Vertices are made from hits and free flights, 32 at a time in columns.
+//! 3. Light samples are drawn, and all shadow rays are traced in one batch.
+//! 4. Directions are drawn; throughputs and densities follow.
+//! 5. Roulette ends paths; the others go on.
+//!
+//! A *kernel* (`accel::kernel!`) is a loop of plain `f32` arithmetic over the columns of a block, compiled for SSE2,
+//! AVX2 and AVX-512 and chosen at run time. The compiler makes vector instructions of it; as no operation is reordered
+//! or fused, all instruction sets give the same bits. Formulas are `#[inline(always)]` functions of one vertex, which
+//! single paths call too. Lambert's law and the estimator of a phase function alone, two lines each, are written twice.
+//!
+//! Columns exist for camera rays, Sobol' numbers, points on triangles, the light tree, samples of flat lights,
+//! Lambertian reflection (`diffuse`), flights, attenuation and phase functions of homogeneous media (`media`), spawned
+//! rays and roulette. Other models, textures, media that vary or are seen through interfaces, and other lights are
+//! computed vertex by vertex between kernels (`vertices`), so a new model or light touches no file of this module.
+//!
+//! A loop becomes vector instructions only if all functions that it calls are inlined, if all columns that it writes
+//! are fields of one value (else the compiler cannot know that they do not overlap), and if nothing in it may panic,
+//! searches a table, or calls the system's mathematics. Failure is silent: `cargo xtask instructions` shows it.
+//!
+//! Single paths are followed for groups, for splitting at y, and where light is counted by groups of lights. A thread
+//! takes 1024 × (192 + 144) bytes for paths and samples, and 20 KiB for a block.
 
 mod block;
 mod diffuse;
