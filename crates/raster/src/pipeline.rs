@@ -52,6 +52,7 @@ where
     /// # Errors
     /// Where the state breaks a rule, or shaders, state and layout do not fit; the message names which.
     pub fn new(program: Program<V, T, G, F>, state: State, layout: Layout) -> Result<Self> {
+        // Validate once, here, so that a draw has nothing left to refuse but the framebuffer.
         state.check()?;
         check_stages::<T, G, F>(&state)?;
         let state = checked_targets::<F>(state, &layout)?;
@@ -76,10 +77,14 @@ where
         let job = self.job_size();
         let mut tiles = framebuffer.tiles();
         let mut counters = Counters::default();
+        // Sort-middle (Molnar et al., "A Sorting Classification of Parallel Rendering", 1994): batches of jobs are set
+        // up in parallel, then tiles are drawn in parallel.
         let mut start = 0;
         while start < total {
+            // A batch bounds the memory of primitives that wait for tiles.
             let end = start.saturating_add(job * BATCH).min(total);
             let jobs = (end - start).div_ceil(job);
+            // Jobs keep their order in the list, whichever thread runs them.
             let run = |i: u64| self.job(&source, &window, start + i * job..(start + (i + 1) * job).min(end));
             let chunks: Vec<Chunk> =
                 if jobs == 1 { vec![run(0)] } else { (0..jobs).into_par_iter().map(run).collect() };
@@ -96,6 +101,7 @@ where
         let source = self.source(draw);
         let window = Window::new(&self.state, extent, self.layout.depth);
         let (total, job) = (source.primitives(), self.job_size());
+        // Set up and bin all jobs, and count the entries of each tile.
         let of_job = |i: u64| {
             let chunk = self.job(&source, &window, i * job..((i + 1) * job).min(total));
             chunk.starts.windows(2).map(|w| u64::from(w[1]) - u64::from(w[0])).collect::<Vec<_>>()
@@ -125,6 +131,7 @@ where
         let source = self.source(draw);
         let total = source.primitives();
         let job = self.job_size();
+        // Run the front end of every job into a buffer of its own, then join them in order.
         let run = |i: u64| {
             let mut sink = Capture::default();
             let mut counters = Counters::default();
@@ -132,6 +139,7 @@ where
             counters.primitives = sink.primitives;
             (sink.vertices, counters)
         };
+        // Join the captured vertices in the order of jobs.
         let parts: Vec<_> = (0..total.div_ceil(job)).into_par_iter().map(run).collect();
         let mut all = Vec::with_capacity(parts.iter().map(|(vertices, _)| vertices.len()).sum());
         let mut counters = Counters::default();
@@ -143,6 +151,7 @@ where
     }
 
     fn job_size(&self) -> u64 {
+        // Jobs of stages that multiply primitives take fewer of them.
         match self.state.topology {
             Topology::Patches(_) => 16,
             _ if G::ACTIVE => 256,
@@ -167,6 +176,7 @@ where
     fn job(&self, source: &Source, window: &Window, numbers: Range<u64>) -> Chunk {
         let mut setup = Setup::<G::Output>::new(window);
         let mut counters = Counters::default();
+        // Vertices, patches and geometry shaders run here; primitives go straight to set-up.
         self.front().run(source, numbers, &mut counters, &mut setup);
         let mut chunk = setup.finish();
         chunk.counters += counters;
@@ -198,6 +208,7 @@ pub(crate) fn draw_tiles<F: FragmentShader>(
     tiles: &mut [Tile],
     chunks: &[Chunk],
 ) -> Counters {
+    // Tiles that nothing touches are not visited.
     let touched = |number: usize| chunks.iter().any(|c| c.starts[number] != c.starts[number + 1]);
     let draw_tile = |(number, tile): (usize, &mut Tile)| {
         let mut drawer = TileDrawer::new(fragment, state, plan, &window.pattern);
@@ -206,6 +217,7 @@ pub(crate) fn draw_tiles<F: FragmentShader>(
         }
         drawer.counters
     };
+    // Each tile belongs to one thread: its pixels need no locks.
     let drawn: Vec<Counters> = tiles.par_iter_mut().enumerate().map(draw_tile).collect();
     drawn.into_iter().fold(Counters::default(), |mut all, of_tile| {
         all += of_tile;
@@ -268,8 +280,10 @@ pub(crate) fn checked_targets<F: FragmentShader>(mut state: State, layout: &Layo
         let (colors, targets) = (F::Output::COLORS, layout.colors.len());
         return refuse(CALL, format!("the fragment shader writes {colors} colours, the framebuffer has {targets}"));
     }
+    // Without colour state of their own, targets take the default.
     state.color.resize(layout.colors.len().max(state.color.len()), Default::default());
     for (i, format) in layout.colors.iter().enumerate().take(F::Output::COLORS) {
+        // The class of the output must be the target's: integers are never converted.
         if format.class() != F::Output::CLASS {
             let class = F::Output::CLASS;
             return refuse(CALL, format!("the fragment shader writes {class:?}, target {i} is {format:?}"));
@@ -298,9 +312,12 @@ pub(crate) fn checked_targets<F: FragmentShader>(mut state: State, layout: &Layo
 pub(crate) fn plan<F: FragmentShader>(state: &State, layout: &Layout) -> Plan {
     let shader_depth = F::Output::DEPTH != DepthOutput::None && !F::EARLY_TESTS;
     let may_vanish = F::Output::DISCARDS || F::Output::MASK || state.multisample.alpha_to_coverage;
+    // Tests may precede the shader only if it neither sets depth nor drops samples.
     let early = F::EARLY_TESTS || (!shader_depth && !may_vanish);
+    // Hierarchical depth holds as long as the shader cannot move depths to the visible side.
     let hidden_by = match state.depth {
         Some(depth) if state.stencil.is_none() => {
+            // Declared conservative depth keeps that order.
             let keeps_order = match depth.compare {
                 Compare::Less | Compare::LessEqual => F::Output::DEPTH == DepthOutput::Greater,
                 Compare::Greater | Compare::GreaterEqual => F::Output::DEPTH == DepthOutput::Less,

@@ -40,6 +40,7 @@ where
         let mut emitter = Emitter::new(if G::ACTIVE { G::MAX_VERTICES } else { 0 });
         let mut domain = TessellatedDomain::default();
         let mut evaluated = Vec::new();
+        // Locate each primitive by its number, so that jobs can begin anywhere in the draw.
         for number in numbers {
             let located = source.locate(number);
             vertices.begin_instance(located.instance);
@@ -64,16 +65,20 @@ where
     ) {
         let Some(shape) = self.topology.shape() else { return };
         let corners = self.topology.corners(located.in_run, located.length, self.provoking);
+        // Shade the vertices of the primitive, or reuse what the table still holds.
         let mut at = [0; 6];
         for (at, place) in at.iter_mut().zip(&corners.places[..corners.count]) {
             *at = vertices.place(located.start + place, counters);
         }
         let shaded = |i: usize| T::pass(&vertices.shaded[at[i]]);
+        // The geometry shader sees all corners, adjacent vertices included.
         if G::ACTIVE {
             let input: [Vertex<G::Input>; 6] = std::array::from_fn(|i| shaded(if i < corners.count { i } else { 0 }));
             return self.shade_geometry(&input[..corners.count], located.id, counters, emitter, sink);
         }
         let last = |i: usize| G::pass(&shaded(i));
+        // Without a geometry shader adjacent vertices are dropped: lines keep the middle two of four, triangles every
+        // second of six.
         match (shape, corners.count) {
             (Shape::Point, _) => sink.point(&last(0), located.id),
             (Shape::Line, 4) => sink.line([&last(1), &last(2)], corners.provoking - 1, located.id),
@@ -98,10 +103,12 @@ where
         let size = size.min(MAX_PATCH_VERTICES);
         let first = located.start + located.in_run * size;
         let mut corners = Vec::with_capacity(size as usize);
+        // Gather the control points of the patch.
         for i in 0..size {
             let at = vertices.place(first + i, counters);
             corners.push(vertices.shaded[at]);
         }
+        // Control gives levels, the fixed function the points of the domain, and evaluation a vertex for each of them.
         let (levels, patch) = self.tessellation.control(&corners, located.id);
         counters.patches += 1;
         tessellate(T::DOMAIN, T::SPACING, &levels, domain);
@@ -118,6 +125,7 @@ where
         emitter: &mut Emitter<G::Output>,
         sink: &mut impl Sink<G::Output>,
     ) {
+        // Point mode draws the vertices of the domain and no connectivity.
         if T::POINT_MODE {
             for vertex in evaluated {
                 if G::ACTIVE {
@@ -128,6 +136,7 @@ where
             }
             return;
         }
+        // The provoking vertex of generated primitives is their first or last.
         let end = |last: usize| if self.provoking == Provoking::First { 0 } else { last };
         for [a, b] in &domain.lines {
             let ends = [evaluated[*a as usize], evaluated[*b as usize]];
@@ -137,6 +146,7 @@ where
                 sink.line([&G::pass(&ends[0]), &G::pass(&ends[1])], end(1), id);
             }
         }
+        // Orientation follows the domain's or its mirror image.
         for corners in &domain.triangles {
             let [a, b, c] = corners.map(|i| evaluated[i as usize]);
             let corners = if T::CLOCKWISE { [a, c, b] } else { [a, b, c] };
@@ -158,6 +168,7 @@ where
         emitter: &mut Emitter<G::Output>,
         sink: &mut impl Sink<G::Output>,
     ) {
+        // Every invocation sees the same input; its strips are taken apart at once.
         for invocation in 0..G::INVOCATIONS {
             emitter.begin(id);
             counters.geometry_shader += 1;
@@ -178,6 +189,7 @@ where
             GeometryOutput::LineStrip => (Topology::LineStrip, 1),
             GeometryOutput::TriangleStrip => (Topology::TriangleStrip, 2),
         };
+        // Decompose the strip by the rules of its topology, which keep windings consistent.
         for k in 0..topology.primitives(u64::from(n)) as u32 {
             let corners = topology.corners(k, n, self.provoking);
             let v = |i: usize| &strip[corners.places[i] as usize];

@@ -58,6 +58,7 @@ fn cuts(spacing: Spacing, level: f32) -> Vec<f32> {
         Spacing::FractionalEven => (2.0, LARGEST),
         Spacing::FractionalOdd => (1.0, LARGEST - 1.0),
     };
+    // Clamp the level, then round up to a whole, even or odd number of segments.
     let level = if level >= least { level.min(most) } else { least };
     let whole = level.ceil() as usize;
     let (n, level) = match spacing {
@@ -88,6 +89,7 @@ fn inner_cuts(spacing: Spacing, level: f32, alone: bool) -> Vec<f32> {
 fn stitch(triangles: &mut Vec<[u32; 3]>, outer: &[(u32, f32)], inner: &[(u32, f32)]) {
     let (mut i, mut j) = (0, 0);
     while i + 1 < outer.len() || j + 1 < inner.len() {
+        // Advance on the side whose next segment has the nearer midpoint: the strip stays balanced.
         let outer_next =
             i + 1 < outer.len() && (j + 1 == inner.len() || outer[i].1 + outer[i + 1].1 <= inner[j].1 + inner[j + 1].1);
         if outer_next {
@@ -104,10 +106,12 @@ fn stitch(triangles: &mut Vec<[u32; 3]>, outer: &[(u32, f32)], inner: &[(u32, f3
 /// of a side.
 fn ring(out: &mut TessellatedDomain, sides: &[&[f32]], place: impl Fn(usize, f32) -> Vec3) -> Vec<Side> {
     let mut ring: Vec<Side> = Vec::with_capacity(sides.len());
+    // Each side contributes all but its last point, which is the first of the next side.
     for (side, cuts) in sides.iter().enumerate() {
         let points = cuts[..cuts.len() - 1].iter().map(|&at| (out.point(place(side, at)), at)).collect();
         ring.push(points);
     }
+    // Share the corner between one side and the next.
     for side in 0..ring.len() {
         let first = ring[(side + 1) % ring.len()].first().map(|p| p.0);
         if let (Some(first), Some(end)) = (first, sides[side].last()) {
@@ -125,6 +129,7 @@ fn triangles(spacing: Spacing, levels: &Levels, out: &mut TessellatedDomain) {
     let inner = inner_cuts(spacing, levels.inner[0], alone);
     let n = inner.len() - 1;
     let edge = |side: usize, at: f32| corners[side] * (1.0 - at) + corners[(side + 1) % 3] * at;
+    // Outermost ring from the outer levels, then rings inwards from the inner level.
     let mut around = ring(out, &[&outer[0], &outer[1], &outer[2]], edge);
     if n == 1 {
         out.triangles.push([0, 1, 2].map(|side: usize| around[side][0].0));
@@ -135,11 +140,13 @@ fn triangles(spacing: Spacing, levels: &Levels, out: &mut TessellatedDomain) {
         let far = 2.0 / 3.0 * inner[k];
         let corner = |i: usize| corners[i] * (1.0 - 2.0 * far) + (Vec3::ONE - corners[i]) * far;
         let cuts = &inner[k..=n - k];
+        // The innermost ring is a point or a triangle, by the parity of the level.
         let next = if cuts.len() == 1 {
             let centre = out.point(Vec3::splat(1.0 / 3.0));
             vec![vec![(centre, 0.5)]; 3]
         } else {
             let (start, length) = (inner[k], inner[n - k] - inner[k]);
+            // Interpolate along the straight side between two corners of the ring.
             let place = |side: usize, at: f32| corner(side).lerp(corner((side + 1) % 3), (at - start) / length);
             ring(out, &[cuts, cuts, cuts], place)
         };
@@ -166,6 +173,7 @@ fn quads(spacing: Spacing, levels: &Levels, out: &mut TessellatedDomain) {
         _ => Vec3::new(0.0, 1.0 - at, 0.0),
     };
     let around = ring(out, &[&outer[0], &outer[1], &outer[2], &outer[3]], edge);
+    // The patch is a single quad: two triangles.
     if alone {
         let [a, b, c, d] = [0, 1, 2, 3].map(|side: usize| around[side][0].0);
         out.triangles.extend([[a, b, c], [a, c, d]]);
@@ -175,6 +183,7 @@ fn quads(spacing: Spacing, levels: &Levels, out: &mut TessellatedDomain) {
     // The grid inside, of which the border may fall together to a line or a point.
     let (columns, rows) = (us.len() - 2, vs.len() - 2);
     let first = out.points.len() as u32;
+    // A regular grid inside, joined to the four sides by stitched strips.
     for v in &vs[1..=rows] {
         out.points.extend(us[1..=columns].iter().map(|&u| Vec3::new(u, *v, 0.0)));
     }
@@ -186,6 +195,7 @@ fn quads(spacing: Spacing, levels: &Levels, out: &mut TessellatedDomain) {
             out.triangles.extend([[a, b, c], [a, c, d]]);
         }
     }
+    // The border of the grid, as four sides in the order of the outer ring.
     let inner: [Side; 4] = [
         (0..columns).map(|i| (at(i, 0), us[i + 1])).collect(),
         (0..rows).map(|i| (at(columns - 1, i), vs[i + 1])).collect(),
@@ -200,6 +210,7 @@ fn quads(spacing: Spacing, levels: &Levels, out: &mut TessellatedDomain) {
 fn isolines(spacing: Spacing, levels: &Levels, out: &mut TessellatedDomain) {
     let count = cuts(Spacing::Equal, levels.outer[0]);
     let along = cuts(spacing, levels.outer[1]);
+    // A line for each cut but the last, as the specification asks.
     for v in &count[..count.len() - 1] {
         let first = out.points.len() as u32;
         out.points.extend(along.iter().map(|&u| Vec3::new(u, *v, 0.0)));

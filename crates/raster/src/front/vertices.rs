@@ -74,6 +74,7 @@ impl<'a> Source<'a> {
     pub fn new(stream: Stream<'a>, topology: Topology, restart: Option<u32>, instances: Range<u32>, draw: u32) -> Self {
         let mut segments = Vec::new();
         let mut primitives = 0;
+        // A run between restarts starts a strip anew; its primitives are numbered behind those of earlier runs.
         let mut add = |range: Range<u32>| {
             let length = range.end - range.start;
             let count = topology.primitives(u64::from(length));
@@ -82,6 +83,7 @@ impl<'a> Source<'a> {
                 primitives += count;
             }
         };
+        // Split the stream at restart indices into runs with primitives.
         let mut start = 0;
         if let (Some(restart), false) = (restart, matches!(stream, Stream::Range { .. })) {
             for place in 0..stream.len() {
@@ -104,6 +106,7 @@ impl<'a> Source<'a> {
     #[inline]
     pub fn locate(&self, number: u64) -> Located {
         let instance = self.instances.start + (number / self.per_instance) as u32;
+        // Find instance and run of a primitive by division and binary search.
         let in_instance = number % self.per_instance;
         let segment = if self.segments.len() == 1 {
             &self.segments[0]
@@ -165,6 +168,7 @@ impl<'a, V: VertexShader> Vertices<'a, V> {
     /// Vertices of another instance are not those of the last one. What is shaded stays valid only until then.
     pub fn begin_instance(&mut self, instance: u32) {
         if instance != self.instance {
+            // The table holds vertices of one instance only.
             self.instance = instance;
             self.table.fill((0, u32::MAX));
         }
@@ -173,6 +177,7 @@ impl<'a, V: VertexShader> Vertices<'a, V> {
     /// The place in [`shaded`](Self::shaded) of the vertex at this place of the stream.
     #[inline]
     pub fn place(&mut self, place: u32, counters: &mut Counters) -> usize {
+        // Direct-mapped post-transform cache: a collision shades the vertex again.
         let vertex = self.source.stream.vertex(place);
         counters.vertices += 1;
         let slot = vertex as usize % TABLE;
@@ -183,6 +188,7 @@ impl<'a, V: VertexShader> Vertices<'a, V> {
             return *at as usize;
         }
         counters.vertex_shader += 1;
+        // Shade, keep the result, and enter it in the table.
         let at = self.shaded.len();
         self.shaded.push(self.shader.shade(VertexInput { vertex, instance: self.instance, draw: self.source.draw }));
         if let Some(entry) = self.table.get_mut(slot) {

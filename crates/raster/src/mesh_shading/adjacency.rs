@@ -18,6 +18,7 @@ pub(super) struct Adjacency {
 impl Adjacency {
     /// Adjacency of a mesh with `vertices` vertices; all indices are below that.
     pub fn new(vertices: usize, triangles: &[[u32; 3]]) -> Self {
+        // Lists in one array: count the triangles of each vertex, sum up, then scatter.
         let mut live = vec![0; vertices];
         for triangle in triangles {
             distinct(*triangle).for_each(|v| live[v as usize] += 1);
@@ -29,6 +30,7 @@ impl Adjacency {
             end += count as usize;
         }
         starts.push(end);
+        // Scatter the numbers of triangles into the list of each corner.
         let mut next = starts.clone();
         let mut lists = vec![0; end];
         for (number, triangle) in triangles.iter().enumerate() {
@@ -55,6 +57,7 @@ impl Adjacency {
         let v = vertex as usize;
         let list = &self.triangles[self.starts[v]..self.starts[v + 1]];
         let skipped = &mut self.skipped[v];
+        // Skip the leading entries that are taken for good, so that repeated looks stay cheap.
         while list.get(*skipped).is_some_and(|&t| is_taken(t)) {
             *skipped += 1;
         }

@@ -20,6 +20,8 @@ impl Sphere {
         else {
             return Self { center: Vec3::ZERO, radius: 0.0 };
         };
+        // The middle of the box is the better centre for regular shapes, Ritter's for irregular ones: keep the smaller
+        // sphere.
         let middle = 0.5 * (least.as_dvec3() + largest.as_dvec3());
         let [a, b] = [middle, ritter(points)].map(|center| Self::at(center.as_vec3(), points));
         if b.radius < a.radius { b } else { a }
@@ -35,6 +37,7 @@ impl Sphere {
 /// The centre of Ritter's sphere.
 fn ritter(points: &[Vec3]) -> DVec3 {
     let points = || points.iter().map(|p| p.as_dvec3());
+    // Initial diameter: the longest of the three pairs of extreme points along the axes.
     let extremes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| {
         let along = |a: &DVec3, b: &DVec3| a.dot(axis).total_cmp(&b.dot(axis));
         (points().min_by(along).unwrap_or_default(), points().max_by(along).unwrap_or_default())
@@ -42,6 +45,7 @@ fn ritter(points: &[Vec3]) -> DVec3 {
     let longer = |a: (DVec3, DVec3), b: (DVec3, DVec3)| if a.0.distance(a.1) >= b.0.distance(b.1) { a } else { b };
     let (a, b) = extremes.into_iter().reduce(longer).unwrap_or_default();
     let (mut center, mut radius) = (0.5 * (a + b), 0.5 * a.distance(b));
+    // Grow towards points outside.
     for point in points() {
         let distance = point.distance(center);
         if distance > radius {
@@ -88,6 +92,7 @@ impl NormalCone {
             let [a, b, c] = t.map(|i| points.get(usize::from(i)).map(|p| p.as_dvec3()));
             Some([a?, b?, c?])
         };
+        // Planes of the triangles that have an area.
         let planes: Vec<(DVec3, DVec3)> = triangles
             .iter()
             .filter_map(corners)
@@ -100,8 +105,10 @@ impl NormalCone {
     /// Cone of planes given by a point and a unit normal each.
     fn of_planes(planes: &[(DVec3, DVec3)]) -> Option<Self> {
         let normals: Vec<Vec3> = planes.iter().map(|plane| plane.1.as_vec3()).collect();
+        // Axis through the centre of a sphere around the normals, seen as points on the unit sphere.
         let axis = Sphere::around(&normals).center.normalize_or_zero();
         let unit = axis.as_dvec3().normalize_or_zero();
+        // The least cosine between axis and normals is the opening of the cone; wide cones cull nothing.
         let cosine = planes.iter().map(|plane| plane.1.dot(unit)).fold(1.0, f64::min);
         if cosine < LEAST_COSINE {
             return None;
@@ -127,6 +134,7 @@ impl NormalCone {
     }
 
     fn faces_away_along(&self, direction: DVec3) -> bool {
+        // Backfacing for all normals within the cone: d·axis ≥ sin α·|d|.
         let along = direction.dot(self.axis.as_dvec3());
         along > 0.0 && along >= f64::from(self.cutoff) * direction.length()
     }
@@ -134,9 +142,11 @@ impl NormalCone {
 
 /// A point on the line through `start` against `axis` that is behind all planes after it is rounded.
 fn apex(planes: &[(DVec3, DVec3)], start: DVec3, axis: DVec3) -> Option<Vec3> {
+    // Distance against the axis at which a point falls behind every plane.
     let farthest = |from: DVec3| planes.iter().map(|(p, n)| (from - *p).dot(*n) / n.dot(axis)).fold(f64::MIN, f64::max);
     let size = planes.iter().map(|(p, _)| p.abs().max_element()).fold(0.0, f64::max);
     let mut back = farthest(start);
+    // Rounding may bring the apex in front of a plane again: move it back until it is behind all of them.
     for _ in 0..8 {
         let rounded = (start - axis * back).as_vec3();
         let left = farthest(rounded.as_dvec3());

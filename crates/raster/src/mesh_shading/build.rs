@@ -20,6 +20,7 @@ const OUTSIDE: u16 = u16::MAX;
 pub(super) fn build(positions: &[Vec3], triangles: &[[u32; 3]], limits: MeshletLimits) -> Meshlets {
     let mut builder = Builder::new(positions, triangles, limits);
     let mut seed = builder.order.first();
+    // Seed a cluster, grow it by the best candidate until nothing fits, close it and seed the next beside it.
     while let Some(first) = seed {
         let mut beside = builder.add(first);
         while let Some(next) = builder.best_candidate().or_else(|| builder.nearest_beside(beside)) {
@@ -62,10 +63,12 @@ struct Open {
 
 impl<'a> Builder<'a> {
     fn new(positions: &'a [Vec3], triangles: &'a [[u32; 3]], limits: MeshletLimits) -> Self {
+        // Centroids, normals and areas in `f64`.
         let corners = |t: &[u32; 3]| t.map(|v| positions[v as usize].as_dvec3());
         let cross = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a);
         let centroids: Vec<DVec3> = triangles.iter().map(|t| corners(t).into_iter().sum::<DVec3>() / 3.0).collect();
         let area: f64 = triangles.iter().map(|t| 0.5 * cross(corners(t)).length()).sum();
+        // Radius of a flat disc-like cluster with as many triangles of mean area as the limit.
         let mean = area / triangles.len().max(1) as f64;
         Self {
             positions,
@@ -104,6 +107,7 @@ impl<'a> Builder<'a> {
         self.taken[t] = true;
         self.adjacency.take(corners);
         for v in distinct(corners) {
+            // New vertices bring the triangles around them in as candidates.
             if self.local[v as usize] == OUTSIDE {
                 self.local[v as usize] = self.count().0 as u16;
                 self.out.vertices.push(v);
@@ -112,6 +116,7 @@ impl<'a> Builder<'a> {
         }
         self.out.triangles.push(corners.map(|v| self.local[v as usize] as u8));
         self.out.sources.push(triangle);
+        // Running sums give centre and axis of the cluster.
         self.open.centroids += self.centroids[t];
         self.open.normals += self.normals[t];
         self.order.remove(triangle)
@@ -131,6 +136,8 @@ impl<'a> Builder<'a> {
         let (_, triangles) = self.count();
         let centre = self.open.centroids / triangles as f64;
         let axis = self.open.normals.normalize_or_zero();
+        // Order by the class of the vertices added, then by distance, then along the curve, so that the choice is
+        // unique.
         let mut best: Option<(usize, f64, u32, usize)> = None;
         for (place, &t) in self.candidates.iter().enumerate() {
             let Some(added) = self.added(t) else { continue };
@@ -149,6 +156,7 @@ impl<'a> Builder<'a> {
     /// Vertices that a triangle adds. What is the last triangle of one of its vertices comes before others that add as
     /// many, since another cluster would have to repeat its vertices for it.
     fn class(&self, triangle: u32, added: usize) -> usize {
+        // The last free triangle around a vertex saves a repeated vertex later.
         let is_last = || self.triangles[triangle as usize].iter().any(|&v| self.adjacency.live(v) == 1);
         if added == 0 {
             0
@@ -161,6 +169,7 @@ impl<'a> Builder<'a> {
 
     /// Distance of a triangle from the cluster's centre, larger where its normal is far from the cluster's.
     fn distance(&self, triangle: u32, centre: DVec3, axis: DVec3) -> f64 {
+        // Distance in units of the expected radius, weighted by how well the normals agree.
         let t = triangle as usize;
         let distance = (self.centroids[t] - centre).length();
         let relative = if self.radius > 0.0 { distance / self.radius } else { distance };
@@ -172,6 +181,7 @@ impl<'a> Builder<'a> {
         if !self.candidates.is_empty() {
             return None;
         }
+        // No neighbour is left: continue with a triangle that is close in space.
         let centre = self.open.centroids / self.count().1 as f64;
         let fits = beside.into_iter().flatten().filter(|&t| self.added(t).is_some());
         fits.min_by(|&a, &b| {
@@ -183,16 +193,19 @@ impl<'a> Builder<'a> {
     /// Closes the cluster, and gives the triangle that the next one starts with: of the candidates that are left the
     /// one with the fewest neighbours, which would else stay behind alone.
     fn close(&mut self, beside: [Option<u32>; 2]) -> Option<u32> {
+        // Seed the next cluster where fewest free neighbours are left.
         let neighbours = |t: u32| self.triangles[t as usize].iter().map(|&v| u64::from(self.adjacency.live(v))).sum();
         let seed = self.candidates.iter().copied().min_by_key(|&t| {
             let neighbours: u64 = neighbours(t);
             (neighbours, self.order.rank[t as usize])
         });
+        // Candidates that are left belong to no cluster yet.
         for t in self.candidates.drain(..) {
             self.listed[t as usize] = false;
         }
         let (vertices, triangles) = self.count();
         let Open { first_vertex, first_triangle, .. } = std::mem::take(&mut self.open);
+        // Reset the vertex map by the cluster's own table, not the whole mesh.
         let table = &self.out.vertices[first_vertex..];
         table.iter().for_each(|&v| self.local[v as usize] = OUTSIDE);
         let points: Vec<Vec3> = table.iter().map(|&v| self.positions[v as usize]).collect();

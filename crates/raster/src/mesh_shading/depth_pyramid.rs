@@ -39,15 +39,18 @@ impl DepthPyramid {
             return None;
         }
         let [columns, rows] = [extent.width, extent.height].map(|n| n.div_ceil(BLOCK));
+        // Level 0 takes the depth bounds that the tiles keep for each block.
         let bound = |row, column| depth.block_bounds([column * BLOCK, row * BLOCK], layer).map_or(1.0, |b| b[1]);
         let blocks = (0..rows).flat_map(|row| (0..columns).map(move |column| bound(row, column)));
         let mut level = Level { columns: columns as usize, rows: rows as usize, largest: blocks.collect() };
         let mut levels = Vec::new();
+        // Each further level is the maximum of 2×2 squares.
         while level.columns > 1 || level.rows > 1 {
             let next = level.halved();
             levels.push(std::mem::replace(&mut level, next));
         }
         levels.push(level);
+        // Allow for rounding to the depth format.
         let steps = depth.format().steps();
         let margin = 1e-6 + if steps > 0.0 { 1.0 / steps } else { 0.0 };
         Some(Self { size: [extent.width, extent.height], levels, margin })
@@ -67,6 +70,7 @@ impl DepthPyramid {
         }
         let squares = &self.levels[level];
         let [columns, rows] = [0, 1].map(|axis| min[axis] >> level..=max[axis] >> level);
+        // Hidden where the nearest depth lies behind the largest depth of every square it touches.
         let behind = |largest: f32| nearest - self.margin > f64::from(largest);
         rows.into_iter().all(|row| columns.clone().all(|column| squares.at(column, row).is_some_and(behind)))
     }
@@ -81,6 +85,7 @@ impl DepthPyramid {
         let matrix = clip_from_object.as_dmat4();
         let size = self.size.map(f64::from);
         let (mut min, mut max, mut nearest) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2], f64::INFINITY);
+        // Project the corners of the cube around the sphere; one behind the eye makes the test impossible.
         for corner in 0..8 {
             let sign = |axis: u32| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
             let offset = glam::dvec3(sign(0), sign(1), sign(2)) * f64::from(sphere.radius);
@@ -89,6 +94,7 @@ impl DepthPyramid {
                 return None;
             }
             let window = [(0.5 + 0.5 * x / w) * size[0], (0.5 - 0.5 * y / w) * size[1]];
+            // A pixel of margin covers sample offsets and rounding.
             for axis in 0..2 {
                 min[axis] = min[axis].min(window[axis] - 1.0);
                 max[axis] = max[axis].max(window[axis] + 1.0);
@@ -98,6 +104,7 @@ impl DepthPyramid {
                 DepthRange::MinusOneToOne => 0.5 + 0.5 * z / w,
             });
         }
+        // Outside the picture nothing was drawn that could hide it.
         let seen = (0..2).all(|axis| max[axis] >= 0.0 && min[axis] < size[axis]);
         let block = |at: f64, axis: usize| (at.clamp(0.0, size[axis] - 1.0) / f64::from(BLOCK)) as usize;
         seen.then(|| ([0, 1].map(|axis| block(min[axis], axis)), [0, 1].map(|axis| block(max[axis], axis)), nearest))

@@ -21,6 +21,7 @@ impl Frustum {
     /// Frustum of the matrix that vertices are multiplied with. The state tells the near and far planes, if depths are
     /// clipped.
     pub fn new(clip_from_object: Mat4, raster: &RasterState) -> Self {
+        // Rows of the matrix combine to planes: w ± x, w ± y, w − z and the near plane.
         let [x, y, z, w] = [0, 1, 2, 3].map(|i| clip_from_object.row(i));
         let near = match raster.depth_range {
             DepthRange::ZeroToOne => z,
@@ -37,6 +38,7 @@ impl Frustum {
         let center = sphere.center.as_dvec3();
         let radius = f64::from(sphere.radius);
         self.planes.iter().any(|(normal, offset)| {
+            // Signed distance below −r for any plane, in the plane's own scale.
             let size = normal.length() * (center.length() + radius) + offset.abs();
             normal.dot(center) + offset < -radius * normal.length() - MARGIN * size
         })

@@ -106,6 +106,7 @@ impl Meshlets {
         if u32::try_from(triangles.len()).is_err() {
             return refuse(CALL, format!("{} triangles; at most 2³² − 1", triangles.len()));
         }
+        // Validate indices and the positions they name before clustering.
         for (place, &index) in indices.iter().enumerate() {
             match positions.get(index as usize) {
                 None => {
@@ -143,6 +144,7 @@ impl Meshlets {
 
     /// The triangles as indices of the mesh's vertices, in the order of the meshlets.
     pub fn to_indices(&self) -> Vec<u32> {
+        // Resolve the two levels of indices: triangle corner to table entry to vertex.
         let corners = |meshlet: &Meshlet| {
             let table = &self.vertices[meshlet.vertices()];
             self.triangles[meshlet.triangles()].iter().flatten().map(move |&corner| table[usize::from(corner)])

@@ -188,6 +188,7 @@ impl<V: Copy, P: Copy, C: Corners> MeshOutput<V, P, C> {
         if let Some(fault) = self.fault.take() {
             return Err(fault);
         }
+        // Check counts, completeness and corner indices before anything is drawn.
         if let Some(number) = self.vertices.iter().position(Option::is_none) {
             return Err(format!("vertex {number} of {} is not written", self.vertices.len()));
         }

@@ -36,6 +36,7 @@ impl Overdraw {
             let count = positions.len();
             return refuse("Overdraw::of_indices", format!("index {index}; there are {count} positions"));
         }
+        // Scale the mesh to the unit cube; positions that are not finite are left out.
         let named = || indices.iter().map(|&i| positions[i as usize]).filter(|p| p.is_finite());
         let least = named().reduce(Vec3::min).unwrap_or(Vec3::ZERO);
         let largest = named().reduce(Vec3::max).unwrap_or(Vec3::ZERO);
@@ -74,6 +75,8 @@ fn draw(vertex: impl Fn(VertexInput) -> Vertex<()> + Sync, indices: &[u32]) -> R
         raster: RasterState { cull: Cull::Back, ..RasterState::default() },
         ..State::default()
     };
+    // Count the fragments that pass the depth test in the order of the triangles, then the pixels that are covered at
+    // all.
     let pipeline = Pipeline::new(Program::new(vertex, DepthOnly::new()), state, framebuffer.layout())?;
     let counters = pipeline.draw(&mut framebuffer, &Draw::indexed(indices))?;
     let depths = framebuffer.depth().map(|depth| depth.to_rows(0)).unwrap_or_default();

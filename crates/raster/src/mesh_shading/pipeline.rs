@@ -144,6 +144,7 @@ where
     pub fn draw(&self, framebuffer: &mut Framebuffer, groups: [u32; 3]) -> Result<MeshCounters> {
         const CALL: &str = "MeshPipeline::draw";
         check_layout(framebuffer, &self.layout, CALL)?;
+        // Set-up and tiles work as in the vertex pipeline; only the source of primitives differs.
         let window = Window::new(&self.state, framebuffer.extent(), self.layout.depth);
         let mut tiles = framebuffer.tiles();
         self.run(
@@ -183,15 +184,18 @@ where
         let mut counters = MeshCounters::default();
         let tasks = if T::ACTIVE { total(groups) } else { 1 };
         for first in (0..tasks).step_by(TASK_BATCH as usize) {
+            // Run a batch of task groups, which say how many mesh groups follow and with what payload.
             let emitted = self.tasks(groups, first..(first + TASK_BATCH).min(tasks), &mut counters).map_err(refused)?;
             let meshes = emitted.last().map_or(0, |last| last.before + total(last.groups));
             for start in (0..meshes).step_by((JOB * BATCH) as usize) {
                 let end = (start + JOB * BATCH).min(meshes);
+                // A job runs consecutive mesh groups into a sink of its own.
                 let job = |i: u64| {
                     let mut sink = sink();
                     let numbers = start + i * JOB..(start + (i + 1) * JOB).min(end);
                     self.meshes(&emitted, numbers, &mut sink).map(|counters| (sink, counters))
                 };
+                // Run jobs in parallel and draw their sinks in order.
                 let jobs: Vec<_> = (0..(end - start).div_ceil(JOB)).into_par_iter().map(job).collect();
                 let mut sinks = Vec::with_capacity(jobs.len());
                 for job in jobs {
@@ -226,6 +230,7 @@ where
             out.finish().map_err(|rule| format!("task group {group:?}: {rule}"))
         };
         let outputs: Vec<_> = numbers.into_par_iter().map(run).collect();
+        // Number the mesh groups through: prefix sums over the task groups.
         let mut before = 0;
         let mut emitted = Vec::new();
         for output in outputs {
@@ -248,6 +253,7 @@ where
         let mut counters = MeshCounters::default();
         let mut out = MeshOutput::new([M::MAX_VERTICES, M::MAX_PRIMITIVES]);
         for number in numbers {
+            // Find the task group that emitted this mesh group by binary search.
             let task = emitted.partition_point(|e| e.before <= number).saturating_sub(1);
             let Some(Emitted { payload, groups, before }) = emitted.get(task) else { continue };
             let group = place(number - before, *groups);

@@ -18,6 +18,7 @@ pub(super) fn feed<M: MeshShader>(
             culled += 1;
             continue;
         }
+        // Corners are joined with the primitive's attributes one by one: vertices are shared, varyings are not.
         let corner = |number: &u8| corner::<M>(out, primitive, *number);
         let last = |count: usize| if provoking == Provoking::First { 0 } else { count - 1 };
         match primitive.corners.as_ref() {

@@ -20,6 +20,7 @@ impl SpatialOrder {
     pub fn new(centroids: &[DVec3]) -> Self {
         let least = centroids.iter().fold(DVec3::INFINITY, |a, &c| a.min(c));
         let largest = centroids.iter().fold(DVec3::NEG_INFINITY, |a, &c| a.max(c));
+        // Quantise with one scale for all axes, so that cells are cubes.
         let size = (largest - least).max_element();
         let scale = if size > 0.0 { f64::from((1 << BITS) - 1) / size } else { 0.0 };
         let mut order: Vec<u32> = (0..centroids.len() as u32).collect();
@@ -31,9 +32,11 @@ impl SpatialOrder {
             previous: vec![NONE; order.len()],
             first: order.first().copied().unwrap_or(NONE),
         };
+        // The rank along the curve breaks ties between candidates.
         for (rank, &t) in order.iter().enumerate() {
             list.rank[t as usize] = rank as u32;
         }
+        // Doubly linked in curve order: taking a triangle out leaves its neighbours adjacent.
         for pair in order.windows(2) {
             list.next[pair[0] as usize] = pair[1];
             list.previous[pair[1] as usize] = pair[0];

@@ -24,6 +24,7 @@ impl VertexReuse {
         let mut when = HashMap::new();
         let mut shaded = 0;
         for &index in triangles.iter().flatten() {
+            // Simulate a FIFO cache by the time each vertex was shaded last.
             let when = when.entry(index).or_insert(0);
             if *when == 0 || shaded - *when >= cache as u64 {
                 shaded += 1;
@@ -79,6 +80,7 @@ impl BytesRead {
         let all = meshlets.meshlets().iter().enumerate();
         let mut read = Self { topology: (all.len() * size_of::<Meshlet>()) as u64, vertices: 0 };
         for (_, meshlet) in all.filter(|(number, _)| is_drawn(*number)) {
+            // Connectivity in bytes local to the meshlet, and the indices of its vertex table.
             let (vertices, triangles) = (meshlet.vertices().len() as u64, meshlet.triangles().len() as u64);
             read.topology += 3 * triangles + 4 * vertices;
             read.vertices += vertices * vertex_bytes;

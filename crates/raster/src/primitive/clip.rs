@@ -85,6 +85,7 @@ impl Planes<'_> {
 
     /// The corners of the polygon inside all planes that `outside` names.
     pub fn clip<F: Floats>(&self, polygon: &mut Polygon<F>, outside: u64, count: usize) {
+        // Clip against one plane after the other (Sutherland and Hodgman, "Reentrant Polygon Clipping", 1974).
         for plane in 0..count {
             if outside & 1 << plane.min(63) != 0 && self.counts(plane) {
                 let source = *polygon;
@@ -112,6 +113,7 @@ impl Planes<'_> {
 
     /// The part of a line inside all planes.
     pub fn clip_line<F: Floats>(&self, mut ends: [Corner<F>; 2], count: usize) -> Option<[Corner<F>; 2]> {
+        // Parametric clipping: each plane moves the end that lies outside of it.
         for plane in (0..count).filter(|&plane| self.counts(plane)) {
             let [da, db] = [0, 1].map(|i| self.distance(plane, &ends[i]));
             match (is_inside(da), is_inside(db)) {
@@ -125,6 +127,7 @@ impl Planes<'_> {
     }
 
     fn cut<F: Floats>(&self, inside: &Corner<F>, outside: &Corner<F>, d_in: f64, d_out: f64) -> Corner<F> {
+        // Distances are linear along the edge: t = d_in/(d_in − d_out).
         let t = d_in / (d_in - d_out);
         let lerp = |a: f32, b: f32, t: f64| (f64::from(a) + t * (f64::from(b) - f64::from(a))) as f32;
         let (p, q) = (inside.position.to_array(), outside.position.to_array());
@@ -133,6 +136,7 @@ impl Planes<'_> {
         position.w = position.w.max(LEAST_W as f32);
         // Where along the way in the window; behind the eye there is none.
         let (wp, wq) = (f64::from(p[3]), f64::from(q[3]));
+        // t in clip space corresponds to t·w_q/((1 − t)·w_p + t·w_q) in the window.
         let in_window = if wq > 0.0 { t * wq / (wp + t * (wq - wp)) } else { t };
         let mut floats = F::ZERO;
         for (i, float) in floats.as_mut().iter_mut().enumerate() {

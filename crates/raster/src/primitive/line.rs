@@ -22,6 +22,7 @@ impl<V: Varyings> Setup<'_, V> {
     /// A line, or an edge of a triangle of this side and with this depth bias.
     pub(super) fn line_part(&mut self, ends: [&Vertex<V>; 2], provoking: &Vertex<V>, id: u32, of: Option<(bool, f64)>) {
         let Some((port, _)) = self.admit(provoking, ends.into_iter()) else { return };
+        // Clip in homogeneous coordinates, then project both ends.
         let (planes, count) = self.planes(port);
         let Some(parts) = planes.clip_line(ends.map(corner), count) else {
             self.chunk.counters.outside += 1;
@@ -42,6 +43,7 @@ impl<V: Varyings> Setup<'_, V> {
         };
         let (front, bias) = of.unwrap_or((true, 0.0));
         let [from, to] = p.map(|corner| corner.at.map(|x| f64::from(x) / f64::from(SUBPIXELS)));
+        // Gradients of the attribute planes: along the line from 0 to 1, across it in pixels.
         let d = [to[0] - from[0], to[1] - from[1]];
         let squared = d[0] * d[0] + d[1] * d[1];
         let length = squared.sqrt();
@@ -85,18 +87,22 @@ impl<V: Varyings> Setup<'_, V> {
         if d == [0, 0] {
             return None;
         }
+        // Step along the axis of greater extent.
         let major = usize::from(d[1].abs() > d[0].abs());
         let minor = 1 - major;
         let (dm, dn) = (d[major], d[minor]);
         let centre = |column: i64| column * UNIT + HALF;
         // Row of the line at the centre of a column, as the half-open edges below choose it.
         let row = |column: i64| {
+            // Pixel row by exact integer division: (y₀·run + rise·(x − x₀)) / run.
             let (rise, run) = if dm > 0 { (dn, dm) } else { (-dn, -dm) };
             (at[0][minor] * run + rise * (centre(column) - at[0][major])).div_euclid(run * UNIT)
         };
         let in_diamond = |end: [i64; 2], column: i64, row: i64| {
             (end[major] - centre(column)).abs() + (end[minor] - centre(row)).abs() < HALF
         };
+        // Diamond-exit rule (OpenGL 4.6, 14.5.1): the first pixel counts if the line begins before its centre or within
+        // its diamond, the last one if the line leaves its diamond.
         let sign = dm.signum();
         let start = at[0][major].div_euclid(UNIT);
         let end = at[1][major].div_euclid(UNIT);
@@ -142,6 +148,7 @@ impl<V: Varyings> Setup<'_, V> {
 
     /// A rectangle around the line, larger by so many pixels on each side.
     fn rectangle(&self, p: [window::Corner; 2], port: &Port, margin: f64) -> Option<Outline> {
+        // Offset the ends along the line and across it by half the width.
         let d = [0, 1].map(|axis| f64::from(p[1].at[axis]) - f64::from(p[0].at[axis]));
         let length = (d[0] * d[0] + d[1] * d[1]).sqrt();
         if length == 0.0 {

@@ -26,6 +26,8 @@ impl Edge {
     /// that are on a left edge or a top one.
     pub fn between(from: [i32; 2], to: [i32; 2]) -> Self {
         let mut edge = Self::through(from, to);
+        // Points on the edge belong to one side only; integer coordinates make "greater than zero" the same as "at
+        // least one".
         if !(edge.a > 0 || (edge.a == 0 && edge.b > 0)) {
             edge.c -= 1;
         }
@@ -34,12 +36,14 @@ impl Edge {
 
     /// The closed half plane.
     pub fn through(from: [i32; 2], to: [i32; 2]) -> Self {
+        // The cross product of the edge and the way to the point, expanded into a plane.
         let (a, b) = (from[1] - to[1], to[0] - from[0]);
         Self { a, b, c: -(i64::from(a) * i64::from(from[0]) + i64::from(b) * i64::from(from[1])) }
     }
 
     #[inline(always)]
     pub fn at(&self, x: i64, y: i64) -> i64 {
+        // E(x, y) = a·x + b·y + c in 64 bits, exact within the guard band.
         i64::from(self.a) * x + i64::from(self.b) * y + self.c
     }
 }

@@ -24,6 +24,7 @@ impl<V: Varyings> Setup<'_, V> {
             return;
         }
         let p = port.project(vertex.position);
+        // A square around the projected vertex, as four edges clockwise with y down.
         let half = (f64::from(size) * f64::from(SUBPIXELS) / 2.0).round_ties_even() as i32;
         let (low, high) = (p.at.map(|x| x - half), p.at.map(|x| x + half));
         let corners = [low, [high[0], low[1]], high, [low[0], high[1]]];
@@ -33,6 +34,7 @@ impl<V: Varyings> Setup<'_, V> {
         let flat = provoking.varyings.to_floats();
         let attributes = self.store_attributes([&floats, &floats, &floats], &flat);
         let (front, bias) = of.unwrap_or((true, 0.0));
+        // Point coordinates run from 0 to 1 across the square.
         let width = f64::from(2 * half) / f64::from(SUBPIXELS);
         let step = if width > 0.0 { 1.0 / width } else { 0.0 };
         self.bin(Primitive {

@@ -54,11 +54,13 @@ impl<'a, V: Varyings> Setup<'a, V> {
         }
         let [x, y, z, w] = position.to_array();
         let raster = &self.window.raster;
+        // Outcodes: one bit for each plane of the view volume (Cohen and Sutherland).
         let near = match raster.depth_range {
             crate::state::DepthRange::ZeroToOne => z < 0.0,
             crate::state::DepthRange::MinusOneToOne => z < -w,
         };
         let clip = raster.depth_clip;
+        // Compare with w before the division, so that corners behind the eye get the right code.
         let bits = [w <= 0.0, near && clip, z > w && clip, x < -w, x > w, y < -w, y > w];
         Some((0..VIEW_PLANES).fold(0, |code, i| code | u32::from(bits[i as usize]) << i))
     }
@@ -83,6 +85,7 @@ impl<'a, V: Varyings> Setup<'a, V> {
             self.chunk.counters.outside += 1;
             return None;
         };
+        // Trivial rejection where all corners lie outside one plane: the conjunction of their codes is not zero.
         let (mut all, mut any) = (!0, 0);
         for vertex in vertices.clone() {
             let Some(code) = self.view_code(vertex.position) else {
@@ -106,6 +109,7 @@ impl<'a, V: Varyings> Setup<'a, V> {
     where
         V: 'v,
     {
+        // Cull distances: dropped where one of them is negative at all vertices.
         let is_out = |i: usize, v: &Vertex<V>| !is_inside(v.varyings.to_floats().as_ref()[i].into());
         let modes = V::MODES.iter().enumerate().filter(|(_, mode)| **mode == crate::varyings::Mode::Cull);
         modes.into_iter().any(|(i, _)| vertices.clone().all(|v| is_out(i, v)))
@@ -121,6 +125,7 @@ impl<'a, V: Varyings> Setup<'a, V> {
     #[inline]
     pub(super) fn pixels(&self, min: [i32; 2], max: [i32; 2], limits: ([i32; 2], [i32; 2])) -> ([i32; 2], [i32; 2]) {
         let pattern = &self.window.pattern;
+        // First pixel whose last sample may lie inside, and last pixel whose first sample may.
         let first = |axis: usize| (min[axis] - pattern.max[axis] + SUBPIXELS - 1).div_euclid(SUBPIXELS);
         let last = |axis: usize| (max[axis] - pattern.min[axis]).div_euclid(SUBPIXELS) + 1;
         ([0, 1].map(|i| first(i).max(limits.0[i])), [0, 1].map(|i| last(i).min(limits.1[i])))
@@ -135,6 +140,7 @@ impl<'a, V: Varyings> Setup<'a, V> {
         for (i, mode) in V::MODES.iter().enumerate() {
             attributes.push(if *mode == crate::varyings::Mode::Flat { provoking.as_ref()[i] } else { a[i] });
         }
+        // Store differences to the first corner: interpolation is then two multiplications and additions.
         attributes.extend(b.iter().zip(a).map(|(b, a)| b - a));
         attributes.extend(c.iter().zip(a).map(|(c, a)| c - a));
         start
@@ -150,6 +156,7 @@ impl<'a, V: Varyings> Setup<'a, V> {
         let number = self.chunk.primitives.len() as u32;
         let extent = self.window.extent;
         let tile = TILE as i32;
+        // List the primitive in every tile of its box; tiles that an edge excludes are left out where the box is large.
         let [first, last] = [min.map(|x| x / tile), max.map(|x| (x - 1) / tile)];
         let many = first[0] != last[0] && first[1] != last[1];
         let before = self.pairs.len();
@@ -158,6 +165,7 @@ impl<'a, V: Varyings> Setup<'a, V> {
                 if many && misses(&primitive, column * tile, row * tile) {
                     continue;
                 }
+                // Tiles are numbered layer by layer and row by row.
                 let rows = u32::from(primitive.layer) * extent.tile_rows() + row as u32;
                 self.pairs.push((rows * extent.tile_columns() + column as u32, number));
             }
@@ -172,6 +180,7 @@ impl<'a, V: Varyings> Setup<'a, V> {
 
     /// The primitives with the lists of their tiles.
     pub fn finish(mut self) -> Chunk {
+        // Counting sort by tile: within a tile the order of submission stays.
         let mut starts = vec![0; self.window.extent.tiles() + 1];
         for (tile, _) in &self.pairs {
             starts[*tile as usize + 1] += 1;
@@ -196,12 +205,14 @@ impl<'a, V: Varyings> Setup<'a, V> {
 /// largest.
 pub(super) fn relative(inv_w: [f64; 3]) -> ([f32; 3], f32) {
     let largest = inv_w[0].max(inv_w[1]).max(inv_w[2]);
+    // Scale by the largest 1/w, so that far and near primitives have the same relative precision.
     let [a, b, c] = inv_w.map(|x| (x / largest) as f32);
     ([a, b - a, c - a], largest as f32)
 }
 
 /// True if the tile at this pixel lies outside one of the primitive's edges.
 fn misses(primitive: &Primitive, x: i32, y: i32) -> bool {
+    // The tile's corner farthest inside the edge decides.
     let corner = |gradient: i32, start: i32| {
         let start = i64::from(start) * i64::from(SUBPIXELS);
         if gradient > 0 { start + i64::from(TILE as i32 * SUBPIXELS) } else { start }

@@ -27,6 +27,7 @@ impl<V: Varyings> Setup<'_, V> {
     pub fn triangle(&mut self, vertices: [&Vertex<V>; 3], provoking: usize, id: u32) {
         let first = vertices[provoking];
         let Some((port, code)) = self.admit(first, vertices.into_iter()) else { return };
+        // Clip only what crosses the near or far plane, w = 0 or the guard band: the tiles scissor the rest.
         let corners = vertices.map(corner);
         let outside = if code != 0 || Self::HAS_CLIP {
             let (planes, count) = self.planes(port);
@@ -50,6 +51,7 @@ impl<V: Varyings> Setup<'_, V> {
             return;
         }
         let project = |i: usize| port.project(corners[i].position);
+        // A clipped triangle is a convex polygon: draw it as a fan.
         let start = project(0);
         for i in 1..count - 1 {
             self.fill(&whole, [&corners[0], &corners[i], &corners[i + 1]], [start, project(i), project(i + 1)]);
@@ -65,6 +67,7 @@ impl<V: Varyings> Setup<'_, V> {
 
     /// Twice the area in sub-pixel units, positive where corners run clockwise on the screen.
     fn area(at: [[i32; 2]; 3]) -> i64 {
+        // Twice the signed area from exact integer coordinates.
         let d = |i: usize, axis: usize| i64::from(at[i][axis]) - i64::from(at[0][axis]);
         d(1, 0) * d(2, 1) - d(1, 1) * d(2, 0)
     }
@@ -92,6 +95,7 @@ impl<V: Varyings> Setup<'_, V> {
     /// A part of a triangle that needs no clipping.
     #[inline]
     fn fill(&mut self, whole: &Whole<V>, mut corners: [&Corner<V::Floats>; 3], mut p: [window::Corner; 3]) {
+        // Reject degenerate triangles, cull by facing, and turn the rest clockwise.
         let mut area = Self::area([p[0].at, p[1].at, p[2].at]);
         if area == 0 {
             self.chunk.counters.empty += 1;
@@ -103,6 +107,7 @@ impl<V: Varyings> Setup<'_, V> {
             p.swap(1, 2);
             area = -area;
         }
+        // Bounding box in sub-pixels, then in pixels.
         let bound = |axis: usize| {
             let [a, b, c] = p.map(|corner| corner.at[axis]);
             (a.min(b).min(c), a.max(b).max(c))
@@ -110,6 +115,7 @@ impl<V: Varyings> Setup<'_, V> {
         let ((x0, x1), (y0, y1)) = (bound(0), bound(1));
         let limits = (whole.port.min, whole.port.max);
         let conservative = self.window.raster.conservative;
+        // Pixels whose centre or samples the box may hold; overestimation takes every pixel it touches.
         let (min, max) = if conservative == Conservative::Overestimate {
             let first = |x: i32| (x - 1).div_euclid(SUBPIXELS);
             let last = |x: i32| x.div_euclid(SUBPIXELS) + 1;
@@ -124,6 +130,7 @@ impl<V: Varyings> Setup<'_, V> {
             self.chunk.counters.empty += 1;
             return;
         }
+        // Edge i lies opposite corner i and excludes what the top-left rule gives to the neighbour.
         let mut edges = [
             Edge::between(p[1].at, p[2].at),
             Edge::between(p[2].at, p[0].at),
@@ -136,10 +143,13 @@ impl<V: Varyings> Setup<'_, V> {
         if conservative != Conservative::Off {
             for (i, edge) in edges[..3].iter_mut().enumerate() {
                 *edge = Edge::through(p[(i + 1) % 3].at, p[(i + 2) % 3].at);
+                // Move the edges by half a pixel's extent along their normals: outwards for over-, inwards for
+                // underestimation (Hasselgren, Akenine-Möller, Ohlsson, GPU Gems 2, ch. 42).
                 let half = i64::from(SUBPIXELS / 2) * (i64::from(edge.a.abs()) + i64::from(edge.b.abs()));
                 edge.c += if conservative == Conservative::Overestimate { half } else { -half };
             }
         }
+        // Depth is linear in the window after the division by w: gradients from the differences of the corners.
         let rise = [p[1].depth - p[0].depth, p[2].depth - p[0].depth];
         let slope = [0, 1].map(|axis| weights[0][axis] * rise[0] + weights[1][axis] * rise[1]);
         let depths = p.map(|corner| corner.depth);
@@ -173,6 +183,7 @@ impl<V: Varyings> Setup<'_, V> {
         if bias.constant == 0.0 && bias.slope == 0.0 {
             return 0.0;
         }
+        // Bias = constant·r + slope·max(|∂z/∂x|, |∂z/∂y|), with r the smallest step of the format at the largest depth.
         let largest = depths[0].abs().max(depths[1].abs()).max(depths[2].abs());
         let step = self.window.depth_format.smallest_step(largest as f32);
         let steepest = slope[0].abs().max(slope[1].abs());
@@ -195,6 +206,7 @@ impl<V: Varyings> Setup<'_, V> {
             self.chunk.counters.outside += 1;
             return;
         }
+        // Facing of the visible part: the sum of the fan's signed areas.
         let at = |i: usize| whole.port.project(polygon.corners[i].position).at;
         let area = (1..polygon.count - 1).map(|i| Self::area([at(0), at(i), at(i + 1)])).sum();
         let Some(front) = self.facing(area) else { return };

@@ -74,6 +74,7 @@ impl Port {
         let half = [f64::from(viewport.width) / 2.0, f64::from(viewport.height) / 2.0];
         let centre = [f64::from(viewport.x) + half[0], f64::from(viewport.y) + half[1]];
         let (near, far) = (f64::from(viewport.near), f64::from(viewport.far));
+        // Viewport transform of depth: z_w = z·scale + offset.
         let (depth_scale, depth_offset) = match range {
             DepthRange::ZeroToOne => (far - near, near),
             DepthRange::MinusOneToOne => ((far - near) / 2.0, (far + near) / 2.0),
@@ -87,6 +88,7 @@ impl Port {
                 open_max[axis] = (start[axis].saturating_add(length[axis]).min(MAX_SIZE) as i32).min(size[axis]);
             }
         }
+        // Viewport, scissor and framebuffer limit the pixels that may be drawn.
         let (mut min, mut max) = (open_min, open_max);
         let start = [viewport.x, viewport.y];
         let length = [viewport.width, viewport.height];
@@ -101,6 +103,7 @@ impl Port {
             depth_scale,
             depth_offset,
             depth_range: [viewport.near.min(viewport.far), viewport.near.max(viewport.far)],
+            // Guard band in units of half viewports: up to where fixed-point coordinates stay exact.
             guard: [0, 1].map(|axis| (LARGEST - centre[axis].abs()) / half[axis]),
             min,
             max,
@@ -112,6 +115,7 @@ impl Port {
     /// The corner at a position inside the guard band with w > 0.
     #[inline]
     pub fn project(&self, position: Vec4) -> Corner {
+        // Perspective division, viewport transform, and rounding to sub-pixels.
         let inv_w = 1.0 / f64::from(position.w);
         let x = self.centre[0] + f64::from(position.x) * inv_w * self.half[0];
         // Clip space has y up, the window y down.

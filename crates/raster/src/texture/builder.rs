@@ -50,6 +50,7 @@ impl TextureBuilder {
         };
         let (format, size) = (*format, *size);
         self.kind.check(size, CALL)?;
+        // Levels run from the base to one texel, or to the last one that counts.
         let last = if mipmapped { (self.base + size.levels() - 1).min(self.largest.max(self.base)) } else { self.base };
         let count = last - self.base + 1;
         let mut texture = Texture::new(self.kind, format, size, count)?;

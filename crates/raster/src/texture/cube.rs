@@ -6,6 +6,7 @@ use glam::Vec3;
 pub(super) fn face(direction: Vec3) -> (u32, [f32; 2]) {
     let Vec3 { x, y, z } = direction;
     let (ax, ay, az) = (x.abs(), y.abs(), z.abs());
+    // The axis of greatest magnitude selects the face; the other two coordinates, divided by it, are the place there.
     let (face, s, t, major) = if ax >= ay && ax >= az {
         if x >= 0.0 { (0, -z, -y, ax) } else { (1, z, -y, ax) }
     } else if ay >= az {

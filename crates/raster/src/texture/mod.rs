@@ -269,11 +269,13 @@ impl Texture {
         let (fine, coarse) = (self.size.level(from), self.size.level(to));
         let parts = |axis: usize| {
             let [fine, coarse] = [fine, coarse].map(|s| f64::from([s.width, s.height, s.depth][axis]));
+            // A texel of the coarse level covers this interval of fine texels; partial ones count by their share.
             let (low, high) = (f64::from(at[axis]) * fine / coarse, f64::from(at[axis] + 1) * fine / coarse);
             let texels = low as u32..high.ceil() as u32;
             texels.map(move |i| (i, (high.min(f64::from(i + 1)) - low.max(f64::from(i))) as f32))
         };
         let (mut sum, mut total) = (Vec4::ZERO, 0.0);
+        // Box filter, separable in the weights.
         for (z, wz) in parts(2) {
             for (y, wy) in parts(1) {
                 for (x, wx) in parts(0) {

@@ -32,6 +32,7 @@ impl Wrap {
         let at = match self {
             Self::Repeat => i.rem_euclid(n),
             Self::Mirror => {
+                // Period 2n: forwards, then backwards.
                 let i = i.rem_euclid(2 * n);
                 if i < n { i } else { 2 * n - 1 - i }
             }
@@ -146,6 +147,7 @@ impl Sampler {
 
     /// Share of the texels that pass the comparison of `reference` with them, filtered: 1 if all do.
     pub fn compare(&self, view: &TextureView, at: Vec4, reference: f32, lod: Lod) -> f32 {
+        // References are clamped for fixed-point depths, whose values lie in [0, 1].
         let fixed = view.format.numeric() == Numeric::Depth && view.format.bits()[0] != 32;
         let reference = if fixed { reference.clamp(0.0, 1.0) } else { reference };
         self.lookup(view, at, lod, &|texel| Vec4::splat(f32::from(u8::from(self.compare.passes(reference, texel.x))))).x
@@ -157,9 +159,11 @@ impl Sampler {
             Lod::Level(level) => (level, 1, Vec3::ZERO),
             Lod::Gradients(dx, dy) => self.footprint(view, &place, dx, dy),
         };
+        // λ = λ_base + bias, clamped to the range of the sampler.
         let lod = (lod + self.lod_bias).clamp(self.lod_range[0], self.lod_range[1]);
         let lod = if lod.is_nan() { 0.0 } else { lod };
         let mut sum = Vec4::ZERO;
+        // Average samples spread evenly along the longer axis of the footprint.
         for i in 0..samples {
             let along = (i as f32 + 0.5) / samples as f32 - 0.5;
             let moved = Place { at: place.at + axis * along, ..place };
@@ -173,19 +177,23 @@ impl Sampler {
     fn footprint(&self, view: &TextureView, place: &Place, dx: Vec3, dy: Vec3) -> (f32, u32, Vec3) {
         let size = view.size(0);
         let texels = Vec3::new(size.width as f32, size.height as f32, size.depth as f32);
+        // Lengths of the footprint's axes in texels of level 0.
         let (dx, dy) = place.on_face(dx, dy);
         let [px, py] = [dx, dy].map(|d| (d * texels).length());
         let (longer, shorter) = (px.max(py), px.min(py));
+        // N = ⌈ρ_max/ρ_min⌉ samples, at most the limit; where that bites, the shorter axis is taken to be longer.
         let samples = if self.anisotropy > 1 && longer > 0.0 {
             (longer / shorter.max(longer / self.anisotropy as f32)).ceil().clamp(1.0, self.anisotropy as f32)
         } else {
             1.0
         };
         let axis = if samples > 1.0 { if px > py { dx } else { dy } } else { Vec3::ZERO };
+        // λ = log₂(ρ_max/N).
         ((longer / samples).log2(), samples as u32, axis)
     }
 
     fn at_lod(&self, view: &TextureView, place: &Place, lod: f32, value: &impl Fn(Vec4) -> Vec4) -> Vec4 {
+        // Magnification: a texel covers more than a pixel.
         if lod <= 0.0 {
             return self.at_level(view, place, 0, self.magnify, value);
         }
@@ -198,6 +206,7 @@ impl Sampler {
                 self.at_level(view, place, level, self.minify, value)
             }
             Some(Filter::Linear) => {
+                // Trilinear: blend the two levels on either side of λ.
                 let fine = (lod.floor()).min(last as f32) as u32;
                 let weight = if fine == last { 0.0 } else { lod - fine as f32 };
                 let first = self.at_level(view, place, fine, self.minify, value);
@@ -221,6 +230,7 @@ impl Sampler {
         let n = [size.width, size.height, size.depth];
         let texel = |i: [i64; 3]| value(self.texel(view, place, level, n, i));
         let at = place.at.to_array();
+        // The texel that contains the point.
         if filter == Filter::Nearest {
             return texel(std::array::from_fn(|d| whole(at[d] * n[d] as f32)));
         }
@@ -233,6 +243,7 @@ impl Sampler {
             weight[d] = if u.is_finite() { u - u.floor() } else { 0.0 };
         }
         let mut sum = Vec4::ZERO;
+        // Multilinear: 2^d texels, each weighted by the product of its distances.
         for corner in 0..1usize << place.dimensions {
             let bit = |d: usize| corner >> d & 1;
             let w: f32 = (0..place.dimensions).map(|d| if bit(d) == 1 { weight[d] } else { 1.0 - weight[d] }).product();
@@ -313,6 +324,7 @@ impl Place {
             return (used(dx), used(dy));
         };
         // s = ½(sc/|ma| + 1): the derivative of a quotient.
+        // With ma the major coordinate: ds = ½(d(sc) − (sc/ma)·d(ma))/|ma|.
         let axis = (face / 2) as usize;
         let major = self.direction[axis].abs().max(1e-20);
         let [s, t] = [self.at.x, self.at.y].map(|x| 2.0 * x - 1.0);

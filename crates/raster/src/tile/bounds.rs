@@ -39,6 +39,8 @@ impl DepthPlan {
     #[inline]
     pub fn bounds(&self, primitive: &Primitive, pattern: &Pattern, pixel: [i32; 2]) -> [f32; 2] {
         let units = f64::from(SUBPIXELS);
+        // Interval arithmetic on the depth plane: each axis adds its least and greatest change over the samples of the
+        // block.
         let [start, dx, dy] = primitive.depth;
         let along = |gradient: f64, axis: usize| {
             let at = f64::from(pixel[axis]) - primitive.origin[axis];
@@ -67,6 +69,8 @@ impl<F: FragmentShader> TileDrawer<'_, F> {
         }
         let bounds = &mut tile.bounds[block];
         let new = if self.plan.shader_depth { [0.0, 1.0] } else { new };
+        // A passed less-test can only lower depths: the lower bound follows the primitive, the upper one falls only
+        // where the whole block was overwritten.
         match depth.compare {
             Compare::Less | Compare::LessEqual => {
                 bounds[0] = bounds[0].min(new[0]);
@@ -83,12 +87,15 @@ impl<F: FragmentShader> TileDrawer<'_, F> {
             Compare::Never => {}
             _ => *bounds = [bounds[0].min(new[0]), bounds[1].max(new[1])],
         }
+        // Bounds loosen as parts are drawn: after several of them take the exact minimum and maximum of the stored
+        // depths.
         self.parts[block] += u8::from(!whole);
         if self.parts[block] >= PARTS {
             self.parts[block] = 0;
             let mut tight = [[f32::INFINITY; 8], [f32::NEG_INFINITY; 8]];
             for sample in 0..self.pattern.count {
                 let start = sample * TILE_PIXELS + block * BLOCK_PIXELS;
+                // Eight running minima and maxima fill vector registers.
                 for row in tile.depths[start..start + BLOCK_PIXELS].chunks_exact(8) {
                     for i in 0..8 {
                         tight[0][i] = if row[i] < tight[0][i] { row[i] } else { tight[0][i] };

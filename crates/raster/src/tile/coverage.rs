@@ -30,11 +30,15 @@ impl Block {
         let mut edges = [(Edge::default(), 0); 4];
         let mut count = 0;
         for edge in &primitive.edges[..usize::from(primitive.edge_count)] {
+            // Evaluate each edge at the corner of the sample box farthest inside and at the one farthest outside
+            // (Pineda, "A Parallel Algorithm for Polygon Rasterization", SIGGRAPH 1988).
             let (x0, x1) = if edge.a > 0 { (low[0], high[0]) } else { (high[0], low[0]) };
             let (y0, y1) = if edge.b > 0 { (low[1], high[1]) } else { (high[1], low[1]) };
+            // The most inner corner is outside: the edge rejects the block.
             if edge.at(x1, y1) < 0 {
                 return None;
             }
+            // Only an edge that crosses the block needs a test at each sample.
             if edge.at(x0, y0) < 0 {
                 edges[count] = (*edge, edge.at(at[0], at[1]));
                 count += 1;
@@ -44,6 +48,7 @@ impl Block {
             [(primitive.min[axis] - pixel[axis]).clamp(0, size), (primitive.max[axis] - pixel[axis]).clamp(0, size)]
         };
         let [first, end] = within(0);
+        // Restrict to the columns of the primitive's box, as a bit mask.
         let columns = if first < end { ((1u16 << (end - first)) - 1) << first } else { 0 };
         Some(Self { edges, count, columns, rows: within(1) })
     }
@@ -81,9 +86,11 @@ impl Block {
     fn inside(&self, offset: [i32; 2], row: i32) -> u16 {
         let mut all = [0i32; 16];
         for (edge, corner) in &self.edges[..self.count] {
+            // Edge function at the first pixel's sample, then steps by its gradients: sixteen pixels at a time.
             let start = corner + i64::from(edge.a) * i64::from(offset[0]) + i64::from(edge.b) * i64::from(offset[1]);
             let start = (start >> SUBPIXELS.trailing_zeros()) as i32 + edge.b * row;
             for (i, all) in all.iter_mut().enumerate() {
+                // The sign bit of the disjunction is set where any edge function is negative.
                 *all |= start + edge.a * COLUMN[i] + edge.b * ROW[i];
             }
         }

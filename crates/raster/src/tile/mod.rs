@@ -71,6 +71,7 @@ impl<'a, F: FragmentShader> TileDrawer<'a, F> {
     pub fn draw(&mut self, tile: &mut Tile, number: usize, chunks: &[Chunk]) {
         self.parts = [0; TILE_BLOCKS];
         for chunk in chunks {
+            // Chunks and the lists in them keep the order of submission, which blending and equal depths depend on.
             let [start, end] = [chunk.starts[number], chunk.starts[number + 1]];
             for &place in &chunk.list[start as usize..end as usize] {
                 let primitive = &chunk.primitives[place as usize];
@@ -82,6 +83,7 @@ impl<'a, F: FragmentShader> TileDrawer<'a, F> {
     fn primitive(&mut self, tile: &mut Tile, primitive: &Primitive, attributes: &[f32]) {
         let origin = tile.origin.map(|x| x as i32);
         let block = BLOCK as i32;
+        // Visit the blocks of 8×8 pixels that the primitive's box touches.
         let from = [0, 1].map(|i| (primitive.min[i] - origin[i]).max(0) / block);
         let to = [0, 1].map(|i| ((primitive.max[i] - origin[i]).min(TILE as i32) + block - 1) / block);
         for row in from[1]..to[1] {
@@ -94,6 +96,7 @@ impl<'a, F: FragmentShader> TileDrawer<'a, F> {
 
     fn block(&mut self, tile: &mut Tile, primitive: &Primitive, attributes: &[f32], block: usize, pixel: [i32; 2]) {
         let Some(coverage) = coverage::Block::new(primitive, self.pattern, pixel) else { return };
+        // Hierarchical depth test: skip the block where the primitive lies behind all that is stored there.
         let bounds = self.plan.depth.as_ref().map(|depth| depth.bounds(primitive, self.pattern, pixel));
         if let Some(bounds) = bounds
             && self.plan.hidden_by.hides(bounds, tile.bounds[block])
@@ -111,6 +114,7 @@ impl<'a, F: FragmentShader> TileDrawer<'a, F> {
                 self.strip(tile, primitive, attributes, strip, masks);
             }
         }
+        // The upper depth bound may move only if every sample of the block was certainly written.
         if let (true, Some(bounds)) = (any, bounds) {
             let whole = coverage.is_whole() && self.plan.early && self.state.stencil.is_none() && self.all_samples();
             self.update_bounds(tile, block, bounds, whole);
@@ -126,6 +130,8 @@ impl<'a, F: FragmentShader> TileDrawer<'a, F> {
         let count = self.pattern.count;
         let union = |masks: &Masks| masks[..count].iter().fold(0, |all, m| all | m);
         self.counters.covered_pixels += u64::from(union(&masks).count_ones());
+        // Early tests shade only what is visible. Otherwise samples that are certainly hidden are dropped, and tests
+        // follow the shader.
         if self.plan.early {
             for (sample, mask) in masks[..count].iter_mut().enumerate() {
                 *mask = self.test(tile, primitive, strip, sample, *mask, None);
@@ -138,10 +144,12 @@ impl<'a, F: FragmentShader> TileDrawer<'a, F> {
         if union(&masks) == 0 {
             return;
         }
+        // Depth-only passes end here.
         if F::EMPTY && self.plan.early {
             self.count_samples(&masks);
             return;
         }
+        // Sample shading: one invocation for each covered sample.
         if self.plan.per_sample {
             for sample in 0..count {
                 let mut one = [0; 16];

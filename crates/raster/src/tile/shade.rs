@@ -31,18 +31,23 @@ impl Weights {
     #[inline(always)]
     fn new(primitive: &Primitive, pixel: [i32; 2], points: [[f32; 2]; 4]) -> Self {
         let at = [0, 1].map(|axis| f64::from(pixel[axis]) - primitive.origin[axis]);
+        // Barycentric weights at the points, as planes in the window; the start is found in `f64` so that far origins
+        // lose nothing.
         let linear = primitive.weights.map(|[gx, gy]| {
             let start = (gx * at[0] + gy * at[1]) as f32;
             let (gx, gy) = (gx as f32, gy as f32);
             points.map(|[x, y]| start + (gx * x + gy * y))
         });
         let [first, second, third] = primitive.inv_w;
+        // Equal w at all corners: the map to the window is affine, and no division is needed.
         if second == 0.0 && third == 0.0 {
             return Self { linear, perspective: linear, inv_w: [first * primitive.inv_w_scale; 4] };
         }
         let mut perspective = linear;
         let mut inv_w = [0.0; 4];
         for i in 0..4 {
+            // 1/w is linear in the window; weights with perspective are b_i·(1/w_i)/(1/w) (Blinn, "Hyperbolic
+            // Interpolation", 1992).
             let relative = first + (linear[0][i] * second + linear[1][i] * third);
             // Helpers may lie where the plane of the primitive meets the eye's.
             let w = 1.0 / if relative.abs() > 1e-30 { relative } else { 1e-30 };
@@ -70,6 +75,8 @@ impl<F: FragmentShader> TileDrawer<'_, F> {
         let union = masks[..count].iter().fold(0, |all, m| all | m);
         let mut outputs: [Option<[F::Output; 4]>; 4] = [None; 4];
         for (q, output) in outputs.iter_mut().enumerate() {
+            // Shade whole quads, with helpers where pixels are uncovered, so that differences between neighbours are
+            // derivatives.
             let lanes = quad_lanes(q);
             if lanes.iter().any(|lane| union >> lane & 1 != 0) {
                 let quad = self.quad(tile.layer, primitive, attributes, (strip, q), &masks, sample);
@@ -83,6 +90,7 @@ impl<F: FragmentShader> TileDrawer<'_, F> {
                 *output = Some(shaded);
             }
         }
+        // Late tests, for shaders that discard or set depth.
         if !self.plan.early {
             for (s, mask) in masks[..count].iter_mut().enumerate() {
                 let depths = self.plan.shader_depth.then(|| self.shader_depths(primitive, strip, s, &outputs));
@@ -124,6 +132,7 @@ impl<F: FragmentShader> TileDrawer<'_, F> {
             for (lane, output) in quad_lanes(q).into_iter().zip(output) {
                 let given = output.depth();
                 let given = if given.is_nan() { far } else { given.clamp(near, far) };
+                // Conservative depth: a declared direction limits what the shader may do to the interpolated depth.
                 depths[lane] = match F::Output::DEPTH {
                     DepthOutput::Greater => given.max(depths[lane]),
                     DepthOutput::Less => given.min(depths[lane]),
@@ -156,6 +165,7 @@ impl<F: FragmentShader> TileDrawer<'_, F> {
         let pixel = [strip.pixel[0] + 2 * q as i32, strip.pixel[1]];
         let point = |lane: usize, [x, y]: [f32; 2]| [(lane & 1) as f32 + x, (lane >> 1) as f32 + y];
         let weights = Weights::new(primitive, pixel, std::array::from_fn(|lane| point(lane, centre)));
+        // Extrapolation at uncovered centres is avoided by moving the point to the centroid of the covered samples.
         let centroids = if any_centroid(modes) && count > 1 && sample.is_none() {
             let points = std::array::from_fn(|lane| point(lane, self.centroid(coverage[lane])));
             Some(Weights::new(primitive, pixel, points))
@@ -179,6 +189,7 @@ impl<F: FragmentShader> TileDrawer<'_, F> {
                 Mode::Centroid => &at_centroid.perspective,
                 Mode::Perspective | Mode::Sample | Mode::Clip | Mode::Cull => &weights.perspective,
             };
+            // Attribute plane: a₀ + u·(a₁ − a₀) + v·(a₂ − a₀).
             for lane in 0..4 {
                 float[lane] = first[i] + (u[lane] * second[i] + v[lane] * third[i]);
             }
@@ -209,6 +220,7 @@ impl<F: FragmentShader> TileDrawer<'_, F> {
         if coverage == 0 || coverage.count_ones() as usize == count {
             return [0.5; 2];
         }
+        // Average the offsets of the covered samples.
         let mut sum = [0; 2];
         for sample in (0..count).filter(|s| coverage >> s & 1 != 0) {
             sum = [0, 1].map(|axis| sum[axis] + self.pattern.offsets[sample][axis]);

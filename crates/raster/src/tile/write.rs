@@ -34,6 +34,7 @@ impl ColorPlan {
         };
         let constant = Vec4::from_array(constant);
         let constant = limits.map_or(constant, |(low, high)| constant.clamp(low, high));
+        // Logic operations are ignored for floating-point and sRGB formats, as OpenGL has it.
         let logic = logic.filter(|_| !matches!(format.numeric(), Numeric::Float | Numeric::Srgb));
         Self { format, bytes: format.bytes(), blend: state.blend, logic, write: state.write, constant, limits }
     }
@@ -45,6 +46,7 @@ impl ColorPlan {
 
     /// Writes one sample that depends on what is there.
     fn combine(&self, texel: &mut [u8], source: Vec4, second: Vec4) {
+        // Read, modify, write: a logic operation on the encoded bits, or blending of the decoded colours.
         let old = self.format.read(texel);
         if let Some(op) = self.logic {
             let mut new = [0; 16];
@@ -87,6 +89,7 @@ impl<F: FragmentShader> TileDrawer<'_, F> {
         for (target, plan) in self.plan.colors.iter().enumerate().take(F::Output::COLORS) {
             let Some(plan) = plan else { continue };
             let texels = &mut *tile.colors[target];
+            // Write quad by quad, lane by lane, and within a pixel every covered sample.
             for (q, quad) in outputs.iter().enumerate() {
                 let Some(quad) = quad else { continue };
                 for (lane, output) in quad_lanes(q).into_iter().zip(quad) {
@@ -100,10 +103,12 @@ impl<F: FragmentShader> TileDrawer<'_, F> {
                     if self.state.multisample.alpha_to_one {
                         color.w = 1.0;
                     }
+                    // The common case: one sample that replaces what is there.
                     if plan.replaces() && count == 1 {
                         plan.format.write(color, &mut texels[(start + lane) * plan.bytes..]);
                         continue;
                     }
+                    // Encode once for all samples of the pixel.
                     let mut texel = [0; 16];
                     if plan.replaces() {
                         plan.format.write(color, &mut texel);
@@ -128,8 +133,10 @@ fn smooth_coverage(primitive: &Primitive, strip: Strip, lane: usize) -> f32 {
     let half_pixel = 0.5;
     let at = [lane as i32 % 8, lane as i32 / 8];
     let p = [0, 1].map(|axis| f64::from(strip.pixel[axis] + at[axis]) + half_pixel - primitive.origin[axis]);
+    // Distances of the pixel's centre along the line and across it.
     let [along, across] = primitive.weights.map(|g| (g[0] * p[0] + g[1] * p[1]) as f32);
     let [half_width, length] = primitive.line;
+    // Linear ramps at both sides and at both ends; thin lines never exceed their width.
     let beside = (half_width + 0.5 - across.abs()).clamp(0.0, 1.0).min(2.0 * half_width);
     let from_end = (along * length).min((1.0 - along) * length);
     beside * (from_end + 0.5).clamp(0.0, 1.0)
