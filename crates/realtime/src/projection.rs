@@ -51,6 +51,8 @@ impl Warp {
     /// crosses the frame.
     pub fn new(forward: Mat3) -> Option<Self> {
         let inverse = forward.inverse();
+        // The divisor is linear over the frame, so that its extremes are at the corners. It must be positive
+        // everywhere, or the horizon would cross the frame.
         let corners = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
         let scales = corners.map(|[x, y]| (inverse * Vec3::new(x, y, 1.0)).z);
         let (least, largest) = scales.iter().fold((f32::MAX, 0f32), |(a, b), s| (a.min(*s), b.max(*s)));
@@ -100,6 +102,7 @@ impl Projected {
             let most = steradian_raster::state::MAX_SIZE;
             return Err(Error::Scene(format!("raster draws frames up to {most} x {most} pixels")));
         }
+        // The far plane follows from the scene's extent along the axis.
         let [x0, x1, y0, y1] = camera.window;
         let camera_from_world = camera.world_from_camera.inverse();
         let (center, radius) = crate::extent(scene);
@@ -196,6 +199,7 @@ impl Projected {
 
     /// A point with weight `w`, or with 0 a direction, in clip space. Depths are not held to the range.
     pub(crate) fn clip_homogeneous(&self, p: Vec4) -> Vec4 {
+        // As `clip`, for homogeneous points: w = 0 is a direction, whose image is its vanishing point.
         let c = self.camera_from_world.m * p;
         let [x_sum, x_size, y_sum, y_size] = self.window;
         if self.perspective {
@@ -247,6 +251,8 @@ impl Projected {
     /// A point of the world in clip space.
     #[inline]
     pub fn clip(&self, p: Vec3) -> Vec4 {
+        // From camera space to clip space: x and y relative to the window, w the distance along the axis. Perspective
+        // depth is near/z, reversed (Lapidous, Jiao 1999).
         let c = self.camera_from_world.point(p);
         let [x_sum, x_size, y_sum, y_size] = self.window;
         let clip = if self.perspective {
@@ -257,6 +263,7 @@ impl Projected {
             Vec4::new((2.0 * c.x - x_sum) / x_size, (2.0 * c.y - y_sum) / y_size, depth, 1.0)
         };
         match self.light {
+            // The warp acts on (x, y, w) and leaves z.
             Some(LightFrame { warp: Some(warp), .. }) => {
                 let bent = warp.forward * Vec3::new(clip.x, clip.y, clip.w);
                 Vec4::new(bent.x, bent.y, clip.z, bent.z)

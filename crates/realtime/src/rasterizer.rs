@@ -78,6 +78,7 @@ impl Rasterizer {
     fn draw(&self, run: &Run<'_>, number: u32, film: &mut PassFilm<'_>) -> Result<Option<Counters>, Error> {
         let Some((list, pool)) = self.preparation.get() else { return Ok(None) };
         let drawing = pool.install(|| self.drawing(run, list, number))?;
+        // The painter's algorithm has no right order for all scenes: its errors are counted against the depth buffer.
         if number == 0 && self.options.visibility == Method::Painter {
             let right = pool.install(|| Visibility::draw(run.scene, list, &drawing.projected))?;
             let _ = self.wrong.set(drawing.visibility.differing(&right));
@@ -86,6 +87,7 @@ impl Rasterizer {
             return Ok(None);
         }
         let of_pass;
+        // Shadow data of pixels (volumes, planes) belong to one subpixel position; maps serve all passes.
         let shadows = if self.options.shadows.is_of_pixels() {
             of_pass = pool.install(|| self.shadowing(&drawing))?;
             &of_pass
@@ -166,6 +168,8 @@ impl Rasterizer {
             radiance = Spectrum::ZERO;
             counters.by_group.fill(radiance);
         }
+        // Exposure may clamp the radiance; the light of groups is scaled alike, so that groups still add up to the
+        // picture.
         let exposed = scene.film().exposed(radiance);
         let scale = if exposed.is_black() { 0.0 } else { exposed.max_element() / radiance.max_element() };
         let rgb = |light| scene.film().to_rgb(light, &lambda, scene.mode()) * drawing.weight;

@@ -108,6 +108,7 @@ impl Numbers {
     }
 
     pub fn get_2d(&self, purpose: u32, index: u32) -> Vec2 {
+        // A rotation of the Kronecker sequence frac(n α) by a hash (Cranley, Patterson 1976).
         let turn = |hash: u32, step: f64| {
             let x = f64::from(hash) / 4_294_967_296.0 + step * f64::from(self.start.wrapping_add(index));
             (x.fract() as f32).min(1.0 - f32::EPSILON)
@@ -123,6 +124,8 @@ impl<'a> Shader<'a> {
         let seed = (self.seed ^ self.seed >> 32) as u32;
         let seed = seed.wrapping_mul(0x85eb_ca6b);
         if self.is_preview() {
+            // Neighbouring pixels take neighbouring points of one sequence along the Z-order curve, so that the filter
+            // averages a stratified set.
             let start = morton(at).wrapping_add(self.pass.wrapping_mul(0x9e37_79b9));
             return Numbers { pixel: seed, start, is_shared: true };
         }
@@ -186,16 +189,19 @@ impl<'a> Shader<'a> {
         let mut sum = Spectrum::ZERO;
         // Each mirror, pane and interface is one round.
         for round in path.round..path.round + self.options.bounces + MOST_PASSED {
+            // The background, unless a light sample has accounted for it.
             let CameraPath { ray, hit, beta, .. } = path;
             let Some(found) = hit else {
                 return if path.sees_lights { sum + self.background(&ray, beta, lambda, trace) } else { sum };
             };
+            // Emission, seen directly or by mirrors.
             let i = scene.interaction_of_light(&ray, &found);
             // What no light sample finds, such as an infinite plane, is found here alone.
             let is_sampled = || scene.light(&i).is_some();
             if path.sees_lights || (path.events > 0 && !is_sampled()) {
                 sum += self.emission(&i, beta, lambda, trace);
             }
+            // Scattering of the surface; interfaces and hidden lights have none, and are passed straight.
             let choice = numbers.get_2d(1 + 8 * round, self.pass).x;
             let surface = match path.passes_straight(scene, &i) {
                 true => None,
@@ -208,6 +214,7 @@ impl<'a> Shader<'a> {
                 }
                 Some(_) if path.events >= self.depth.max => return sum,
                 Some((scattering, frame)) => {
+                    // Direct light; then only specular lobes go on.
                     let ctx = nee::context(&i, &frame, &scattering.bsdf);
                     let point = Point { i, frame, scattering, ctx, lambda: *lambda, beta, numbers, round };
                     sum += self.direct(&point, trace);
@@ -220,6 +227,8 @@ impl<'a> Shader<'a> {
                     path = self.extended(&point, &s, path);
                 }
             }
+            // From here on the point is no longer the one that the pixel sees, so that shadow data of the picture do
+            // not apply.
             trace.pixel = None;
             if trace.counters.stop.is_asked() {
                 return sum;
@@ -248,6 +257,7 @@ impl<'a> Shader<'a> {
 
     /// The path on from a point in a direction that was drawn there; what it meets is yet to be found.
     pub fn extended(&self, point: &Point<'_>, s: &BsdfSample, path: CameraPath) -> CameraPath {
+        // The footprint goes along with the ray (Igehy 1999), so that textures in mirrors are filtered too.
         let ray = point.i.spawn(point.frame.to_world(s.wi));
         let differential = path
             .differential
@@ -274,6 +284,7 @@ impl<'a> Shader<'a> {
         let lights = self.scene.lights();
         let (numbers, round, points) = (point.numbers, point.round, self.options.points);
         let mut sum = Spectrum::ZERO;
+        // Many lights: one is chosen for each sample, in proportion to its bound in the light tree.
         if lights.lights.len() > FEW_LIGHTS {
             for k in 0..points {
                 let u = numbers.get_2d(4 + 8 * round, k).x;
@@ -284,6 +295,7 @@ impl<'a> Shader<'a> {
             }
             return sum + self.bsdf_sampled(point, true, trace);
         }
+        // Few lights: each is asked, with as many points as the options say.
         for (number, light) in lights.lights.iter().enumerate() {
             // Points and parallel light have one place.
             let is_delta = !matches!(light, Light::Environment(_) | Light::Area(_));
@@ -309,6 +321,8 @@ impl<'a> Shader<'a> {
         let wo = frame.to_local(i.wo);
         for k in 0..self.options.points {
             let (u, u2) = (numbers.get_2d(6 + 8 * round, k).x, numbers.get_2d(7 + 8 * round, k));
+            // The second technique of MIS: a direction by the BSDF, without specular lobes, which the path itself
+            // follows.
             let drawn = scattering.sample(wo, u, u2, TransportMode::Radiance);
             let Some(s) = drawn.filter(|s| !s.lobe.is_specular()) else { continue };
             let wi = frame.to_world(s.wi);
@@ -324,6 +338,8 @@ impl<'a> Shader<'a> {
             }
             for &light in &lights.environments {
                 let Light::Environment(e) = &lights.lights[light as usize] else { continue };
+                // Its density by light sampling. Where all lights are asked, the probability of the choice is divided
+                // out.
                 let choice = lights.probability(ctx, light);
                 let other = lights.environment_pdf(light, ctx, wi);
                 let other = if chosen || choice <= 0.0 { other } else { other / choice };
@@ -370,10 +386,12 @@ impl<'a> Shader<'a> {
         let Some(s) = self.scene.lights().sample(light, ctx, u, lambda, self.scene.textures()) else {
             return Spectrum::ZERO;
         };
+        // Before the shadow ray, since most samples behind the surface end here.
         let e = scattering.eval(frame.to_local(i.wo), frame.to_local(s.wi), TransportMode::Radiance);
         if e.value.is_black() || s.radiance.is_black() {
             return Spectrum::ZERO;
         }
+        // Visibility by the technique of the options: a share of the light, or a shadow ray.
         let lit = share.unwrap_or_else(|| self.shadows.lit(self.scene, light, i, &s, trace));
         if lit <= 0.0 {
             return Spectrum::ZERO;
@@ -393,6 +411,7 @@ impl<'a> Shader<'a> {
 
 /// The place of a pixel on the Z-order curve.
 fn morton([x, y]: [u32; 2]) -> u32 {
+    // Interleaves zeros between 16 bits.
     let spread = |x: u32| {
         let x = (x | (x << 8)) & 0x00ff_00ff;
         let x = (x | (x << 4)) & 0x0f0f_0f0f;

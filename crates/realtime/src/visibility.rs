@@ -68,6 +68,7 @@ impl Parts {
     /// The item and its part of a number.
     #[inline]
     fn find(&self, number: u32) -> Option<(u32, u32)> {
+        // Binary search: the last item that begins at or before the number.
         let place = self.items.partition_point(|(_, first)| *first <= number).checked_sub(1)?;
         let (item, first) = self.items[place];
         Some((item, number - first))
@@ -93,6 +94,8 @@ impl Visibility {
         projected: &Projected,
         method: Option<Method>,
     ) -> Result<Self, Error> {
+        // The target holds a primitive number and a reversed depth for each pixel (Burns, Hunt 2013). Shading comes
+        // later, once for each pixel rather than once for each fragment.
         let (extent, viewport) = projected.frame(scene);
         let colors = vec![ColorTarget::new(extent, Format::R32Uint)?];
         let mut target = Framebuffer::new(colors, Some(DepthTarget::new(extent, DepthFormat::Float32)?), None)?;
@@ -100,6 +103,8 @@ impl Visibility {
         let state = State { depth: Some(DepthState::GREATER), viewports: vec![viewport], ..State::default() };
         let mut stage =
             Stage { scene, list, projected, target, state, parts: Parts::default(), counters: Counters::default() };
+        // Opaque meshes first: they hide most of what needs a fragment shader with an intersection. All passes share
+        // the depth buffer, so that their order does not matter for the picture.
         match method {
             None => {}
             Some(Method::ZBuffer) => stage.meshes(false)?,
@@ -109,6 +114,7 @@ impl Visibility {
         stage.boxes(false)?;
         stage.boxes(true)?;
         stage.planes()?;
+        // Read back, row by row; 0 stands for the background.
         let bytes = stage.target.color(0).to_bytes(0);
         let numbers = bytes.par_chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
         let depths = stage.target.depth().map_or(Vec::new(), |depth| depth.to_rows(0));
@@ -141,6 +147,8 @@ pub(crate) fn fill_depths(target: &mut Framebuffer, depths: &[f32]) -> Result<()
         let [x, y] = [[-1.0, -1.0], [3.0, -1.0], [-1.0, 3.0]][(input.vertex % 3) as usize];
         Vertex::new(Vec4::new(x, y, 0.5, 1.0), ())
     };
+    // A fragment of the box becomes one of the shape: the pixel's ray is intersected, and its depth replaces that of
+    // the box.
     let shader = fragment(|f: &Fragment<()>| {
         let [x, y] = f.pixel();
         WithDepth::<()> { output: (), depth: depths.get((y * width + x) as usize).copied().unwrap_or(0.0) }
@@ -193,6 +201,7 @@ impl Stage<'_> {
             return true;
         }
         let place = item.place(self.scene);
+        // Outcodes in clip space (Cohen, Sutherland): a plane rejects the box only if it rejects all eight corners.
         let outside = (0..8).fold(!0u32, |all, i| {
             let p = self.projected.clip(place.point(bounds.corner(i)));
             let planes = [p.x < -p.w, p.x > p.w, p.y < -p.w, p.y > p.w, p.z > p.w];
@@ -212,6 +221,8 @@ impl Stage<'_> {
             return Ok(());
         }
         let Self { projected, parts, target, .. } = self;
+        // The vertex shader pulls corners by the number of the vertex; there are no vertex buffers. Corners of
+        // world-space meshes are taken as they are, so that a shared edge has the same bits in both triangles.
         let places: Vec<_> = list.items.iter().map(|item| item.place(scene)).collect();
         let vertex = |input: VertexInput| {
             let position = parts.find(start + input.vertex / 3).and_then(|(item, triangle)| {
@@ -228,6 +239,8 @@ impl Stage<'_> {
         };
         let draw = Draw::vertices(0..3 * (end - start));
         let number = |f: &Fragment<()>| start + f.primitive_id();
+        // A mask is evaluated where the pixel's ray meets the triangle, so that it has the bits that a ray tracer
+        // finds.
         self.counters += if masked {
             let shader = fragment(|f: &Fragment<()>| {
                 let number = number(f);
@@ -252,6 +265,7 @@ impl Stage<'_> {
             Shape::Mesh(mesh) if !list.geometry(scene, item).is_masked() => mesh.triangles.len() as u32,
             _ => 0,
         })?;
+        // The methods without depth buffer work on triangles of the world.
         let mut triangles = Vec::with_capacity((end - start) as usize);
         for number in start..end {
             let Some((item, triangle)) = self.parts.find(number) else { continue };
@@ -269,8 +283,11 @@ impl Stage<'_> {
         };
         let (found, largest) = order::solve(method, &triangles, self.projected, frame)?;
         let Self { state, target, projected, .. } = self;
+        // Drawn without a depth test: the order is the result. Depths are written all the same, for other shapes.
         let state = State { depth: Some(DepthState { compare: Compare::Always, write: true }), ..state.clone() };
         self.counters += match found {
+            // Back to front. A part of a cut triangle is drawn as the whole triangle, and each pixel decides by the
+            // cuts whether it belongs to the part.
             order::Found::Ordered(polygons, space) => {
                 let vertex = |input: VertexInput| {
                     let polygon = &polygons[(input.vertex / 3) as usize];
@@ -294,6 +311,7 @@ impl Stage<'_> {
                 Pipeline::new(Program::new(vertex, shader), state, target.layout())?
                     .draw(target, &Draw::vertices(0..count))?
             }
+            // Already by pixels: copied by a triangle that covers the frame.
             order::Found::Painted(painted) => {
                 let mut pixels = vec![(0, 0.0); (extent.width * extent.height) as usize];
                 for one in painted {
@@ -347,6 +365,7 @@ impl Stage<'_> {
             let hit = meet(scene, &list.items[item as usize], part, &ray, Border::Excluded)?;
             Some(WithDepth::<UVec4> { output: UVec4::splat(number + 1), depth: projected.depth(ray.at(hit.t)) })
         });
+        // Front faces are culled, so that each pixel of the box is shaded once, from inside the box too.
         let turned = projected.is_mirrored() != mirrored;
         let front_face = if turned { FrontFace::Clockwise } else { FrontFace::CounterClockwise };
         let state = State {
@@ -397,6 +416,7 @@ pub(crate) fn meet(scene: &Scene, item: &Item, part: u32, ray: &Ray, border: Bor
     let hit = |h: steradian_accel::UserHit| Hit { t: h.t, u: h.u, v: h.v, id };
     match &scene.geometries()[item.geometry as usize].shape {
         Shape::Mesh(mesh) => triangle(&ray, mesh.corners(part), border).map(|(t, u, v)| Hit { t, u, v, id }),
+        // The nearer of two roots may be masked away; then the farther one counts.
         Shape::Quadric(q) => {
             let first = q.intersect(&ray)?;
             if scene.counts(&hit(first), &ray) {
@@ -420,6 +440,7 @@ pub(crate) fn meet(scene: &Scene, item: &Item, part: u32, ray: &Ray, border: Bor
 
 /// Distance and weights of the second and third corner (Möller, Trumbore 1997).
 fn triangle(ray: &Ray, [a, b, c]: [Vec3; 3], border: Border) -> Option<(f32, f32, f32)> {
+    // Cramer's rule for o + t d = a + u e1 + v e2.
     let (e1, e2) = (b - a, c - a);
     let p = ray.direction.cross(e2);
     let det = e1.dot(p);

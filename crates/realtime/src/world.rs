@@ -79,6 +79,7 @@ impl World {
     }
 
     fn search(&self, scene: &Scene, ray: &Ray, flags: RayFlags) -> Option<Hit> {
+        // A ray query without shaders: the loop below is what any-hit and intersection shaders would be.
         let desc = RayDesc::new(ray.origin, ray.direction).with_extents(0.0, ray.t_max);
         // A ray that breaks a rule (one with a NaN) meets nothing.
         let mut query = RayQuery::new(Some(&self.top), flags, MASK, desc).ok()?;
@@ -97,6 +98,7 @@ impl World {
                     let Some(item) = self.item(candidate.primitive().custom_index()) else { continue };
                     let part = candidate.primitive().primitive_index();
                     let end = Ray { t_max: candidate.ray().t_current, ..*ray };
+                    // The shape is intersected within its box; the query keeps the nearest committed distance.
                     let found = meet(scene, item, part, &end, Border::Excluded);
                     if let Some(hit) = found.filter(|hit| candidate.generate(hit.t, SHAPE)) {
                         met = Some(hit);

@@ -114,6 +114,8 @@ impl<'a> Frame<'a> {
     pub fn indirect(&mut self) -> Result<(), Error> {
         self.write(Resource::Indirect, |frame, at, shader, trace| {
             let Some(seen) = frame.seen(at) else { return Vec3::ZERO };
+            // The lobes are divided among three terms: each draws by the whole BSDF and keeps its own lobes, so that
+            // the sum of the terms has the right expectation.
             let is_diffuse = |lobe: Lobe| !lobe.is_transmission() && lobe.is_diffuse();
             seen.surface.over_albedo(frame.bounce(&seen, shader, 1, is_diffuse, trace))
         })
@@ -146,6 +148,7 @@ impl<'a> Frame<'a> {
             let (numbers, points) = (shader.numbers(at), shader.options.points);
             let frame = steradian_math::Frame::from_z(axis);
             let open = (0..points).filter(|k| {
+                // Cosine-distributed directions: the share of open ones estimates 1/π ∫ V cosθ dω.
                 let w = frame.to_world(warp::cosine_hemisphere(numbers.get_2d(3 + 8 * 4 * ROUNDS, *k)));
                 !trace.is_occluded(shader.scene, &i.spawn_towards(w, OCCLUSION_REACH * radius))
             });
@@ -171,6 +174,7 @@ impl<'a> Frame<'a> {
     pub fn composite(&mut self, terms: &[(Resource, bool)]) -> Result<(), Error> {
         self.write(Resource::Picture, |frame, at, _, _| {
             let k = frame.index(at);
+            // Terms that were filtered over albedo get it back.
             let albedo = frame.surfaces[k].as_ref().map_or(Vec3::ZERO, |s| s.albedo);
             terms.iter().fold(Vec3::ZERO, |sum, (term, over_albedo)| {
                 let light = frame.pictures.get(term).map_or(Vec3::ZERO, |picture| picture[k]);
@@ -196,9 +200,11 @@ impl<'a> Frame<'a> {
     ) -> Vec3 {
         let numbers = shader.numbers(seen.at);
         self.at(seen, shader, term * ROUNDS, |point, lambda| {
+            // One direction for each pixel and frame; the filter does the rest.
             let drawn: Option<BsdfSample> = shader.draw(point).filter(|s| is_asked(s.lobe));
             let Some(s) = drawn.filter(|_| shader.depth.max > 0) else { return Spectrum::ZERO };
             let eye = CameraPath { round: point.round + 1, ..CameraPath::start(shader, &seen.ray, None) };
+            // Emission counts behind specular lobes only: the term of direct light has the rest by light samples.
             let path = CameraPath { sees_lights: s.lobe.is_specular(), ..shader.extended(point, &s, eye) };
             if trace.counters.stop.is_asked() {
                 return Spectrum::ZERO;

@@ -158,9 +158,11 @@ impl Hybrid {
         let passes = passes(options.filter);
         let shown = shown(options.show, options.filter);
         let picture = if options.show == Show::Graph {
+            // The diagram shows all passes, those of the occlusion view too.
             let ends = [Resource::Picture, self::shown(Show::Occlusion, options.filter)];
             diagram::draw(&graph(&passes, &ends)?, [crop.width(), crop.height()])
         } else {
+            // The graph keeps the passes that the shown resource depends on, in an order of their dependencies.
             for pass in graph(&passes, &[shown])?.passes() {
                 let start = Instant::now();
                 if let Some((_, step)) = passes.iter().find(|(node, _)| node.name == pass.name) {

@@ -91,6 +91,8 @@ pub struct Before {
 impl Before {
     /// Position of a surface point in that frame.
     pub fn place(&self, scene: &Scene, i: &Interaction) -> Option<Place> {
+        // The same point of the surface, in the scene of the frame before, through its camera: the motion vector of
+        // temporal accumulation.
         let p = scene.position_in(&self.scene, i);
         let (clip, film) = (self.projected.clip(p), self.scene.film());
         let share = Vec2::new(clip.x, -clip.y) / clip.w * 0.5 + 0.5;

@@ -40,6 +40,7 @@ pub fn ordered(polygons: Vec<Polygon>, from: From) -> Result<Vec<Polygon>, Error
         let Some(plane) = best(&polygons, within) else { continue };
         let mut node = Node { plane, inside: Vec::new(), children: [None; 2] };
         let mut sides = [Vec::new(), Vec::new()];
+        // Each polygon goes to its side of the plane; one across it is cut, and its parts go to both.
         for polygon in polygons {
             match side(&polygon, plane, within) {
                 Side::In => node.inside.push(polygon),
@@ -85,6 +86,8 @@ fn traversed(nodes: &mut [Node], from: From) -> Vec<Polygon> {
             ordered.append(&mut node.inside);
             continue;
         }
+        // The side of the eye is drawn after the plane's own polygons, and these after the far side. The walk has a
+        // stack of its own, as trees may be deep.
         let eye_above = match from {
             From::Point(eye) => node.plane.dot(eye.extend(1.0)) > 0.0,
             From::Direction(d) => node.plane.truncate().dot(d) < 0.0,
@@ -107,6 +110,7 @@ enum Side {
 }
 
 fn side(polygon: &Polygon, plane: DVec4, within: f64) -> Side {
+    // Signed distances of the corners; those within rounding of the plane count as none.
     let distances = polygon.corners.iter().map(|c| plane.dot(c.extend(1.0)));
     let (low, high) = distances.fold((0f64, 0f64), |(l, h), d| (l.min(d), h.max(d)));
     match (low < -within, high > within) {
@@ -131,6 +135,7 @@ fn best(polygons: &[Polygon], within: f64) -> Option<DVec4> {
                 Side::Across => counts[2] += 1,
             }
         }
+        // A cut costs as much as four polygons out of balance: cuts make the tree larger, imbalance makes it deeper.
         (counts[0] - counts[1]).abs() + 4 * counts[2]
     };
     planes.map(|plane| (cost(&plane), plane)).min_by_key(|(cost, _)| *cost).map(|(_, plane)| plane).or_else(|| {

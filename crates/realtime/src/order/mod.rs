@@ -80,6 +80,7 @@ pub fn solve(
         cuts: Vec::new(),
     };
     let mut polygons: Vec<Polygon> = triangles.iter().map(whole).collect();
+    // The BSP tree is built in the world, where it serves any eye; the other methods work in the picture.
     if method == Method::Bsp {
         let (eye, axis) = projected.eye();
         let from = if projected.is_perspective() {
@@ -89,12 +90,14 @@ pub fn solve(
         };
         polygons = bsp::ordered(polygons, from)?;
     }
+    // Clipped before the division by w, so that no corner lies behind the eye.
     let in_picture = |polygon: Polygon| {
         let corners = polygon.corners.into_iter().map(|p| projected.clip(p.as_vec3()).as_dvec4()).collect();
         let corners = clipped(corners);
         (corners.len() >= 3).then_some(Polygon { corners, ..polygon })
     };
     let mut polygons: Vec<Polygon> = polygons.into_iter().filter_map(in_picture).collect();
+    // Depths are scaled to at most 1, so that one tolerance serves scenes of any size.
     let largest = polygons.iter().flat_map(|p| &p.corners).fold(0f64, |z, c| z.max(c.z)).max(f64::MIN_POSITIVE);
     polygons.iter_mut().flat_map(|p| &mut p.corners).for_each(|c| c.z /= largest);
     let found = match method {
@@ -182,6 +185,7 @@ impl Polygon {
             let d = plane.dot(c.extend(1.0));
             if d.abs() <= within { 0.0 } else { d }
         };
+        // All corners on one side: there is nothing to cut.
         let (low, high) = self.corners.iter().map(distance).fold((0f64, 0f64), |(l, h), d| (l.min(d), h.max(d)));
         if low == 0.0 || high == 0.0 {
             return None;
@@ -207,6 +211,8 @@ impl Polygon {
                 edge.extend(below.last());
             }
         }
+        // The common edge runs from the first point on the plane to the last; the plane through it along `up` separates
+        // both parts in the picture as well.
         let across =
             edge[..].split_first().and_then(|(p, rest)| Some((*p, up.cross(*rest.last()? - *p).try_normalize()?)));
         let line = across.map_or(plane, |(p, n)| {

@@ -47,6 +47,7 @@ impl Entry {
 
     /// True if all of this lies behind the plane of another, or all of the other before the plane of this.
     fn is_behind(&self, other: &Self) -> bool {
+        // Newell's tests 3 and 4.
         other.distances(self).all(|d| d <= WITHIN) || self.distances(other).all(|d| d >= -WITHIN)
     }
 
@@ -62,6 +63,8 @@ impl Entry {
                     && b.polygon.corners.iter().all(|c| across.dot(c.truncate() - p) <= WITHIN * across.length())
             })
         };
+        // Newell's tests 1 and 2 (boxes in x and y), then test 5 exactly: two convex polygons are disjoint if an edge
+        // of one of them separates them.
         let boxes = (self.low.cmpge(other.high) | other.low.cmpge(self.high)).any();
         boxes || clear(self, other) || clear(other, self)
     }
@@ -82,6 +85,7 @@ pub fn ordered(polygons: Vec<Polygon>) -> Result<Vec<Polygon>, Error> {
         if steps > most {
             return Err(Error::Scene(format!("visibility=newell did not end within {most} moves and cuts")));
         }
+        // A conflict is a polygon whose depths overlap and that none of the five tests puts in front of the next one.
         let conflicts =
             |other: &Entry| other.range[0] < next.range[1] && !next.is_apart(other) && !next.is_behind(other);
         // Among those that were moved there is no order of depths.
@@ -104,6 +108,8 @@ pub fn ordered(polygons: Vec<Polygon>) -> Result<Vec<Polygon>, Error> {
         };
         let taken = if from_first { first.remove(place) } else { Some(list.remove(place)) };
         let Some(mut other) = taken else { continue };
+        // The other one lies behind: it goes first. A polygon that was moved before is not moved again, since that
+        // would be a cycle.
         if !other.moved && other.is_behind(&next) {
             other.moved = true;
             first.push_front(next);
@@ -141,6 +147,7 @@ pub fn ordered(polygons: Vec<Polygon>) -> Result<Vec<Polygon>, Error> {
                 continue;
             }
         };
+        // The parts return to their places in the order of depths.
         for entry in cut {
             let place = list.partition_point(|e| e.range[0] >= entry.range[0]);
             list.insert(place, entry);

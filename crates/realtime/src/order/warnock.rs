@@ -47,6 +47,8 @@ impl InWindow {
     fn new(polygon: &Polygon, frame: Frame) -> Option<Self> {
         let at = |x: f64, axis: usize| {
             let share = if axis == 0 { x * 0.5 + 0.5 } else { 0.5 - x * 0.5 };
+            // Corners are rounded to 1/256 pixel as the pipeline rounds them, so that both cover the same pixel
+            // centres.
             ((share * frame.view[axis] + frame.start[axis]) * STEPS).round_ties_even() / STEPS
         };
         let mut corners: Vec<[f64; 3]> = polygon.corners.iter().map(|c| [at(c.x, 0), at(c.y, 1), c.z]).collect();
@@ -64,6 +66,7 @@ impl InWindow {
         let start = corners[0];
         let cross =
             |a: &[f64; 3], b: &[f64; 3]| (a[0] - start[0]) * (b[1] - start[1]) - (a[1] - start[1]) * (b[0] - start[0]);
+        // Depth is an affine function of the window, solved from three corners.
         let widest = corners.windows(2).max_by(|v, w| cross(&v[0], &v[1]).total_cmp(&cross(&w[0], &w[1])))?;
         let (p, q, d) = (widest[0], widest[1], cross(&widest[0], &widest[1]));
         let (dp, dq) = (p[2] - start[2], q[2] - start[2]);
@@ -101,6 +104,7 @@ impl InWindow {
     fn misses(&self, low: [f64; 2], high: [f64; 2]) -> bool {
         let apart = (0..2).any(|k| self.high[k] < low[k] || self.low[k] > high[k]);
         let outside = |[a, b, c]: [f64; 3]| {
+            // The corner of the area that is farthest inside the edge: if it is outside, all are.
             a * if a > 0.0 { high[0] } else { low[0] } + b * if b > 0.0 { high[1] } else { low[1] } + c < 0.0
         };
         apart || self.edges.iter().any(|(edge, _)| outside(*edge))
@@ -120,6 +124,8 @@ pub fn paint(polygons: &[Polygon], frame: Frame) -> Vec<Painted> {
     let all: Vec<u32> = (0..polygons.len() as u32).collect();
     let mut areas = vec![([0, 0], frame.size, all)];
     while let Some((start, size, among)) = areas.pop() {
+        // The area is spanned by its outermost pixel centres. Polygons that miss it are dropped, for its quarters as
+        // well.
         let low = [0, 1].map(|k| f64::from(start[k]) + 0.5);
         let high = [0, 1].map(|k| f64::from(start[k] + size[k]) - 0.5);
         let here: Vec<u32> = among.into_iter().filter(|&i| !polygons[i as usize].misses(low, high)).collect();
@@ -137,9 +143,12 @@ pub fn paint(polygons: &[Polygon], frame: Frame) -> Vec<Painted> {
             let at = pixel.map(|i| f64::from(i) + 0.5);
             painted.push(Painted { pixel, number: one.number, z: one.z(at) });
         };
+        // Warnock's cases. A polygon that covers all corners, and is nearest at all of them, is nearest everywhere,
+        // since depths are affine.
         if let Some(&i) = here.iter().find(hides_all) {
             pixels().for_each(|pixel| put(pixel, &polygons[i as usize]));
         } else if here.len() == 1 || size == [1, 1] {
+            // One polygon, or one pixel: decided pixel by pixel.
             for pixel in pixels() {
                 let at = pixel.map(|i| f64::from(i) + 0.5);
                 let covering = here.iter().map(|&i| &polygons[i as usize]).filter(|one| one.covers(at));
@@ -149,6 +158,7 @@ pub fn paint(polygons: &[Polygon], frame: Frame) -> Vec<Painted> {
                 }
             }
         } else {
+            // Otherwise the area is divided into four.
             let first = size.map(|n| n.div_ceil(2));
             for (right, down) in [(false, false), (true, false), (false, true), (true, true)] {
                 let part = |k: usize, second: bool| {

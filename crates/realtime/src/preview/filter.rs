@@ -62,6 +62,7 @@ fn gradient([width, height]: [u32; 2], pixels: &[Pixel], k: usize) -> Vec2 {
     let Some(here) = &pixels[k].surface else { return Vec2::ZERO };
     let other = |k: usize| pixels[k].surface.as_ref().filter(|s| s.object == here.object);
     let along = |at: u32, size: u32, step: usize| {
+        // The smaller difference, as the larger one may lie across a crease of the same object.
         let before = (at > 0).then(|| other(k - step)).flatten().map(|s| here.distance - s.distance);
         let after = (at + 1 < size).then(|| other(k + step)).flatten().map(|s| s.distance - here.distance);
         match (before, after) {

@@ -44,6 +44,8 @@ impl<'a> Blocks<'a> {
         let (sum, count) =
             points.iter().flatten().fold((Vec3::ZERO, 0_u32), |(sum, n), (_, light)| (sum + *light, n + 1));
         let mean = sum / count.max(1) as f32;
+        // Fireflies of few paths would spread over many pixels: the largest values are held, at the cost of some
+        // energy.
         let most = MOST * mean.max_element();
         for (_, light) in points.iter_mut().flatten() {
             let largest = light.max_element();
@@ -68,6 +70,7 @@ impl<'a> Blocks<'a> {
     /// The light over albedo at a surface that a pixel shows.
     pub fn light(&self, surface: &Surface, pixel: [u32; 2]) -> Vec3 {
         let at = pixel.map(|x| (x as f32 + 0.5) / BLOCK as f32 - 0.5);
+        // Near blocks first, then farther ones, then the mean of the picture.
         self.around(surface, at, 1, 1).or_else(|| self.around(surface, at, 2, 3)).unwrap_or(self.mean)
     }
 
@@ -82,6 +85,7 @@ impl<'a> Blocks<'a> {
                 continue;
             }
             let Some((other, light)) = &self.points[(j as u32 * self.columns + i as u32) as usize] else { continue };
+            // A cross-bilateral weight: a tent over the distance in the picture, times the likeness of the surfaces.
             let tent = |d: f32| (1.0 - d.abs() / wide).max(0.0);
             let weight = tent(i as f32 - x) * tent(j as f32 - y) * self.likeness(surface, other);
             sum += *light * weight;

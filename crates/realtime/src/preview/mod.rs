@@ -112,6 +112,8 @@ impl Preview {
         let crop = run.scene.film().crop;
         let size = [crop.width(), crop.height()];
         let pixels = u64::from(size[0]) * u64::from(size[1]);
+        // Rasterisation costs a step for each triangle, rays a logarithm of their number for each pixel: where
+        // triangles are many more than pixels, rays are faster.
         let is_flat = matches!(run.scene.camera().projection, Projection::Perspective | Projection::Orthographic);
         let seen = if is_flat && primitives(run.scene, list) <= TRIANGLES_PER_PIXEL * pixels {
             let projected = Projected::new(run.scene, offset)?.hiding_emitters(self.depth.hide_emitters);
@@ -124,13 +126,16 @@ impl Preview {
         let (shadows, depth) = (Shadowing::by_rays(), self.depth);
         let is_dark = is_dark(run.scene);
         let drawing = Drawing { is_dark, run, list, seen, offset, shadows, number, options, depth };
+        // Three parts of light: what needs no filter, direct light by pixels, light after bounces by blocks of pixels.
         let Some((pixels, mut counters)) = drawing.pixels(size) else { return Ok(None) };
         let Some((blocks, of_blocks)) = drawing.blocks(size, &pixels) else { return Ok(None) };
         counters += &of_blocks;
+        // Direct light is filtered over albedo, so that the filter does not blur textures.
         let direct = pool.install(|| filter::filter(size, &pixels))?;
         let values: Vec<Vec3> = pool.install(|| {
             let value = |(k, pixel): (usize, &Pixel)| {
                 let at = [k as u32 % size[0], k as u32 / size[0]];
+                // And multiplied by the albedo again.
                 let scattered = |s: &Surface| s.albedo * (direct[k] + blocks.light(s, at));
                 pixel.aside + pixel.surface.as_ref().map_or(Vec3::ZERO, scattered)
             };
@@ -221,6 +226,8 @@ impl Drawing<'_> {
 
     /// Light after bounces, over albedo, for blocks of pixels.
     fn blocks<'p>(&self, size: [u32; 2], pixels: &'p [Pixel]) -> Option<(Blocks<'p>, Counters)> {
+        // The first pixel of a block, from its middle on, that shows a surface stands for the block. Two smoothing
+        // steps with gaps of one and two blocks widen the filter as à-trous wavelets do.
         let [columns, rows] = indirect::blocks(size);
         let paths = (ALL_PATHS / columns.saturating_mul(rows).max(1)).clamp(PATHS[0], PATHS[1]);
         let (points, counters) = self.run.in_order(rows as usize, |row, counters| {
@@ -262,6 +269,7 @@ impl Drawing<'_> {
             if s.lobe.is_specular() {
                 continue;
             }
+            // A whole path from the second vertex on, by the path tracer.
             let ray = point.i.spawn(point.frame.to_world(s.wi));
             let state = PathState { ray, beta: point.beta * s.weight, ..PathState::NONE };
             let mut lambda = point.lambda;

@@ -23,6 +23,8 @@ fn splits(far: f32, count: u32) -> Vec<f32> {
         if i == 0 {
             return 0.0;
         }
+        // The practical split scheme (Zhang et al. 2006): logarithmic splits give all parts the same aliasing,
+        // even ones keep the nearest part from being too short.
         LOGARITHMIC * near * RANGE.powf(share) + (1.0 - LOGARITHMIC) * (near + (far - near) * share)
     };
     (0..=count).map(split).collect()
@@ -34,6 +36,7 @@ fn sphere([a, b]: [f32; 2], spread: f32, perspective: bool) -> (f32, f32) {
     if !perspective {
         return ((a + b) / 2.0, Vec2::new((b - a) / 2.0, spread).length());
     }
+    // The centre has the same distance from near and far corners: (a − c)² + s²a² = (b − c)² + s²b².
     let center = ((a + b) * (1.0 + spread * spread) / 2.0).min(b);
     (center, Vec2::new(b - center, spread * b).length())
 }
@@ -55,6 +58,8 @@ pub fn views(scene: &Scene, options: &Options, projected: &Projected, wi: Vec3) 
         let whole = 1.01 * radius;
         let half = (of_part * unit * size / (size - 2.0 * (options.pcf as f32 + 2.0)).max(size / 2.0)).min(whole);
         let middle = if half < whole { projected.world(Vec3::new(0.0, 0.0, along)) } else { center };
+        // Across the light, the view moves in steps of a texel; along the light, the range of depths is that of the
+        // whole scene, so that casters outside the part are drawn too.
         let texel = 2.0 * half / size;
         let snap = |axis: Vec3| (middle.dot(axis) / texel).round() * texel;
         let place = right * snap(right) + up * snap(up) + forward * (center.dot(forward) - whole);

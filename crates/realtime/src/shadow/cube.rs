@@ -21,6 +21,7 @@ impl GeometryShader for ToFaces<'_> {
     const MAX_VERTICES: usize = 18;
 
     fn shade(&self, input: GeometryInput<()>, out: &mut Emitter<()>) {
+        // A face is left out if one plane of its frustum rejects all three corners.
         for (layer, view) in self.0.iter().enumerate() {
             let corners = [0, 1, 2].map(|i| view.clip(input.vertices[i].position.truncate()));
             let outside = |p: Vec4| [p.x < -p.w, p.x > p.w, p.y < -p.w, p.y > p.w, p.z > p.w];
@@ -55,6 +56,7 @@ pub fn maps(
     let state = State { depth: Some(DepthState::GREATER), ..State::default() };
     let count = u32::try_from(3 * casters.triangles.len()).unwrap_or(u32::MAX);
     Pipeline::new(program, state, target.layout())?.draw(&mut target, &Draw::vertices(0..count))?;
+    // Shapes other than meshes are drawn face by face; of two reversed depths the larger is the nearer.
     let map = |(face, view): (usize, &Projected)| {
         let mut depths = target.depth().map_or(Vec::new(), |depth| depth.to_rows(face as u32));
         if casters.others {

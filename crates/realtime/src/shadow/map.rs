@@ -53,6 +53,8 @@ impl Map {
     /// Shadow map of a picture of reversed depths.
     pub fn of_depths(view: Projected, depths: &[f32], size: u32) -> Self {
         let mut map = Self { view, distances: Vec::new(), size };
+        // Depths become distances along the axis, which are linear in space: a bias in texels then has one meaning
+        // everywhere.
         let distance = |(i, depth): (usize, &f32)| -> f32 {
             let center = map.center(i as u32 % size, i as u32 / size);
             view.distance_of(depth * view.unwarped(center.x, center.y).1)
@@ -81,11 +83,13 @@ impl Map {
             return None;
         }
         let at = Vec2::new(clip.x, clip.y) / clip.w;
+        // The width of a texel by finite differences, as the warp makes it vary over the map.
         let (here, step) = (self.view.unwarped(at.x, at.y).0, 2.0 / self.size as f32);
         let width = |x: f32, y: f32| (self.view.unwarped(at.x + x, at.y + y).0 - here).length();
         let texel = width(step, 0.0).max(width(0.0, step)) * self.view.half();
         let is_perspective = self.view.is_perspective();
         let texel = if is_perspective { texel * local.z } else { texel };
+        // The depth of the tangent plane changes by (|n_x| + |n_y|)/|n·d| for a step of one texel along both axes.
         let n = self.view.turn(n);
         let towards = if is_perspective { local / local.z } else { Vec3::Z };
         let slope = ((n.x.abs() + n.y.abs()) / n.dot(towards).abs().max(1e-6)).min(STEEPEST);
@@ -116,6 +120,7 @@ impl Map {
             }
             BiasBy::Plane => 0.1 + 0.02 * slope,
         };
+        // The point is lit by a texel whose distance is at least this limit.
         let limit = found.local.z - bias * texel * allowed;
         let n = self.view.turn(n);
         let to_texel = |x: f32| (x * 0.5 + 0.5) * self.size as f32;
@@ -125,10 +130,12 @@ impl Map {
         if !is_perspective && (outside(x) || outside(y)) {
             return None;
         }
+        // The comparison comes before the mean: averaging depths would invent surfaces between near and far.
         let mut lit = 0;
         for (dx, dy) in (0..pcf).flat_map(|i| (0..pcf).map(move |j| (i, j))) {
             let at = |x: f32, d: u32| (x - half + d as f32).floor().clamp(0.0, (self.size - 1) as f32) as u32;
             let (column, row) = (at(x, dx), at(y, dy));
+            // Receiver plane depth bias (Isidoro 2006): the limit follows the tangent plane to the texel.
             let limit = if bias_by == BiasBy::Plane {
                 let most = slope * texel * (reach + 0.5);
                 limit + self.on_plane(found.local, n, column, row).clamp(-most, most)

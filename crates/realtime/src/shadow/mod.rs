@@ -110,6 +110,7 @@ impl Shadowing {
     /// Visibility of a light from a point: 1 where it is lit, 0 in its shadow.
     pub fn lit(&self, scene: &Scene, light: u32, i: &Interaction, sample: &LightSample, trace: &mut Trace<'_>) -> f32 {
         let (p, n) = (i.surface.p, i.surface.n);
+        // `None` from any technique means that it cannot tell: a ray decides.
         let told = match self.lights.get(light as usize).unwrap_or(&Means::Rays) {
             _ if self.kind == Shadows::None => Some(1.0),
             Means::Rays => None,
@@ -141,6 +142,7 @@ impl Shadowing {
             Means::Soft(soft) => Some(soft.maps()),
             _ => None,
         })?;
+        // Nearest texels, the greyscale linear in distance.
         let columns = (maps.len() as u32).min(3);
         let side = (width / columns).min(height / (maps.len() as u32).div_ceil(columns)).max(1);
         let pixel = |x: u32, y: u32| {
@@ -189,6 +191,7 @@ fn face(count: usize, wi: Vec3) -> usize {
     if count < 6 {
         return 0;
     }
+    // The axis with the largest component is that of the cube face.
     let d = -wi;
     let a = d.abs();
     let axis = if a.x >= a.y && a.x >= a.z {
@@ -235,6 +238,7 @@ struct Maker<'a> {
 impl Maker<'_> {
     fn means(&self, light: &Light) -> Result<Means, Error> {
         let Self { scene, list, options, eye, .. } = *self;
+        // Area lights have maps for soft shadows only, and rays otherwise.
         if let (Light::Area(area), Shadows::Pcss) = (light, options.shadows) {
             return Ok(Soft::new(scene, list, &area.shape, options)?.map_or(Means::Rays, |s| Means::Soft(Box::new(s))));
         }

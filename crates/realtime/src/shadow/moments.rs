@@ -29,6 +29,7 @@ impl Moments {
         };
         let plain: Vec<[f32; 4]> = map.distances.iter().map(powers).collect();
         let (before, count) = ((width as usize - 1) / 2, width as usize);
+        // A box filter along one axis; two of them in turn are the square.
         let blurred = |texels: &[[f32; 4]], stride: usize, across: usize| -> Vec<[f32; 4]> {
             let mean = |i: usize| {
                 let (line, at) = ((i / across) % size, i);
@@ -58,6 +59,7 @@ impl Moments {
         let place = |x: f32| ((x * 0.5 + 0.5) * size - 0.5).clamp(0.0, size - 1.0);
         let (x, y) = (place(at.x), place(-at.y));
         let (x0, y0) = (x.floor(), y.floor());
+        // Moments are linear in the distribution of depths, so that they may be interpolated.
         let mut b = [0f64; 4];
         for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
             let (column, row) = ((x0 + dx).min(size - 1.0), (y0 + dy).min(size - 1.0));
@@ -78,6 +80,7 @@ fn by_variance(b: [f64; 4], z: f64, own: f64) -> f64 {
     if z <= b[0] {
         return 1.0;
     }
+    // σ² = E(z²) − E(z)², held above the spread of a tilted surface within a texel, which would shadow itself.
     let variance = (b[1] - b[0] * b[0]).max(own * own).max(1e-12);
     variance / (variance + (z - b[0]) * (z - b[0]))
 }
@@ -90,6 +93,7 @@ fn by_four(b: [f64; 4], z: f64) -> f64 {
     let d22 = (b2 - b1 * b1).max(1e-18);
     let l32 = (b3 - b1 * b2) / d22;
     let d33 = (b4 - b2 * b2 - l32 * l32 * d22).max(1e-18);
+    // Forward substitution of L D Lᵀ c = (1, z, z²)ᵀ, then division by D, then back substitution.
     let (c1, c2) = (1.0, z - b1);
     let c3 = z * z - b2 - l32 * c2;
     let (c2, c3) = (c2 / d22, c3 / d33);
@@ -99,6 +103,7 @@ fn by_four(b: [f64; 4], z: f64) -> f64 {
     let (p, q) = (c2 / c3, c1 / c3);
     let root = (p * p / 4.0 - q).max(0.0).sqrt();
     let (z2, z3) = (-p / 2.0 - root, -p / 2.0 + root);
+    // The extremal distribution has its mass at z, z2 and z3; its share before z is the bound.
     let dark = if !(z2.is_finite() && z3.is_finite()) || z <= z2 {
         0.0
     } else if z <= z3 {

@@ -66,6 +66,8 @@ fn plane(scene: &Scene, item: &Item) -> Option<(Vec3, Vec3)> {
                 let [a, b, c] = mesh.corners(t).map(in_world);
                 (b - a).cross(c - a)
             };
+            // The normal of the largest triangle is the best known. The item is a plane if all corners lie in it within
+            // rounding.
             let largest =
                 (0..mesh.triangles.len() as u32).map(area).max_by(|a, b| a.length().total_cmp(&b.length()))?;
             let n = largest.try_normalize()?;
@@ -105,6 +107,7 @@ fn project(
         // Along the ray from the light, to the plane; weights instead of divisions, so that what is beyond the light is
         // cut first.
         let (on_plane, below_light) = match source {
+            // The ray from the light l at height h through p at height a meets the plane at (h p − a l)/(h − a).
             Source::At(place) => {
                 let height = n.dot(place - start);
                 ((p * height - place * above).extend(height - above), height - above - least)
@@ -113,6 +116,8 @@ fn project(
         };
         Vertex::new(eye.projected.clip_homogeneous(on_plane), Between { above: above - least, below_light })
     };
+    // Neither depth test nor depth clip: the shadow is asked for at pixels that see the receiver only. Clip distances
+    // cut casters below the plane and beyond the light.
     let raster = RasterState { depth_clip: false, ..RasterState::default() };
     let state = State { raster, viewports: vec![viewport], ..State::default() };
     let shader = fragment(|_: &Fragment<Between>| Vec4::ONE);

@@ -44,9 +44,11 @@ impl Outline {
         match *self {
             Self::Parallelogram([corner, ex, ey]) => corner + ex * u.x + ey * u.y - center,
             Self::Triangle([a, b, c]) => {
+                // Folds the unit square onto the triangle.
                 let u = if u.x + u.y > 1.0 { Vec2::ONE - u } else { u };
                 a + (b - a) * u.x + (c - a) * u.y - center
             }
+            // A uniform point of the disk across the direction: its radius is √u.
             Self::Sphere(radius) => {
                 let (right, up) = direction.any_orthonormal_pair();
                 let (sin, cos) = (std::f32::consts::TAU * u.y).sin_cos();
@@ -112,6 +114,7 @@ impl Soft {
             let plane = if plane > 0.0 && plane < 2.0 * facing { plane } else { facing };
             (seen < plane * (1.0 - allowed)).then(|| seen * axis.dot(direction))
         };
+        // Step 1, blocker search: the mean distance of what lies before the point.
         let (mut sum, mut count) = (0.0, 0.0);
         for index in 0..SEARCHED {
             if let Some(found) = blocker(towards(index, self.least / distance)) {
@@ -128,7 +131,10 @@ impl Soft {
         if count == 0.0 {
             return 1.0;
         }
+        // Step 2, penumbra estimate: the light's outline projected through the point onto the plane of the mean
+        // blocker.
         let share = (sum / count / distance).clamp(1e-3, 1.0);
+        // Step 3, filter: the share of directions through that outline without a blocker.
         let lit = (0..ASKED).filter(|&index| blocker(towards(index, share)).is_none()).count();
         lit as f32 / ASKED as f32
     }

@@ -49,6 +49,8 @@ impl Silhouette {
         let key = |p: Vec3| (p + Vec3::ZERO).to_array().map(f32::to_bits);
         let mut order = Vec::new();
         for (corners, faces_light) in triangles.iter().zip(&faces_light) {
+            // Each triangle runs through its edges as the light sees it counter-clockwise. Two triangles that share an
+            // edge run through it in opposite directions and cancel; the rest is the silhouette.
             for i in 0..3 {
                 let (from, to) = (key(corners[i]), key(corners[(i + 1) % 3]));
                 let forward = (from < to) == *faces_light;
@@ -96,8 +98,11 @@ impl Volumes {
             Source::At(place) => p - place,
             Source::From(wi) => -wi,
         };
+        // Corners at infinity are directions, with weight 0 (Everitt, Kilgard 2002).
         let far = |p: Vec3| projected.clip_homogeneous(end(p).extend(0.0));
         let mut sides = Vec::new();
+        // A side is the quad from a silhouette edge to infinity; for parallel light both far corners are one point, and
+        // it is a triangle.
         for ([a, b], count) in &silhouette.edges {
             let (p, q, q_far, p_far) = (projected.clip(*b), projected.clip(*a), far(*a), far(*b));
             for _ in 0..*count {
@@ -108,6 +113,8 @@ impl Volumes {
             }
         }
         counting.draw(&sides, false, false)?;
+        // z-fail needs closed volumes: the triangles themselves are the near caps, their images at infinity the far
+        // caps. A triangle that faces away from the light counts with its corners turned round.
         if behind {
             for turned in [false, true] {
                 let of_side = || casters.triangles.iter().zip(&silhouette.faces_light).filter(|(_, f)| **f != turned);
@@ -134,6 +141,7 @@ impl Volumes {
         let geometry = &scene.geometries()[i.geometry as usize];
         let is_caster = matches!(geometry.shape, Shape::Mesh(_)) && !geometry.is_masked();
         let n = i.surface.n;
+        // Counts are modulo 256, so that the subtraction wraps too.
         let own = u8::from(is_caster && n.dot(i.wo) * n.dot(wi) < 0.0);
         let lit = self.counts[pixel].wrapping_sub(own) == 0;
         if lit && self.others { None } else { Some(f32::from(u8::from(lit))) }
@@ -153,6 +161,7 @@ impl Counting {
         let (extent, viewport) = eye.projected.frame(scene);
         let depth = DepthTarget::new(extent, DepthFormat::Float32)?;
         let mut target = Framebuffer::new(Vec::new(), Some(depth), Some(StencilTarget::new(extent)?))?;
+        // The depths of the visible points; the volumes are tested against them and do not write.
         fill_depths(&mut target, &eye.visibility.depths)?;
         let depth = Some(DepthState { write: false, ..DepthState::GREATER });
         let state = State { depth, viewports: vec![viewport], ..State::default() };
@@ -165,6 +174,7 @@ impl Counting {
         let vertex = |input: VertexInput| Vertex::new(corners[input.vertex as usize], ());
         let front_face = if self.mirrored != turned { FrontFace::Clockwise } else { FrontFace::CounterClockwise };
         let (up, down) = (StencilOp::IncrementWrap, StencilOp::DecrementWrap);
+        // z-fail counts sides behind the visible point (those that fail the depth test), z-pass sides before it.
         let face = |op: StencilOp| {
             if self.behind {
                 StencilFace { depth_fail: op, ..StencilFace::default() }
@@ -172,6 +182,7 @@ impl Counting {
                 StencilFace { pass: op, ..StencilFace::default() }
             }
         };
+        // Behind the point, back faces are exits (+1) and front faces entries (−1); before it, the other way round.
         let stencil = if self.behind {
             StencilState { front: face(down), back: face(up) }
         } else {

@@ -34,6 +34,8 @@ pub fn warp(scene: &Scene, eye: &Eye, light: &Projected, trapezoid: bool) -> Opt
     let (first, last) = (*along.first()?, *along.last()?);
     let length = (last - first).max(1e-6);
     let near = if trapezoid {
+        // The perspective sends t = 0 … L to −1 … 1. That the focus f lands on 0.6, the 80 % line, is 0.4 L f = n (1.6
+        // L − 2 f).
         let focus = along[along.len() * 4 / 5] - first;
         let rest = 1.6 * length - 2.0 * focus;
         if rest > 0.0 { 0.4 * length * focus / rest } else { f32::INFINITY }
@@ -52,6 +54,7 @@ pub fn warp(scene: &Scene, eye: &Eye, light: &Projected, trapezoid: bool) -> Opt
     } else {
         turned
     };
+    // The box of the visible points after the warp is then fitted to the frame.
     let bounds = seen.iter().fold((Vec2::MAX, Vec2::MIN), |(low, high), p| {
         let p = bent * light.clip(*p).truncate().with_z(1.0);
         let p = p.truncate() / p.z;
@@ -65,6 +68,7 @@ pub fn warp(scene: &Scene, eye: &Eye, light: &Projected, trapezoid: bool) -> Opt
         Vec3::new(0.0, scale.y, 0.0),
         Vec3::new(-middle.x * scale.x, -middle.y * scale.y, 1.0),
     );
+    // A warp whose horizon crosses the frame is replaced by the turned view without perspective.
     Warp::new(fit * bent).or_else(|| Warp::new(fit * turned))
 }
 
