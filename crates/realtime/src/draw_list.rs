@@ -28,8 +28,10 @@ pub struct DrawList {
 impl DrawList {
     /// Everything that scatters or emits light; surfaces that only separate media are left out.
     pub fn new(scene: &Scene) -> Self {
+        // World geometry first, then each placed group: the order fixes the numbers of primitives.
         let mut items = Vec::new();
         let mut add = |from: u32, to: u32, instance: u32| {
+            // Interfaces between media scatter no light and are not drawn.
             let drawn = (from..to).filter(|&g| !scene.geometries()[g as usize].is_interface);
             items.extend(drawn.map(|geometry| Item { geometry, in_group: geometry - from, instance }));
         };
@@ -80,6 +82,7 @@ pub fn part_bounds(shape: &Shape, part: u32) -> Bounds3 {
         Shape::Level(l) => l.bounds(),
         Shape::Mesh(_) | Shape::Plane(_) => Bounds3::EMPTY,
     };
+    // Grow relative to the size of the box and to its distance from the origin, where rounding comes from.
     let more = bounds.diagonal().max_element() * 1e-3 + bounds.min.abs().max(bounds.max.abs()).max_element() * 1e-6;
     Bounds3::new(bounds.min - Vec3::splat(more), bounds.max + Vec3::splat(more))
 }

@@ -35,6 +35,7 @@ pub fn picture(
         Show::Wireframe => wireframe(scene, list, eye)?,
         Show::Tiles => {
             let (extent, counts) = tiles(scene, list, projected)?;
+            // One colour for each tile, by the logarithm of its list; borders are darker.
             let columns = extent.width.div_ceil(TILE);
             let pixel = |(x, y): (u32, u32)| {
                 let count = counts[(y / TILE * columns + x / TILE) as usize];
@@ -93,6 +94,7 @@ pub(crate) fn clipping(scene: &Scene, list: &DrawList, projected: &Projected, it
     let place = item.place(scene);
     let corners = mesh.corners(seen.hit.id.prim).map(|p| projected.clip(place.point(p)));
     let any = |out: fn(&Vec4) -> bool| corners.iter().any(out);
+    // The tests of homogeneous clipping, one half-space for each plane.
     let near = any(|c| c.w <= 0.0 || c.z > c.w);
     let sides = any(|c| c.w <= 0.0 || c.x.abs() > c.w || c.y.abs() > c.w);
     Vec3::new(if near { 1.0 } else { 0.35 }, if sides { 0.9 } else { 0.35 }, 0.35)
@@ -113,6 +115,7 @@ pub fn overdraw(scene: &Scene, list: &DrawList, projected: &Projected) -> Result
     let (extent, viewport) = projected.frame(scene);
     let mut target = Framebuffer::new(vec![ColorTarget::new(extent, Format::R32Float)?], None, None)?;
     target.clear(Vec4::ZERO, 0.0, 0);
+    // Additive blending without a depth test counts the fragments of each pixel.
     let add = BlendState::new(BlendEquation::Add, BlendFactor::One, BlendFactor::One);
     let color = vec![ColorState { blend: Some(add), ..ColorState::default() }];
     let state = State { color, viewports: vec![viewport], ..State::default() };
@@ -131,6 +134,7 @@ pub fn tiles(scene: &Scene, list: &DrawList, projected: &Projected) -> Result<(E
     let corners = triangles(scene, list, projected)?;
     let (extent, viewport) = projected.frame(scene);
     let target = Framebuffer::with_depth(extent)?;
+    // Bin only: the lists of the tiles tell how uneven the load is.
     let state = State { depth: Some(DepthState::GREATER), viewports: vec![viewport], ..State::default() };
     let vertex = |input: VertexInput| Vertex::new(corners[input.vertex as usize], ());
     let pipeline = Pipeline::new(Program::new(vertex, DepthOnly::default()), state, target.layout())?;

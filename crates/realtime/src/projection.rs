@@ -62,6 +62,7 @@ impl Warp {
 
     /// The place before the warp of a place in the frame, and what depths there were divided by.
     fn undo(&self, x: f32, y: f32) -> (Vec2, f32) {
+        // Apply the inverse homography and divide.
         let p = self.inverse * Vec3::new(x, y, 1.0);
         (Vec2::new(p.x, p.y) / p.z, 1.0 / p.z)
     }
@@ -130,6 +131,7 @@ impl Projected {
     /// The square view of a light: from a place along unit axes (right, up, forward), `half` wide to each side (at
     /// distance 1, for perspective).
     pub fn of_light(place: Vec3, axes: [Vec3; 3], half: f32, perspective: bool, range: [f32; 2], size: u32) -> Self {
+        // Orthonormal light space; its inverse is the view matrix.
         let [right, up, forward] = axes.map(|a| a.extend(0.0));
         let world_from_light = Mat4::from_cols(right, up, forward, place.extend(1.0));
         let camera_from_world = Affine { m: world_from_light.inverse(), inv: world_from_light };
@@ -206,6 +208,7 @@ impl Projected {
             let (x, y) = ((2.0 * c.x - x_sum * c.z) / x_size, (2.0 * c.y - y_sum * c.z) / y_size);
             Vec4::new(x, y, self.near * c.w, c.z)
         } else {
+            // Parallel rays: depth falls linearly from 1 to 0.
             let depth = c.w - (c.z - self.near * c.w) / self.length;
             Vec4::new((2.0 * c.x - x_sum * c.w) / x_size, (2.0 * c.y - y_sum * c.w) / y_size, depth, c.w)
         }
@@ -282,6 +285,7 @@ impl Projected {
     /// The ray through a pixel of the picture.
     #[inline]
     pub fn ray(&self, scene: &Scene, [x, y]: [u32; 2]) -> Ray {
+        // A light's view derives rays from its own frame.
         if let Some(LightFrame { size, .. }) = self.light {
             return self.light_ray([x, y], size);
         }
@@ -292,6 +296,7 @@ impl Projected {
     }
 
     fn light_ray(&self, [x, y]: [u32; 2], size: u32) -> Ray {
+        // Unproject the texel's centre to the plane at distance 1.
         let at = |i: u32| (i as f32 + 0.5) / size as f32 * 2.0 - 1.0;
         let place = (self.unwarped(at(x), -at(y)).0 * self.half()).extend(0.0);
         let world = self.camera_from_world.inverse();

@@ -101,6 +101,7 @@ pub struct Numbers {
 
 impl Numbers {
     fn hash(&self, purpose: u32) -> u32 {
+        // Integer hash with good avalanche, of pixel and purpose.
         let mut h = self.pixel ^ purpose.wrapping_mul(0x9e37_79b9);
         h = (h ^ (h >> 16)).wrapping_mul(0x7feb_352d);
         h = (h ^ (h >> 15)).wrapping_mul(0x846c_a68b);
@@ -222,6 +223,7 @@ impl<'a> Shader<'a> {
                     if path.events >= self.options.bounces {
                         return sum;
                     }
+                    // Continue only through specular lobes.
                     let drawn = self.draw(&point);
                     let Some(s) = drawn.filter(|s| s.lobe.is_specular()) else { return sum };
                     path = self.extended(&point, &s, path);
@@ -326,6 +328,7 @@ impl<'a> Shader<'a> {
             let drawn = scattering.sample(wo, u, u2, TransportMode::Radiance);
             let Some(s) = drawn.filter(|s| !s.lobe.is_specular()) else { continue };
             let wi = frame.to_world(s.wi);
+            // Previews trace the direction and find area lights too; otherwise only environments matter.
             let mut is_open = None;
             if self.is_preview() {
                 let ray = i.spawn(wi);
@@ -366,6 +369,7 @@ impl<'a> Shader<'a> {
         }
         let i = scene.interaction_of_light(ray, hit);
         let Some(light) = scene.light(&i) else { return Spectrum::ZERO };
+        // Combine with light sampling, whose density is converted to solid angle.
         let choice = lights.probability(&point.ctx, light);
         let other = lights.area_pdf(light, &point.ctx, (ray.direction, i.t), i.surface.n, point.lambda.time);
         let other = if chosen || choice <= 0.0 { other } else { other / choice };
@@ -403,6 +407,7 @@ impl<'a> Shader<'a> {
             _ => false,
         };
         let weight = if is_met { power_heuristic(s.pdf * p, e.pdf) } else { 1.0 };
+        // β · f cos θ · L · V · w / p, averaged over the samples.
         let found = *beta * e.value * s.radiance * (lit * weight * part / (s.pdf * p));
         trace.counters.note(|| Some(self.scene.light_groups().of_lights[light as usize]), found);
         found

@@ -18,6 +18,7 @@ pub struct Trace<'a> {
 impl Trace<'_> {
     /// Nearest hit of a ray; `None` once a stop is asked for.
     pub fn nearest(&mut self, scene: &Scene, ray: &Ray) -> Option<Hit> {
+        // A stop that was asked for ends the walk at once: no hit, or occluded.
         if self.counters.stop.is_asked() {
             return None;
         }

@@ -143,6 +143,7 @@ impl Visibility {
 /// Draws these reversed depths, by rows, into a framebuffer of their size.
 pub(crate) fn fill_depths(target: &mut Framebuffer, depths: &[f32]) -> Result<(), Error> {
     let width = target.extent().width;
+    // One triangle that covers the picture; the fragment shader sets the depth.
     let vertex = |input: VertexInput| {
         let [x, y] = [[-1.0, -1.0], [3.0, -1.0], [-1.0, 3.0]][(input.vertex % 3) as usize];
         Vertex::new(Vec4::new(x, y, 0.5, 1.0), ())
@@ -180,11 +181,13 @@ struct Stage<'a> {
 impl Stage<'_> {
     /// Numbers the parts of items that fit, and gives the range of numbers.
     fn number(&mut self, count: impl Fn(&Item, &Shape) -> u32) -> Result<(u32, u32), Error> {
+        // Continue the numbers where the kind of shape before ended.
         let start = self.parts.count;
         for (i, item) in self.list.items.iter().enumerate() {
             let shape = &self.list.geometry(self.scene, item).shape;
             let count = count(item, shape);
             let is_hidden = self.projected.hides(self.list.geometry(self.scene, item));
+            // Number only what may be in the view: numbers are limited.
             if count > 0 && !is_hidden && self.in_view(item, shape) && !self.parts.add(i as u32, count) {
                 return Err(Error::Scene(
                     "raster draws up to 119 million primitives at once, and more are in the view".into(),
@@ -296,6 +299,7 @@ impl Stage<'_> {
                 };
                 let shader = fragment(|f: &Fragment<()>| {
                     let polygon = &polygons[f.primitive_id() as usize];
+                    // A piece is drawn as the whole triangle; the cuts decide which pixels are its own.
                     let is_in = polygon.cuts.is_empty()
                         || polygon.has(match space {
                             order::Space::World => {
@@ -349,6 +353,7 @@ impl Stage<'_> {
             return Ok(());
         }
         let Self { projected, parts, target, .. } = self;
+        // A box of twelve triangles around each part.
         let vertex = |input: VertexInput| {
             let position = parts.find(start + input.vertex / 36).map(|(item, part)| {
                 let item = &list.items[item as usize];
@@ -358,6 +363,7 @@ impl Stage<'_> {
             });
             Vertex::new(position.unwrap_or(Vec4::NAN), ())
         };
+        // Intersect the shape itself and write its depth; the box only selects pixels.
         let shader = fragment(|f: &Fragment<()>| {
             let number = start + f.primitive_id() / 12;
             let (item, part) = parts.find(number)?;
@@ -388,6 +394,7 @@ impl Stage<'_> {
                 Vertex::new(Vec4::new(x, y, 0.5, 1.0), ())
             };
             let shader = fragment(|f: &Fragment<()>| {
+                // Every pixel intersects its ray with the plane.
                 let ray = projected.ray(scene, f.pixel());
                 let hit = meet(scene, &list.items[item as usize], part, &ray, Border::Excluded)?;
                 Some(WithDepth::<UVec4> { output: UVec4::splat(number + 1), depth: projected.depth(ray.at(hit.t)) })
@@ -459,6 +466,7 @@ fn triangle(ray: &Ray, [a, b, c]: [Vec3; 3], border: Border) -> Option<(f32, f32
     let clamp = |x: f32| if x.is_finite() { x.clamp(0.0, 1.0) } else { 1.0 / 3.0 };
     let (u, v) = (clamp(u), clamp(v));
     let (u, v) = if u + v > 1.0 { (u / (u + v), v / (u + v)) } else { (u, v) };
+    // Distance of the closest point of the triangle, along the ray.
     let at = a + e1 * u + e2 * v;
     let t = (at - ray.origin).dot(ray.direction) / ray.direction.length_squared();
     is_within(t).then_some((t, u, v))

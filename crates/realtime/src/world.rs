@@ -106,6 +106,7 @@ impl World {
                 }
             }
         }
+        // The committed hit is a triangle, or the last shape that was accepted.
         let committed = query.committed().and_then(|hit| {
             if !hit.kind.is_triangle() {
                 return met;
@@ -119,6 +120,7 @@ impl World {
 
     /// Nearest hit of a ray, infinite planes included.
     fn nearest_with_planes(&self, scene: &Scene, ray: &Ray, found: Option<Hit>) -> Option<Hit> {
+        // Infinite planes are tested one by one behind the traversal.
         self.planes.iter().fold(found, |nearest, item| {
             let end = Ray { t_max: nearest.map_or(ray.t_max, |hit| hit.t), ..*ray };
             meet(scene, item, 0, &end, Border::Excluded).filter(|hit| hit.t < end.t_max).or(nearest)

@@ -63,6 +63,7 @@ impl Canvas {
 
     /// A line of a width.
     fn line(&mut self, [ax, ay]: [i64; 2], [bx, by]: [i64; 2], width: i64) {
+        // Digital differential analyser: one brush position for each step along the longer axis.
         let steps = (bx - ax).abs().max((by - ay).abs()).max(1);
         for k in 0..=steps {
             let at = [ax + (bx - ax) * k / steps, ay + (by - ay) * k / steps];
@@ -86,6 +87,7 @@ impl Canvas {
 pub fn draw(graph: &Graph, [width, height]: [u32; 2]) -> Vec<Vec3> {
     let size = [i64::from(width), i64::from(height)];
     let mut canvas = Canvas { pixels: vec![BACKGROUND; (width * height) as usize], size };
+    // Columns are the levels of the graph; passes of one level share a column evenly.
     let levels = graph.levels();
     let columns = levels.iter().max().map_or(1, |level| level + 1) as i64;
     let longest = graph.passes().iter().map(|p| p.name.len()).max().unwrap_or(1) as i64;
@@ -99,6 +101,7 @@ pub fn draw(graph: &Graph, [width, height]: [u32; 2]) -> Vec<Vec3> {
         let row = levels[..k].iter().filter(|l| **l == level).count() as i64;
         [level as i64 * column + (column - w) / 2, (2 * row + 1) * size[1] / (2 * rows) - h / 2]
     };
+    // Draw lines first, so that boxes cover their ends.
     for (k, node) in graph.passes().iter().enumerate() {
         let readers =
             graph.passes().iter().enumerate().filter(|(_, r)| r.reads.iter().any(|x| node.writes.contains(x)));

@@ -36,6 +36,7 @@ pub fn filter(
     terms: Vec<Picture>,
 ) -> Result<Vec<Picture>, Error> {
     let run = || -> steradian_denoise::Result<Vec<Picture>> {
+        // Filter demodulated light: albedo is divided out beforehand, so that textures stay sharp (Schied et al. 2017).
         let guides = guides(surfaces, width, height)?;
         let images: Vec<_> = terms.into_iter().map(|t| Image::new(width, height, t)).collect::<Result<_, _>>()?;
         let terms: Vec<_> = images.iter().map(|radiance| Term { radiance, has_albedo: false }).collect();
@@ -62,6 +63,7 @@ fn guides(surfaces: &[Option<Surface>], width: u32, height: u32) -> steradian_de
     }
     let size = [width, height];
     Ok(GBuffer {
+        // Depth, its screen-space gradient, normal and object drive the edge-stopping functions.
         depth: image(surfaces, size, |s, _| s.depth, f32::INFINITY)?,
         depth_gradient: image(surfaces, size, |s, _| s.gradient, Vec2::ZERO)?,
         previous_depth: image(surfaces, size, |s, _| s.before.map_or(s.depth, |b| b.depth), f32::INFINITY)?,

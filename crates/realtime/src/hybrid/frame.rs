@@ -66,6 +66,7 @@ impl<'a> Frame<'a> {
     /// Which primitive each pixel sees.
     pub fn rasterise(&mut self) -> Result<(), Error> {
         let Setting { run, list, pool, options, .. } = self.setting;
+        // Each method of hidden surfaces fills the same visibility buffer.
         let draw = || Visibility::draw_with(run.scene, list, &self.projected, Some(options.visibility));
         self.visibility = Some(pool.install(draw)?);
         Ok(())
@@ -73,6 +74,7 @@ impl<'a> Frame<'a> {
 
     /// The surfaces that pixels see: the G-buffer.
     pub fn gbuffer(&mut self) -> Result<(), Error> {
+        // Intersect the pixel's ray with the primitive that rasterisation found: depth, normal and albedo are exact.
         let found = self.pixels(|frame, at, shader, _| {
             let Setting { run, list, before, .. } = frame.setting;
             let seen = frame.visibility.as_ref()?.seen(run.scene, list, &frame.projected, at)?;
@@ -90,6 +92,7 @@ impl<'a> Frame<'a> {
             if shader.depth.hide_emitters {
                 return Vec3::ZERO;
             }
+            // Emission and background carry no noise and are not filtered.
             let light = match frame.seen(at) {
                 None => shader.background(&ray, Spectrum::ONE, &lambda, trace),
                 Some(seen) => {
@@ -97,6 +100,7 @@ impl<'a> Frame<'a> {
                     shader.emission(&i, Spectrum::ONE, &lambda, trace)
                 }
             };
+            // Tristimulus values of the light, developed as the film does it.
             frame.rgb(light, &lambda)
         })
     }
@@ -104,6 +108,7 @@ impl<'a> Frame<'a> {
     /// Light of lights, with shadows by rays, over albedo.
     pub fn direct(&mut self) -> Result<(), Error> {
         self.write(Resource::Direct, |frame, at, shader, trace| {
+            // Next-event estimation at the visible point, demodulated by albedo.
             let Some(seen) = frame.seen(at) else { return Vec3::ZERO };
             let light = frame.at(&seen, shader, 0, |point, _| shader.direct(point, trace));
             seen.surface.over_albedo(light)
@@ -142,8 +147,10 @@ impl<'a> Frame<'a> {
         let (_, radius) = crate::extent(self.setting.run.scene);
         self.write(Resource::Occlusion, |frame, at, shader, trace| {
             let Some(seen) = frame.seen(at) else { return Vec3::ONE };
+            // Ambient occlusion by rays: 1/π ∫ V(ω) cos θ dω, sampled in proportion to the cosine.
             let i = shader.scene.interaction_of_light(&seen.ray, &seen.surface.hit);
             let axis = seen.surface.normal;
+            // The hemisphere on the side of the eye.
             let axis = if axis.dot(i.wo) < 0.0 { -axis } else { axis };
             let (numbers, points) = (shader.numbers(at), shader.options.points);
             let frame = steradian_math::Frame::from_z(axis);
@@ -163,6 +170,7 @@ impl<'a> Frame<'a> {
         which: fn(&mut Filters) -> &mut Denoiser,
     ) -> Result<(), Error> {
         let noisy = terms.iter().map(|(from, _)| self.picture(*from)).collect();
+        // The denoiser reprojects its history, accumulates, estimates variance and applies its wavelet passes.
         let crop = self.setting.run.scene.film().crop;
         let (size, denoiser) = ([crop.width(), crop.height()], which(&mut self.filters));
         let filtered = self.setting.pool.install(|| filter(denoiser, &self.surfaces, size, noisy))?;
@@ -209,6 +217,7 @@ impl<'a> Frame<'a> {
             if trace.counters.stop.is_asked() {
                 return Spectrum::ZERO;
             }
+            // The ray leaves the pixel's own surface: shadows told for the pixel no longer apply.
             trace.pixel = None;
             let hit = trace.nearest(shader.scene, &path.ray);
             shader.follow(CameraPath { hit, ..path }, &numbers, lambda, trace)
@@ -227,9 +236,11 @@ impl<'a> Frame<'a> {
         let mut lambda = shader.wavelengths(seen.at);
         let i = scene.interaction_of_light(&seen.ray, &seen.surface.hit);
         let differential = scene.ray_differential(&seen.ray);
+        // Evaluate textures with the footprint of the primary ray.
         let choice = numbers.get_2d(1, shader.pass).x;
         let found = scene.scattering_along(&i, differential.as_ref(), choice, &mut lambda);
         let Some((scattering, frame)) = found.filter(|_| shader.depth.max > 0) else { return Vec3::ZERO };
+        // The context of light sampling has the normal's side and what the BSDF can scatter.
         let ctx = nee::context(&i, &frame, &scattering.bsdf);
         let numbers = &numbers;
         let point = Point { i, frame, scattering, ctx, lambda, beta: Spectrum::ONE, numbers, round };
@@ -269,6 +280,7 @@ impl<'a> Frame<'a> {
         let Setting { run, options, depth, shadows, world, number, .. } = self.setting;
         let crop = run.scene.film().crop;
         let (scene, seed) = (run.scene, run.sampler.seed);
+        // Rows run in parallel; wavelengths and random numbers depend on pixel and pass alone.
         let rows = run.in_order(crop.height() as usize, |row, counters| {
             let shader = Shader { scene, shadows, options, depth, pass: *number, seed };
             let of_pixel = |x| {

@@ -102,6 +102,7 @@ impl Graph {
     /// What makes them no graph.
     pub fn new(passes: &[Node], given: &[Resource], wanted: &[Resource]) -> Result<Self, Fault> {
         let writer = |resource: Resource| passes.iter().position(|p| p.writes.contains(&resource));
+        // Each resource needs exactly one writer, or must be given.
         for (k, pass) in passes.iter().enumerate() {
             for &resource in pass.writes {
                 if let Some(other) = writer(resource).filter(|other| *other < k) {
@@ -121,13 +122,16 @@ impl Graph {
                 open.extend(passes[k].reads.iter().filter_map(|r| writer(*r)));
             }
         }
+        // Topological sort (Kahn 1962): take the first listed pass whose inputs are all written.
         let mut left: Vec<usize> = (0..passes.len()).filter(|k| needed[*k]).collect();
         let mut nodes = Vec::with_capacity(left.len());
         while !left.is_empty() {
+            // A pass is ready when no writer of its inputs is left.
             let is_ready = |k: &usize| {
                 let waits = |r: &Resource| writer(*r).is_some_and(|w| left.contains(&w));
                 !passes[*k].reads.iter().any(waits)
             };
+            // Nothing is ready but passes are left: a cycle.
             let Some(next) = left.iter().position(is_ready) else {
                 return Err(Fault::Circle(left.iter().map(|k| passes[*k].name).collect()));
             };
@@ -143,6 +147,7 @@ impl Graph {
 
     /// For each pass, how many passes come one after the other before it.
     pub fn levels(&self) -> Vec<usize> {
+        // Longest path from a source: one more than the highest level among the writers of its inputs.
         let mut levels: Vec<usize> = Vec::with_capacity(self.nodes.len());
         for node in &self.nodes {
             let before =

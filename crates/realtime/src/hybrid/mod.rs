@@ -53,6 +53,7 @@ fn passes(filter: bool) -> Vec<(Node, Step)> {
     };
     const NOISY: [Resource; 6] = [Surfaces, Emission, Direct, Indirect, Reflections, Transparency];
     const LIGHT: [Resource; 4] = [FilteredDirect, FilteredIndirect, FilteredReflections, FilteredTransparency];
+    // Declare every pass with its reads and writes; the graph derives the order and drops what nothing needs.
     let mut passes: Vec<(Node, Step)> = vec![
         (node("visibility buffer", &[], &[Visibility]), |frame| frame.rasterise()),
         (node("g-buffer", &[Visibility], &[Surfaces]), |frame| frame.gbuffer()),
@@ -68,6 +69,7 @@ fn passes(filter: bool) -> Vec<(Node, Step)> {
             (
                 node("filter light", &[Surfaces, Direct, Indirect, Reflections, Transparency, History], &LIGHT),
                 (|frame| {
+                    // Denoise all noisy terms of light together: they share reprojection and guides.
                     let terms: Vec<_> = TERMS[1..].iter().map(|(from, to, _)| (*from, *to)).collect();
                     frame.filter(&terms, |filters| &mut filters.light)
                 }) as Step,
@@ -172,10 +174,12 @@ impl Hybrid {
             }
             frame.picture(shown)
         };
+        // Accumulate the picture with the weight of the pixel filter.
         for (at, value) in picture.iter().enumerate() {
             let (x, y) = (crop.x0 + at as u32 % crop.width(), crop.y0 + at as u32 / crop.width());
             film.add(x, y, *value * weight);
         }
+        // Leave projection and histories to the next frame.
         *lock(&self.after) = Some((frame.projected, frame.filters));
         let mut counters = frame.counters;
         counters.samples = picture.len() as u64;
@@ -222,6 +226,7 @@ fn shown(show: Show, filter: bool) -> Resource {
 impl Pass for Hybrid {
     fn prepare(&mut self, run: &Run<'_>) -> Option<()> {
         let prepare = || -> Result<Prepared, Error> {
+            // A pool of the render's threads, structures for rays, and the draw list are made once.
             let pool = rayon::ThreadPoolBuilder::new().num_threads(run.threads).build();
             let pool = pool.map_err(|e| Error::Scene(format!("the system gives no threads: {e}")))?;
             let list = DrawList::new(run.scene);

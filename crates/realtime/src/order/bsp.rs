@@ -36,6 +36,7 @@ pub fn ordered(polygons: Vec<Polygon>, from: From) -> Result<Vec<Polygon>, Error
     let mut nodes: Vec<Node> = Vec::new();
     let mut count = 0;
     let mut work = vec![(polygons, None)];
+    // Build top-down: choose a plane, distribute and cut polygons, and continue on both sides.
     while let Some((polygons, parent)) = work.pop() {
         let Some(plane) = best(&polygons, within) else { continue };
         let mut node = Node { plane, inside: Vec::new(), children: [None; 2] };
@@ -94,6 +95,7 @@ fn traversed(nodes: &mut [Node], from: From) -> Vec<Polygon> {
         };
         let [above, below] = node.children;
         let (near, far) = if eye_above { (above, below) } else { (below, above) };
+        // The stack reverses the order: what is pushed last is drawn first.
         stack.extend(near.map(|n| (n, false)));
         stack.push((number, true));
         stack.extend(far.map(|n| (n, false)));
@@ -126,6 +128,7 @@ fn best(polygons: &[Polygon], within: f64) -> Option<DVec4> {
     let step = (polygons.len() / CANDIDATES).max(1);
     let planes = polygons.iter().step_by(step).filter_map(Polygon::plane);
     let cost = |plane: &DVec4| {
+        // Estimate the cost from a sample of polygons: imbalance, and four for each cut.
         let mut counts = [0i64; 3];
         for polygon in polygons.iter().step_by((polygons.len() / TRIED).max(1)) {
             match side(polygon, *plane, within) {

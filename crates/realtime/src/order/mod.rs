@@ -112,6 +112,7 @@ pub fn solve(
 /// The point of a triangle's plane that a ray meets; not finite where it runs along it.
 pub fn meet(ray: &Ray, triangle: [Vec3; 3]) -> DVec3 {
     let [a, b, c] = triangle.map(Vec3::as_dvec3);
+    // t = n·(a − o)/(n·d).
     let (o, d, n) = (ray.origin.as_dvec3(), ray.direction.as_dvec3(), (b - a).cross(c - a));
     o + d * (n.dot(a - o) / n.dot(d))
 }
@@ -129,6 +130,7 @@ fn clipped(mut corners: Vec<DVec4>) -> Vec<DVec3> {
         |c| GUARD * c.w + c.y,
         |c| GUARD * c.w - c.y,
     ];
+    // Clip in homogeneous coordinates against near and far plane and a guard band, then divide by w.
     for plane in planes {
         if corners.iter().any(|c| plane(c) < 0.0 || !c.is_finite()) {
             corners = half(&corners, plane, |a, b, t| *a + (*b - *a) * t);
@@ -165,6 +167,7 @@ impl Polygon {
 
     /// The normal, as long as twice the area (Newell's sum).
     fn normal(&self) -> DVec3 {
+        // Fan of triangles about the first corner; the sum is twice the area vector.
         let next = |i: usize| self.corners[(i + 1) % self.corners.len()];
         let start = self.corners[0];
         self.corners.iter().enumerate().map(|(i, c)| (*c - start).cross(next(i) - start)).sum()
@@ -181,6 +184,7 @@ impl Polygon {
     /// the parts keep is the plane through their common edge along `up`: what is within rounding of a plane that is
     /// nearly the polygon's own may be far from where the two meet.
     fn cut(&self, plane: DVec4, within: f64, up: DVec3) -> Option<[Self; 2]> {
+        // Snap corners within the tolerance to the plane: slivers would not get thinner by further cuts.
         let distance = |c: &DVec3| {
             let d = plane.dot(c.extend(1.0));
             if d.abs() <= within { 0.0 } else { d }

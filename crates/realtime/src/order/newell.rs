@@ -35,6 +35,7 @@ impl Entry {
 
     /// A polygon in a plane; parts keep that of the whole, which is known better.
     fn in_plane(polygon: Polygon, plane: DVec4) -> Self {
+        // Extents in depth and in the picture for the cheap first tests.
         let z = polygon.corners.iter().fold([f64::MAX, f64::MIN], |[l, h], c| [l.min(c.z), h.max(c.z)]);
         let corners = || polygon.corners.iter().map(|c| c.truncate());
         let (low, high) = corners().fold((DVec2::MAX, DVec2::MIN), |(l, h), c| (l.min(c), h.max(c)));
@@ -53,6 +54,7 @@ impl Entry {
 
     /// True if the projections of both have nothing in common but borders.
     fn is_apart(&self, other: &Self) -> bool {
+        // An edge of one polygon that has the other wholly outside separates the projections.
         let clear = |a: &Self, b: &Self| {
             let corners = &a.polygon.corners;
             (0..corners.len()).any(|i| {
@@ -80,6 +82,7 @@ pub fn ordered(polygons: Vec<Polygon>) -> Result<Vec<Polygon>, Error> {
     let mut first: VecDeque<Entry> = VecDeque::new();
     let mut ordered = Vec::new();
     let mut steps = 0;
+    // Take the farthest polygon; it may be drawn if nothing overlaps it in depth, picture and half-spaces.
     while let Some(next) = first.pop_front().or_else(|| list.pop()) {
         steps += 1;
         if steps > most {
@@ -129,6 +132,7 @@ pub fn ordered(polygons: Vec<Polygon>) -> Result<Vec<Polygon>, Error> {
         };
         let of =
             |one: &Entry, planes: &[DVec4]| planes.iter().find_map(|plane| one.polygon.cut(*plane, WITHIN, DVec3::Z));
+        // Cut by the plane of the other polygon, failing that by its outline in the picture.
         let parts = of(&next, &[other.plane]).map(|parts| (parts, true));
         let parts = parts.or_else(|| of(&other, &[next.plane]).map(|parts| (parts, false)));
         let parts = parts.or_else(|| of(&next, &outlines(&other)).map(|parts| (parts, true)));

@@ -59,6 +59,7 @@ impl InWindow {
         if area == 0.0 {
             return None;
         }
+        // Orient the corners clockwise with y down.
         if area < 0.0 {
             corners.reverse();
         }
@@ -70,6 +71,7 @@ impl InWindow {
         let widest = corners.windows(2).max_by(|v, w| cross(&v[0], &v[1]).total_cmp(&cross(&w[0], &w[1])))?;
         let (p, q, d) = (widest[0], widest[1], cross(&widest[0], &widest[1]));
         let (dp, dq) = (p[2] - start[2], q[2] - start[2]);
+        // Depth plane by Cramer's rule.
         let dx = (dp * (q[1] - start[1]) - dq * (p[1] - start[1])) / d;
         let dy = (dq * (p[0] - start[0]) - dp * (q[0] - start[0])) / d;
         let edge = |i: usize| {
@@ -133,6 +135,8 @@ pub fn paint(polygons: &[Polygon], frame: Frame) -> Vec<Painted> {
             continue;
         }
         let corners = [low, [high[0], low[1]], [low[0], high[1]], high];
+        // A polygon surrounds and hides the area if it covers all corner samples and is nearest at all of them: depth
+        // is linear.
         let hides_all = |i: &&u32| {
             let one = &polygons[**i as usize];
             let others = || here.iter().map(|&j| &polygons[j as usize]);

@@ -26,6 +26,7 @@ const NOTHING: u32 = u32::MAX;
 /// Direct light over albedo, by rows.
 pub fn filter([width, height]: [u32; 2], pixels: &[Pixel]) -> std::result::Result<Vec<Vec3>, Error> {
     let run = || -> Result<Vec<Vec3>> {
+        // Spatial filtering alone: a preview has no frames before it, and motion is marked as unknown.
         let guides = guides([width, height], pixels)?;
         let light = pixels.iter().map(|p| p.surface.map_or(Vec3::ZERO, |s| s.direct)).collect();
         let radiance = &Image::new(width, height, light)?;

@@ -57,6 +57,7 @@ impl<'a> Blocks<'a> {
     }
 
     /// Each point's light becomes the mean of those around it that lie on its surface, with gaps of `step` blocks.
+    // Edge-aware smoothing over neighbouring points, as one pass of an à-trous filter with this step.
     pub fn smooth(self, step: i32) -> Self {
         let at = |k: usize| [k as u32 % self.columns, k as u32 / self.columns].map(|x| x as f32);
         let smoothed = (0..self.points.len()).into_par_iter().map(|k| {
@@ -79,6 +80,7 @@ impl<'a> Blocks<'a> {
         let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
         let (column, row) = (x.round() as i32, y.round() as i32);
         let wide = ((reach + 1) * step) as f32;
+        // Weighted mean: a tent in the picture times the likeness of the surfaces.
         for (dy, dx) in (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (dy * step, dx * step))) {
             let (i, j) = (column + dx, row + dy);
             if !(0..self.columns as i32).contains(&i) || !(0..self.rows as i32).contains(&j) {
@@ -97,6 +99,7 @@ impl<'a> Blocks<'a> {
     /// Weight of the light at another surface for this one: max(n·n′, 0)⁸ · exp(−d²), with the distance d of the other
     /// point from the plane of this one in blocks.
     fn likeness(&self, surface: &Surface, other: &Surface) -> f32 {
+        // Geometric weight: similar normals, and a small distance from the tangent plane relative to the block's width.
         let facing = surface.normal.dot(other.normal).max(0.0).powi(NORMAL_POWER);
         let off = surface.normal.dot(other.p - surface.p) / (self.angle * surface.distance);
         facing * (-off * off).exp()

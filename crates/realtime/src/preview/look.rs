@@ -39,6 +39,7 @@ pub fn look<'a>(
     let scene = shader.scene;
     let mut look = Look { aside: Spectrum::ZERO, point: None, distance: 0.0 };
     for round in 0..shader.options.bounces + MOST_PASSED {
+        // Where the path left the scene its background counts, once.
         let CameraPath { ray, hit, beta, .. } = path;
         let Some(found) = hit else {
             if path.sees_lights {
@@ -48,6 +49,7 @@ pub fn look<'a>(
         };
         let i = scene.interaction_of_light(&ray, &found);
         look.distance += i.t;
+        // Emission counts along specular paths, and of what no light sample finds.
         if path.sees_lights || (path.events > 0 && scene.light(&i).is_none()) {
             look.aside += shader.emission(&i, beta, lambda, trace);
         }
@@ -57,18 +59,22 @@ pub fn look<'a>(
             false => scene.scattering_along(&i, path.differential.as_ref(), choice, lambda),
         };
         match surface {
+            // Pass interfaces straight on and advance the footprint.
             None => {
                 path.differential = path.differential.map(|d| d.advance(i.t));
                 path.ray = i.rest(&ray);
             }
             Some(_) if path.events >= shader.depth.max => return look,
+            // Evaluate the surface and ask which specular ways lead on from it.
             Some((scattering, frame)) => {
                 let ctx = nee::context(&i, &frame, &scattering.bsdf);
                 let point = Point { i, frame, scattering, ctx, lambda: *lambda, beta, numbers, round };
                 let (on, beside) = ways(&point);
+                // At the first specular surface follow the weaker way once with a path of its own.
                 if let (Some(s), Some(shader), 0) = (beside, reflections, path.events) {
                     look.aside += reflected(shader, &point, &s, path, lambda, trace);
                 }
+                // A surface that scatters otherwise ends the walk.
                 if !point.scattering.bsdf.is_specular() {
                     look.point = Some(point);
                     return look;
@@ -98,6 +104,7 @@ fn ways(point: &Point<'_>) -> (Option<BsdfSample>, Option<BsdfSample>) {
     let carried = |s: &BsdfSample| BsdfSample { weight: s.weight * s.pdf, ..*s };
     match (draw(0.0), draw(LAST)) {
         (Some(a), Some(b)) if a.lobe == b.lobe => (Some(a), None),
+        // Undo the division by the probability of the choice: both ways are taken with certainty.
         (Some(a), Some(b)) => {
             let (a, b) = (carried(&a), carried(&b));
             let is_first = a.weight.max_element() >= b.weight.max_element();
@@ -120,6 +127,7 @@ fn reflected(
     if s.weight.max_element() < LEAST_REFLECTION {
         return Spectrum::ZERO;
     }
+    // The reflection takes its own random numbers, by the next round.
     let path = shader.extended(point, s, CameraPath { round: point.round + 1, ..path });
     trace.pixel = None;
     let hit = trace.nearest(shader.scene, &path.ray);

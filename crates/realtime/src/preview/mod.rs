@@ -174,10 +174,12 @@ impl Drawing<'_> {
         let numbers = shader.numbers(at);
         let mut lambda = shader.wavelengths(at);
         let mut trace = Trace { counters, pixel: None, world: None };
+        // Follow the pixel's ray to the first surface that scatters diffusely or glossily.
         let start = self.start(&shader, at, &mut trace);
         let look = look(&shader, Some(&reflections), start, &numbers, &mut lambda, &mut trace);
         let rgb = |light| self.run.developed(light, &lambda);
         let surface = look.point.as_ref().map(|point| {
+            // Floor the albedo, so that demodulated light is finite.
             let albedo = self.albedo(point).max(Vec3::splat(LEAST_ALBEDO));
             let light = if self.is_dark { head_light(point) } else { shader.direct(point, &mut trace) };
             let normal = if point.frame.z.dot(point.i.wo) < 0.0 { -point.frame.z } else { point.frame.z };
@@ -221,6 +223,7 @@ impl Drawing<'_> {
             ColorMode::Rgb => albedo_of(scene, &point.scattering.bsdf, point.frame.to_local(point.i.wo), lambda),
             ColorMode::Spectral => albedo(scene, &point.i, lambda).map_or(Vec3::ZERO, |(a, _)| a),
         };
+        // Directional albedo of the surface times the throughput of the specular path before it.
         of_surface * scene.mode().to_rgb(point.beta, lambda).max(Vec3::ZERO)
     }
 
@@ -231,6 +234,7 @@ impl Drawing<'_> {
         let [columns, rows] = indirect::blocks(size);
         let paths = (ALL_PATHS / columns.saturating_mul(rows).max(1)).clamp(PATHS[0], PATHS[1]);
         let (points, counters) = self.run.in_order(rows as usize, |row, counters| {
+            // The first pixel of a block that shows a surface gives its point.
             let of_block = |column| {
                 let mut found = indirect::pixels([column, row as u32], size);
                 found.find_map(|at| {
@@ -241,6 +245,7 @@ impl Drawing<'_> {
             (0..columns).take_while(|_| !self.run.is_cancelled()).map(of_block).collect::<Vec<_>>()
         })?;
         let points = points.into_iter().flatten().collect();
+        // Two smoothing passes with growing steps.
         let blocks = Blocks::new(size, points, self.pixel_angle(size)).smooth(1).smooth(2);
         Some((blocks, counters))
     }
@@ -262,9 +267,11 @@ impl Drawing<'_> {
         let Some(point) = found.point else { return Vec3::ZERO };
         let wo = point.frame.to_local(point.i.wo);
         let mut sum = Vec3::ZERO;
+        // Average some paths from the point.
         for k in (0..paths).take_while(|_| !run.is_cancelled()) {
             let sampler = &sampler.pixel(at[0], at[1], self.number.wrapping_mul(paths).wrapping_add(k));
             let (u, u2) = (sampler.get_1d(dimension::LOBE), sampler.get_2d(dimension::DIRECTION));
+            // Draw a direction from the BSDF; specular samples were followed by the walk.
             let Some(s) = point.scattering.sample(wo, u, u2, TransportMode::Radiance) else { continue };
             if s.lobe.is_specular() {
                 continue;
@@ -285,6 +292,7 @@ impl Drawing<'_> {
 
     /// The angle between the rays of pixels side by side, in the middle of the picture.
     fn pixel_angle(&self, [width, height]: [u32; 2]) -> f32 {
+        // Angle subtended by a pixel: distance between the directions of neighbouring rays.
         let direction = |x| self.ray([x, height / 2]).direction;
         let angle = (direction(width / 2 + 1) - direction(width / 2)).length();
         if angle > 0.0 && angle.is_finite() { angle } else { 1.0 / width as f32 }
@@ -306,6 +314,7 @@ fn is_dark(scene: &Scene) -> bool {
 }
 
 /// Radiance reflected from a light at the camera without falloff: β · f(ωo, ωo) · π.
+// A light at the eye: wi = wo, without falloff.
 fn head_light(point: &Point<'_>) -> Spectrum {
     let wo = point.frame.to_local(point.i.wo);
     point.beta * point.scattering.eval(wo, wo, TransportMode::Radiance).value * std::f32::consts::PI

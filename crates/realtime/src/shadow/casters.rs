@@ -31,6 +31,7 @@ impl Casters {
     /// More than 119 million triangles.
     pub fn all(scene: &Scene, list: &DrawList) -> Result<Self, Error> {
         let mut casters = Self::default();
+        // Gather opaque triangles in world space; masked meshes and other shapes need rays.
         for (number, item) in list.items.iter().enumerate() {
             let geometry = list.geometry(scene, item);
             let Shape::Mesh(mesh) = &geometry.shape else {

@@ -45,6 +45,7 @@ pub fn maps(
     views: &[Projected; 6],
     size: u32,
 ) -> Result<Vec<Map>, Error> {
+    // A layered depth target, one layer for each face.
     let depth = DepthTarget::new(Extent::new(size, size).layers(6), DepthFormat::Float32)?;
     let mut target = Framebuffer::new(Vec::new(), Some(depth), None)?;
     target.clear_depth(0.0);

@@ -78,6 +78,7 @@ impl Map {
 
     /// Position in the map of a world point with this normal; `None` behind the view.
     pub fn locate(&self, p: Vec3, n: Vec3) -> Option<InMap> {
+        // Project the point; behind the light's eye there is no map.
         let (local, clip) = (self.view.local(p), self.view.clip(p));
         if clip.w.is_nan() || clip.w <= 0.0 {
             return None;
@@ -151,6 +152,7 @@ impl Map {
     /// texel.
     fn on_plane(&self, local: Vec3, n: Vec3, column: u32, row: u32) -> f32 {
         let direction = self.direction(column, row);
+        // Intersect the texel's ray with the tangent plane.
         let change = if self.view.is_perspective() {
             local.dot(n) / direction.extend(1.0).dot(n) - local.z
         } else {

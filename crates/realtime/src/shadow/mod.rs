@@ -100,6 +100,7 @@ impl Shadowing {
     pub fn new(scene: &Scene, list: &DrawList, options: &Options, eye: &Eye) -> Result<Self, Error> {
         let filter = Filter { bias: options.bias, bias_by: options.bias_by, pcf: options.pcf };
         let mut lights = Vec::new();
+        // Prepare maps or volumes once for each light; many lights fall back to rays.
         if !matches!(options.shadows, Shadows::None | Shadows::Ray) && scene.lights().lights.len() <= MOST_LIGHTS {
             let maker = Maker { scene, list, options, eye, casters: Casters::new(scene, list, options.shadows)? };
             lights = scene.lights().lights.iter().map(|light| maker.means(light)).collect::<Result<_, _>>()?;
@@ -115,6 +116,7 @@ impl Shadowing {
             _ if self.kind == Shadows::None => Some(1.0),
             Means::Rays => None,
             Means::Maps(maps) => Some(maps[face(maps.len(), sample.wi)].lit(p, n, &self.filter).unwrap_or(1.0)),
+            // The finest cascade that contains the point decides.
             Means::Cascades(maps) => maps.iter().find_map(|map| map.lit(p, n, &self.filter)),
             Means::Moments(maps) => Some(maps[face(maps.len(), sample.wi)].lit(p, n)),
             Means::Soft(soft) => Some(soft.lit(p, n, &self.filter)),
@@ -146,6 +148,7 @@ impl Shadowing {
         let columns = (maps.len() as u32).min(3);
         let side = (width / columns).min(height / (maps.len() as u32).div_ceil(columns)).max(1);
         let pixel = |x: u32, y: u32| {
+            // Which map the pixel falls into, and which of its texels.
             let number = if x / side < columns { y / side * columns + x / side } else { u32::MAX };
             let Some(map) = maps.get(number as usize) else { return Vec3::new(0.0, 0.0, 0.15) };
             let texel = |i: u32| (u64::from(i % side) * u64::from(map.size) / u64::from(side)) as u32;
@@ -252,6 +255,7 @@ impl Maker<'_> {
             (Shadows::Cascades, Source::From(wi)) => Means::Cascades(cascades::maps(scene, list, options, eye, wi)?),
             (Shadows::Variance | Shadows::Moments, _) => {
                 let by_variance = options.shadows == Shadows::Variance;
+                // Filtered moments replace the maps that they are made from.
                 let filtered = |map: Map| Moments::new(&map, options.pcf, by_variance);
                 Means::Moments(self.maps(source)?.into_iter().map(filtered).collect())
             }
@@ -269,6 +273,7 @@ impl Maker<'_> {
         let Self { scene, list, options, .. } = *self;
         match source {
             Source::At(place) => {
+                // Reach from the light over the whole scene; the near plane in proportion.
                 let (center, radius) = crate::extent(scene);
                 let reach = (place - center).length() + radius;
                 let views = cube_views(place, [1e-5 * reach, reach], options.size);

@@ -23,6 +23,7 @@ impl Moments {
     /// Filters a map over so many texels along each axis. `by_variance`: two moments count, not four.
     pub fn new(map: &Map, width: u32, by_variance: bool) -> Self {
         let size = map.size as usize;
+        // Raw moments E(z^k) are linear, so that they can be filtered as colours are.
         let powers = |d: &f32| {
             let z = map.view.share_of(*d);
             [z, z * z, z * z * z, z * z * z * z]
@@ -77,6 +78,7 @@ impl Moments {
 /// Chebyshev's one-sided bound on the share of depths ≥ z (Donnelly, Lauritzen 2006, eq. 5). `own` is the least
 /// deviation.
 fn by_variance(b: [f64; 4], z: f64, own: f64) -> f64 {
+    // Before the mean depth the bound says nothing: lit.
     if z <= b[0] {
         return 1.0;
     }

@@ -34,6 +34,7 @@ impl Planar {
     /// Projects the casters to all flat meshes and planes that the eye sees.
     pub fn new(scene: &Scene, list: &DrawList, casters: &Casters, source: Source, eye: &Eye) -> Result<Self, Error> {
         let pixels = (scene.film().crop.width() * scene.film().crop.height()) as usize;
+        // Receivers are the flat items that the eye sees.
         let seen: Vec<Option<u32>> = (0..pixels).map(|pixel| eye.visibility.item(pixel)).collect();
         let mut receivers: Vec<u32> = seen.iter().flatten().copied().collect();
         receivers.sort_unstable();
@@ -93,9 +94,11 @@ fn project(
         Source::At(place) => n.dot(place - start),
         Source::From(wi) => n.dot(wi),
     };
+    // Only the part above the plane, on the light's side, casts a shadow on it.
     let n = if side < 0.0 { -n } else { n };
     let (_, radius) = crate::extent(scene);
     let least = 1e-5 * radius;
+    // Draw the projected casters as the eye sees them, clipped to what lies between light and receiver.
     let (extent, viewport) = eye.projected.frame(scene);
     let mut target = Framebuffer::new(vec![ColorTarget::new(extent, Format::R8Unorm)?], None, None)?;
     target.clear(Vec4::ZERO, 0.0, 0);

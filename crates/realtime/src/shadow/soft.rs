@@ -40,6 +40,7 @@ enum Outline {
 impl Outline {
     /// A point of the light, relative to its middle, as seen along `direction`.
     fn point(&self, index: u32, center: Vec3, direction: Vec3) -> Vec3 {
+        // Spread points over the outline by a low-discrepancy sequence.
         let u = crate::spread(index);
         match *self {
             Self::Parallelogram([corner, ex, ey]) => corner + ex * u.x + ey * u.y - center,
@@ -92,6 +93,7 @@ impl Soft {
 
     /// The share of the light that a point sees.
     pub fn lit(&self, p: Vec3, n: Vec3, filter: &Filter) -> f32 {
+        // Nearer than any blocker the point sees the whole light.
         let d = p - self.center;
         let distance = d.length();
         let direction = d / distance;

@@ -70,6 +70,7 @@ impl Silhouette {
         }
         let place = |bits: [u32; 3]| Vec3::from_array(bits.map(f32::from_bits));
         let edge = |edge: [[u32; 3]; 2]| {
+            // What remains is the silhouette with its multiplicity.
             let count = counts[&edge];
             let [a, b] = edge.map(place);
             (count != 0).then(|| (if count > 0 { [a, b] } else { [b, a] }, count.unsigned_abs()))
@@ -95,6 +96,7 @@ impl Volumes {
         let mut counting = Counting::new(scene, eye, behind)?;
         let projected = eye.projected;
         let end = |p: Vec3| match source {
+            // Extrude away from the light to infinity: homogeneous points with w = 0.
             Source::At(place) => p - place,
             Source::From(wi) => -wi,
         };
