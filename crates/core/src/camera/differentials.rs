@@ -20,6 +20,7 @@ impl Camera {
     /// The derivatives of a camera ray with respect to its place on the film, for samples that are `spacing` pixels
     /// apart. They follow from the ray itself: its direction, or its origin, tells the place on the film.
     pub fn differential(&self, film: &FilmSpec, ray: &Ray, spacing: f32) -> Option<RayDifferential> {
+        // Recover camera coordinates from the ray: its place on the film follows from them.
         let inverse = self.world_from_camera.inverse();
         let d = inverse.vector(ray.direction);
         let [x0, x1, y0, y1] = self.window;
@@ -39,6 +40,7 @@ impl Camera {
                 ([Vec3::X * step.x, Vec3::Y * step.y], [Vec3::ZERO; 2])
             }
             Projection::SphericalEquirectangular => {
+                // Tangents along longitude and latitude at the direction.
                 let up = d.normalize_or_zero();
                 let (right, sin) = (Vec3::new(-up.z, 0.0, up.x), up.x.hypot(up.z));
                 let down = Vec3::new(up.x * up.y, -sin * sin, up.z * up.y) / sin.max(1e-6);
@@ -85,6 +87,7 @@ impl Camera {
             origin: [Vec3::splat(f32::INFINITY); 2],
             direction: [Vec3::splat(f32::INFINITY); 2],
         };
+        // Scan the film for the least differentials, each axis by itself.
         let inverse = self.world_from_camera.inverse();
         for i in 0..STEPS {
             let s = (i as f32 + 0.5) / STEPS as f32;

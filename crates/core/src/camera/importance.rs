@@ -48,6 +48,7 @@ impl Camera {
     /// misses the film.
     pub fn receive(&self, film: &FilmSpec, p: Vec3, lens: Vec2) -> Option<Received> {
         let local = self.world_from_camera.inverse().point(p);
+        // A point of the lens by the concentric map (Shirley and Chiu 1997).
         let lens = if self.lens_radius > 0.0 { warp::concentric_disk(lens) * self.lens_radius } else { Vec2::ZERO };
         let (eye, at) = self.on_film(film, local, lens)?;
         let (margin, frame) = (film.filter.radius(), size(film));
@@ -63,6 +64,7 @@ impl Camera {
             return None;
         }
         let to_camera = to / distance;
+        // Pixels per area at the point: density per solid angle over the squared distance.
         let d = self.density(film, -to_camera);
         let density = if d.is_parallel { d.density } else { d.density / (distance * distance) };
         (density > 0.0 && density.is_finite()).then_some(Received { at, to_camera, distance: distance * seen, density })
@@ -104,6 +106,7 @@ impl Camera {
                 if d.z <= 0.0 {
                     return None;
                 }
+                // Where the ray through this point of the lens meets the plane in focus, as window coordinates.
                 let w = Vec2::new(d.x, d.y) / d.z + lens / self.focal_distance;
                 (lens.extend(0.0), self.of_window(film, w))
             }
@@ -111,6 +114,7 @@ impl Camera {
                 if local.z <= 0.0 {
                     return None;
                 }
+                // The same for parallel rays, whose lens shifts origins.
                 let w = Vec2::new(local.x, local.y) - lens * (1.0 - local.z / self.focal_distance);
                 ((w + lens).extend(0.0), self.of_window(film, w))
             }
@@ -122,6 +126,7 @@ impl Camera {
             }
             Projection::SphericalEquirectangular => {
                 let d = swap_yz(local.try_normalize()?);
+                // Inverse of the ray's map by longitude and latitude.
                 let phi = d.y.atan2(d.x);
                 let s = Vec2::new((phi / TAU).rem_euclid(1.0), d.z.clamp(-1.0, 1.0).acos() / PI);
                 (Vec3::ZERO, s * size(film))
@@ -143,6 +148,7 @@ impl Camera {
         let per_window = (film.width as f32 * film.height as f32 / ((x1 - x0) * (y1 - y0))).abs();
         let pixels = film.width as f32 * film.height as f32;
         let in_camera = match self.projection {
+            // dω = cos³θ dA on the plane z = 1: density per solid angle grows with 1/cos³θ.
             Projection::Perspective | Projection::Realistic(_) => per_window / d.z.powi(3),
             Projection::Orthographic => {
                 let m = &self.world_from_camera;
@@ -157,6 +163,7 @@ impl Camera {
             }
             Projection::SphericalEquirectangular => pixels / (TAU * PI * d.x.hypot(d.z).max(1e-6)),
         };
+        // A scaled placement changes solid angles.
         let density = in_camera / self.world_from_camera.solid_angle(d);
         RayDensity { density, start: self.start(long), is_parallel: false }
     }

@@ -91,6 +91,7 @@ impl FovAxis {
     /// Half extents (x, y) of the window on z = 1 for a full angle of view in radians and an aspect (width over
     /// height).
     pub fn half_window(self, fov: f32, aspect: f32) -> Vec2 {
+        // Window of half height tan(fov/2) on z = 1.
         let t = (fov * 0.5).tan();
         match self {
             Self::X => Vec2::new(t, t / aspect),
@@ -98,6 +99,7 @@ impl FovAxis {
             Self::Smaller => if aspect >= 1.0 { Self::Y } else { Self::X }.half_window(fov, aspect),
             Self::Larger => if aspect >= 1.0 { Self::X } else { Self::Y }.half_window(fov, aspect),
             Self::Diagonal => {
+                // The diagonal of the window subtends the angle.
                 let height = t / (1.0 + aspect * aspect).sqrt();
                 Vec2::new(height * aspect, height)
             }
@@ -147,6 +149,7 @@ impl Pinhole {
     /// Origin and unit direction of the ray through a point of the full frame, with the bits of [`Camera::ray`].
     #[inline(always)]
     pub fn ray(&self, pixel: Vec2) -> (Vec3, Vec3) {
+        // Film to window coordinates: linear, with y up.
         let s = Vec2::new(pixel.x / self.size[0], pixel.y / self.size[1]);
         let [x0, x1, y0, y1] = self.window;
         let d = Vec3::new(x0 + (x1 - x0) * s.x, y1 - (y1 - y0) * s.y, 1.0);
@@ -173,6 +176,7 @@ impl Camera {
     /// (`u` in the unit square). Directions have unit length.
     #[inline]
     pub fn ray(&self, film: &FilmSpec, pixel: Vec2, lens: Vec2) -> Ray {
+        // Film position in the unit square, then on the window.
         let s = Vec2::new(pixel.x / film.width as f32, pixel.y / film.height as f32);
         let [x0, x1, y0, y1] = self.window;
         let w = Vec2::new(x0 + (x1 - x0) * s.x, y1 - (y1 - y0) * s.y);
@@ -189,12 +193,14 @@ impl Camera {
                 (Vec3::ZERO, swap_yz(Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())))
             }
         };
+        // Thin lens: all rays of a film point meet in the plane in focus.
         if self.lens_radius > 0.0 && direction.z > 0.0 {
             let p = warp::concentric_disk(lens) * self.lens_radius;
             let focus = origin + direction * (self.focal_distance / direction.z);
             origin += Vec3::new(p.x, p.y, 0.0);
             direction = focus - origin;
         }
+        // Start at the near plane, and end at the far one.
         if self.near > 0.0 && direction.z > 0.0 {
             origin += direction * (self.near / direction.z);
         }
@@ -225,6 +231,7 @@ impl Camera {
         let s = Vec2::new(pixel.x / film.width as f32, pixel.y / film.height as f32);
         let [x0, x1, y0, y1] = self.window;
         let w = Vec2::new(x0 + (x1 - x0) * s.x, y1 - (y1 - y0) * s.y);
+        // Dispersion: keep the hero wavelength and terminate the others.
         let is_split = lenses.is_dispersive() && *lambda != Wavelengths::RGB.at_time(lambda.time);
         if is_split {
             lambda.terminate_secondary();
@@ -246,6 +253,7 @@ impl Camera {
     #[inline]
     fn moved(&self, ray: Ray) -> Ray {
         let Some(place) = self.motion.as_ref().and_then(|motion| motion.at(ray.time)) else { return ray };
+        // Undo the placement at the opening of the shutter and apply the one at the ray's time.
         let ray = place.ray(&self.world_from_camera.inverse().ray(&ray));
         let length = ray.direction.length();
         Ray { direction: ray.direction.normalize(), t_max: ray.t_max * length, ..ray }
@@ -272,6 +280,7 @@ impl Camera {
                 origin.as_dvec3().extend(1.0),
             ),
         };
+        // Window from the ratios of the given axes.
         let (x, y) = (left.length() / forward.length(), up.length() / forward.length());
         Some(Self {
             projection: Projection::Perspective,

@@ -33,6 +33,7 @@ impl Patch {
     fn at(self, s: Vec2) -> (Vec3, Vec3) {
         match self {
             Self::Square => ((s * 2.0 - 1.0).extend(0.0), Vec3::Z),
+            // Area-preserving maps from the square to each surface.
             Self::Disk => (warp::concentric_disk(s).extend(0.0), Vec3::Z),
             Self::Sphere => {
                 let p = warp::uniform_sphere(s);
@@ -52,6 +53,7 @@ impl Camera {
     pub(super) fn ray_of_patch(&self, patch: Patch, is_inward: bool, s: Vec2, u: Vec2) -> Ray {
         let (p, n) = patch.at(s);
         let place = &self.world_from_camera;
+        // Normals transform by the inverse transpose.
         let normal = place.inv.transpose().transform_vector3(if is_inward { -n } else { n }).normalize();
         let p = place.point(p);
         // Off the surface, which may be part of the scene.

@@ -41,6 +41,7 @@ impl Emitter {
         lambda: &Wavelengths,
         textures: &Textures,
     ) -> Spectrum {
+        // One-sided emitters are dark from behind.
         if !self.two_sided && n.dot(w) <= 0.0 {
             return Spectrum::ZERO;
         }
@@ -62,6 +63,7 @@ impl Emitter {
         textures: &Textures,
     ) -> Spectrum {
         let radiance = self.radiance(n, w, &at, lambda, textures);
+        // Expected emission: radiance times opacity, since samples do not test the mask themselves.
         match &self.alpha {
             Some(alpha) if !radiance.is_black() => {
                 radiance * alpha.eval(textures, &TextureContext { n, ..at() }).clamp(0.0, 1.0)
@@ -146,10 +148,12 @@ const SOLID_ANGLE_FROM: f32 = 0.25;
 fn sample_sphere(c: Vec3, r: f32, p: Vec3, u: Vec2, far_share: f32) -> (Vec3, f32, Vec3, f32) {
     let to_center = c - p;
     let d2 = to_center.length_squared();
+    // Outside the sphere sample the cone that it subtends: sin θ_max = r/d (PBR 4th ed., 6.2.4).
     if d2 > r * r * 1.000_01 {
         let m = one_minus_cos_max(r, d2);
         let is_far = u.x < far_share;
         let share = if is_far { far_share } else { 1.0 - far_share };
+        // Reuse the number that chose near or far side: stretch its part back to [0, 1).
         let u = Vec2::new(if is_far { u.x / share } else { (u.x - far_share) / share }, u.y);
         let w = warp::uniform_cone(Vec2::new(u.x.min(ONE_MINUS_EPSILON), u.y), m);
         let wi = Frame::from_z(to_center / d2.sqrt()).to_world(w);
@@ -160,6 +164,7 @@ fn sample_sphere(c: Vec3, r: f32, p: Vec3, u: Vec2, far_share: f32) -> (Vec3, f3
         let n = (p + wi * distance - c) / r;
         (wi, distance, n, warp::uniform_cone_pdf(m) * share)
     } else {
+        // Inside, or nearly on it, sample the area uniformly and convert: p_ω = d²/(|cos θ|·4πr²).
         let n = warp::uniform_sphere(u);
         let to = c + n * r - p;
         let t2 = to.length_squared();
@@ -219,6 +224,7 @@ impl FlatLight {
     #[inline(always)]
     pub fn sample(&self, p: Vec3, u: Vec2, may_be_large: bool) -> FlatSample {
         let Self { corner, edges: [ex, ey], n, area, is_triangle } = *self;
+        // Large rectangles are sampled by solid angle (Ureña, Fajardo, King 2013), small ones by area.
         let is_large = may_be_large && self.is_large(p);
         let b = warp::uniform_triangle(u);
         let (mut s, mut t) = if is_triangle { (b[1], b[2]) } else { (u.x, u.y) };
@@ -232,10 +238,12 @@ impl FlatLight {
         let q = corner + ex * s + ey * t;
         let to = q - p;
         let d2 = to.length_squared();
+        // p_ω = d²/(|cos θ|·A).
         let distance = d2.sqrt();
         let wi = to / distance;
         let cos = n.dot(wi).abs();
         let pdf = if is_large { by_angle } else { d2 / (cos * area) };
+        // Grazing views and coincident points have no density: such samples count as failed.
         let is_sound = (d2 > 0.0) & (cos != 0.0) & (pdf > 0.0) & (pdf < f32::INFINITY);
         FlatSample { q, uv: Vec2::new(s, t), wi, distance, pdf: if is_sound { pdf } else { 0.0 } }
     }
@@ -257,6 +265,7 @@ impl AreaLight {
         match &self.shape {
             AreaShape::Triangle(v, n, area) => {
                 let center = (v[0] + v[1] + v[2]) * (1.0 / 3.0);
+                // A small triangle is flat too: a corner and two edges, sampled by area.
                 let flat = || FlatLight {
                     corner: v[0],
                     edges: [v[1] - v[0], v[2] - v[0]],
@@ -303,15 +312,18 @@ impl AreaLight {
         }
         let (q, n, pdf, uv) = match &self.shape {
             AreaShape::Triangle(v, n, area) => {
+                // Large triangles are sampled by spherical area; where that degenerates, by area.
                 let (b, pdf) = match warp::spherical_triangle(*v, p, u) {
                     Some((b, pdf)) => (b, Ok(pdf)),
                     None => (warp::uniform_triangle(u), Err(*area)),
                 };
+                // Interpolate the corners by the barycentric coordinates.
                 let q = v[0] + (v[1] - v[0]) * b[1] + (v[2] - v[0]) * b[2];
                 (q, *n, pdf, Vec2::new(b[1], b[2]))
             }
             AreaShape::Rectangle { .. } => return None,
             AreaShape::Sphere(c, r, inward) => {
+                // Spheres take the cone; their samples carry the density in solid angle already.
                 let (wi, distance, n, pdf) = sample_sphere(*c, *r, p, u, self.far_share);
                 if !(pdf > 0.0 && pdf.is_finite() && distance > 0.0) {
                     return None;
@@ -322,17 +334,21 @@ impl AreaLight {
                 return (!radiance.is_black()).then_some(LightSample { wi, distance, radiance, pdf, is_delta: false });
             }
             AreaShape::Quadric(q) => match whole_sphere(q) {
+                // A quadric that is a whole sphere after placement is sampled as a sphere.
                 Some((c, r)) => {
                     let (wi, distance, n, pdf) = sample_sphere(c, r, p, u, self.far_share);
                     let s = q.surface_at(q.place.inverse().vector(n * r));
                     (p + wi * distance, s.n, Ok(pdf), s.uv)
                 }
                 None => {
+                    // Other quadrics are sampled by area in object space, with the stretch of the placement in the
+                    // density.
                     let s = q.surface_at(q.sample(u));
                     (s.p, s.n, Err(q.area_at(s.n)), s.uv)
                 }
             },
             AreaShape::Swept(swept) => {
+                // Swept surfaces are sampled by area, with a density that depends on the normal.
                 let s = swept.sample(u);
                 (s.p, s.n, Err(swept.area_at(s.n)), s.uv)
             }
@@ -345,6 +361,7 @@ impl AreaLight {
         }
         let distance = d2.sqrt();
         let wi = to / distance;
+        // Convert a density per area to one per solid angle.
         let cos = n.dot(wi).abs();
         let pdf = match pdf {
             Ok(pdf) => pdf,
@@ -372,6 +389,7 @@ impl AreaLight {
     /// moment of the exposure.
     #[inline]
     pub fn pdf(&self, p: Vec3, wi: Vec3, distance: f32, n: Vec3, time: f32) -> f32 {
+        // The same conversion for a point that another strategy has found.
         let by_area = |area: f32| {
             let pdf = distance * distance / (n.dot(wi).abs() * area);
             if pdf.is_finite() { pdf } else { 0.0 }
@@ -379,6 +397,7 @@ impl AreaLight {
         let of_sphere = |c: Vec3, r: f32| {
             let d2 = (c - p).length_squared();
             if d2 > r * r * 1.000_01 {
+                // The exit point of the ray lies on the far side.
                 let is_far = self.far_share > 0.0 && (p + wi * distance - c).dot(wi) > 0.0;
                 let share = if is_far { self.far_share } else { 1.0 - self.far_share };
                 warp::uniform_cone_pdf(one_minus_cos_max(r, d2)) * share
@@ -390,6 +409,7 @@ impl AreaLight {
             AreaShape::Triangle(v, n, area) => {
                 let center = (v[0] + v[1] + v[2]) * (1.0 / 3.0);
                 let solid =
+                    // Repeat the decision that sampling made, so that the density is that of the strategy used.
                     if Self::looks_large(center, *n, *area, p) { warp::spherical_triangle_pdf(*v, p) } else { None };
                 solid.unwrap_or_else(|| by_area(*area))
             }
@@ -421,6 +441,7 @@ impl AreaLight {
     ) -> Option<LightSample> {
         let (n, inside, distance) = match &self.shape {
             AreaShape::Triangle(v, n, _) => {
+                // Project the point onto the plane and test it against the three edges.
                 let distance = n.dot(p - v[0]);
                 let q = p - *n * distance;
                 let side = |a: Vec3, b: Vec3| (b - a).cross(q - a).dot((v[1] - v[0]).cross(v[2] - v[0]));
@@ -430,10 +451,13 @@ impl AreaLight {
             AreaShape::Rectangle { corner, ex, ey, n, .. } => {
                 let distance = n.dot(p - *corner);
                 let q = p - *n * distance - *corner;
+                // Coordinates along the two orthogonal edges.
                 let (s, t) = (q.dot(*ex) / ex.length_squared(), q.dot(*ey) / ey.length_squared());
                 (*n, (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t), distance)
             }
             AreaShape::Quadric(q) => {
+                // The plane through the middle of the quadric; a ray back along its normal tells whether the point lies
+                // before it.
                 let center = q.surface_at(q.sample(Vec2::splat(0.5)));
                 let distance = center.n.dot(p - center.p);
                 let hit = q.intersect(&Ray::new(p, -center.n));
@@ -446,6 +470,7 @@ impl AreaLight {
             return None;
         }
         let at = || TextureContext::new(p - n * distance, Vec2::ZERO);
+        // The light leaves along the normal alone: a delta distribution, without density.
         let radiance = emitter.drawn(n, n, at, lambda, textures);
         (!radiance.is_black()).then_some(LightSample { wi: -n, distance, radiance, pdf: 1.0, is_delta: true })
     }
@@ -465,9 +490,11 @@ impl AreaLight {
             }
             AreaShape::Quadric(q) => match q.kind {
                 QuadricKind::Disk { .. } => (q.bounds(), q.surface_at(q.sample(Vec2::ZERO)).n, 1.0, q.area()),
+                // Convex surfaces show a quarter of their area in the mean over directions (Cauchy).
                 _ => (q.bounds(), Vec3::Z, -1.0, q.area() * 0.25),
             },
             AreaShape::Swept(swept) => (swept.level().bounds(), Vec3::Z, -1.0, swept.area() * 0.25),
+            // Bounds over all moments of the exposure.
             AreaShape::Moving(moving) => {
                 let of = |shape| Self { shape, mesh: None, ..*self }.bounds(emitter);
                 return moving.bounds(of);

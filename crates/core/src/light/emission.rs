@@ -72,11 +72,13 @@ impl Emission {
     /// Emission sampling of a scene; `None` if no light emits. Infinite planes are too large for light from infinity to
     /// be sent at them: it is left out then, with density zero.
     pub fn new(scene: &Scene) -> Option<Self> {
+        // A slightly larger bounding sphere: rays from infinity start outside of everything.
         let (center, radius) = scene.bounds().bounding_sphere();
         let radius = (radius * 1.001).max(f32::MIN_POSITIVE);
         let lights = scene.lights();
         let is_sent = |l: &Light| scene.planes().is_empty() || !matches!(l, Light::Distant(..) | Light::Environment(_));
         let flux = |l: &Light| if is_sent(l) { lights.flux(l, radius) } else { 0.0 };
+        // Choose lights in proportion to their flux.
         let weights: Vec<f32> = lights.lights.iter().map(flux).map(|f| if f.is_finite() { f } else { 0.0 }).collect();
         let is_any = weights.iter().any(|w| *w > 0.0);
         is_any.then(|| Self { choice: AliasTable::new(&weights), center, radius })
@@ -91,6 +93,7 @@ impl Emission {
         direction: Vec2,
         lambda: &Wavelengths,
     ) -> Option<EmittedRay> {
+        // The alias table draws a light in constant time (Vose 1991).
         let (light, choice, _) = self.choice.sample(u);
         let mut emitted = self.sample_light(scene, light as u32, place, direction, lambda)?;
         emitted.pdf *= choice;
@@ -131,6 +134,8 @@ impl Emission {
             },
             Light::Environment(e) => {
                 if let Some([corner, ex, ey]) = e.portal {
+                    // A portal emits as its area does: a uniform place, and a cosine-distributed direction on either
+                    // side.
                     let n = ex.cross(ey);
                     let area = n.length();
                     let z = if direction.x < 0.5 { n / area } else { -n / area };
@@ -143,6 +148,8 @@ impl Emission {
                     // Both cosines cancel: of the direction, and of the portal seen along it.
                     return Some(EmittedRay { light, ray, n: w, cos: 1.0, radiance, pdf: 0.5 * FRAC_1_PI / area });
                 }
+                // Half of the directions by the image's distribution and half uniformly, so that dark parts are
+                // covered.
                 let to = match e.sampled_irradiance() > 0.0 {
                     true if e.celestial.is_some() => e.sample(self.center, direction)?.0,
                     true if direction.x < 0.5 => e.sample(self.center, Vec2::new(direction.x * 2.0, direction.y))?.0,
@@ -155,6 +162,7 @@ impl Emission {
             }
             Light::Area(a) => {
                 let a = &*a.at(lambda.time);
+                // A place uniform over the area and a cosine-distributed direction on each side that shines.
                 let (p, n, at) = a.sample_place(place);
                 let emitter = &lights.emitters[a.emitter as usize];
                 let mut local = warp::cosine_hemisphere(direction);
@@ -166,6 +174,7 @@ impl Emission {
                 let cos = local.z.abs();
                 let w = Frame::from_z(n).to_world(local);
                 let radiance = emitter.drawn(n, w, || at, lambda, scene.textures());
+                // p = p(place)·p(direction), with p(direction) = cos θ/π on one side.
                 let pdf = lobe(cos, emitter.two_sided) / a.area_at(n);
                 EmittedRay { light, ray: Ray::new(a.leave(p, n, w), w), n, cos, radiance, pdf }
             }
@@ -192,6 +201,7 @@ impl Emission {
             },
             Light::Area(a) => {
                 let two_sided = scene.lights().emitters[a.emitter as usize].two_sided;
+                // Cosine lobe about the normal, on both sides where the surface shines to both.
                 let cos = if two_sided { n.dot(w).abs() } else { n.dot(w).max(0.0) };
                 lobe(cos, two_sided) / a.at(time).area_at(n)
             }
@@ -206,6 +216,7 @@ impl Emission {
         if e.celestial.is_some() {
             return e.pdf(self.center, to);
         }
+        // Mixture of both strategies.
         if e.sampled_irradiance() > 0.0 { 0.5 * (uniform + e.pdf(self.center, to)) } else { uniform }
     }
 }
@@ -220,16 +231,19 @@ impl Lights {
     /// textures).
     fn flux(&self, light: &Light, radius: f32) -> f32 {
         let mode = self.mode();
+        // Flux of parallel light: irradiance times the cross-section of the scene.
         let section = PI * radius * radius;
         match light {
             Light::Punctual(light) => light.flux(mode),
             Light::Distant(_, irradiance) => irradiance.luminance(mode) * section,
             Light::Environment(e) => {
+                // A portal limits the flux to what passes its two sides.
                 let through = e.portal.map_or(section, |[_, ex, ey]| 2.0 * ex.cross(ey).length());
                 PI * e.mean_luminance() * through
             }
             Light::Area(a) => {
                 let e = &self.emitters[a.emitter as usize];
+                // Flux of a diffuse emitter: Φ = π·L·A on each side.
                 PI * e.luminance * a.area() * if e.two_sided { 2.0 } else { 1.0 }
             }
             Light::DirectionalArea(a) => self.emitters[a.emitter as usize].luminance * a.area(),
@@ -264,6 +278,7 @@ impl Environment {
         if self.image.is_none() {
             return self.radiance.luminance(self.mode) * self.scale;
         }
+        // Average the map over a grid of directions of equal solid angle.
         const EDGE: u32 = 64;
         let mut sum = 0.0;
         for k in 0..EDGE * EDGE {
@@ -300,6 +315,7 @@ impl AreaLight {
     fn sample_place(&self, u: Vec2) -> (Vec3, Vec3, TextureContext<'_>) {
         let (p, n, uv) = match &self.shape {
             AreaShape::Triangle(v, n, _) => {
+                // Uniform over the triangle by barycentric coordinates.
                 let b = warp::uniform_triangle(u);
                 (v[0] * b[0] + v[1] * b[1] + v[2] * b[2], *n, Vec2::new(b[1], b[2]))
             }
@@ -346,6 +362,7 @@ impl AreaLight {
             }
             AreaShape::Moving(_) => 0.0,
         };
+        // Offset against the rounding of the point's coordinates.
         offset_ray_origin(p, Vec3::splat(size * gamma(16)), n, w)
     }
 }

@@ -73,6 +73,8 @@ impl EnvironmentImage {
     pub fn new(texels: Texels, parametrization: Parametrization, world_from_light: Affine) -> Self {
         let (w, h) = (texels.width, texels.height);
         let area = |y: usize| match parametrization {
+            // Solid angle of a row relative to the mean: π/2·sin θ in a latitude–longitude map, constant in an
+            // equal-area one.
             Parametrization::Octahedral => 1.0,
             _ => (std::f32::consts::PI * (y as f32 + 0.5) / h as f32).sin() * std::f32::consts::FRAC_PI_2,
         };
@@ -94,18 +96,21 @@ impl EnvironmentImage {
             }
             m
         };
+        // Mean over the sphere, each row weighted by its solid angle.
         let total: f64 = (0..h).map(|y| f64::from(area(y)) * (0..w).map(|x| f64::from(light(x, y))).sum::<f64>()).sum();
         let mean = (total / (w * h) as f64) as f32;
         let mut excess = 0.0_f64;
         let mut values = Vec::with_capacity(w * h);
         for y in 0..h {
             for x in 0..w {
+                // MIS compensation: sample only the part above the mean, which samples of the BSDF do not find well
+                // (Karlík et al. 2019).
                 let v = (cell(x, y) - mean).max(0.0) * area(y);
                 excess += f64::from((light(x, y) - mean).max(0.0) * area(y));
                 values.push(if v.is_finite() { v } else { 0.0 });
             }
         }
-        // Mean radiance above the mean over the sphere, times π, four-fold since it comes from a part of the sphere.
+        // Radiance above the mean, integrated over the sphere (4π times its average), at a mean cosine of one half.
         let excess = (excess / (w * h) as f64) as f32 * 4.0 * std::f32::consts::PI * 0.5;
         let flat = excess < 0.02 * mean * std::f32::consts::PI;
         let distribution = Piecewise2D::new(&values, w, h);
@@ -115,6 +120,7 @@ impl EnvironmentImage {
     /// Image coordinates of a world direction (v down).
     #[inline]
     fn uv(&self, w: Vec3) -> Vec2 {
+        // Rotate into the frame of the map, then apply its parametrisation.
         let d = self.world_from_light.inverse().vector(w).normalize_or(Vec3::Z);
         match self.parametrization {
             Parametrization::Octahedral => warp::equal_area_sphere_to_square(d),
@@ -131,6 +137,7 @@ impl EnvironmentImage {
     #[inline]
     fn direction(&self, uv: Vec2) -> (Vec3, f32) {
         use std::f32::consts::PI;
+        // Density in solid angle: constant for equal-area maps, 1/(2π² sin θ) for latitude and longitude.
         let (d, density) = match self.parametrization {
             Parametrization::Octahedral => (warp::equal_area_square_to_sphere(uv), 1.0 / (4.0 * PI)),
             Parametrization::LatLongZ => {
@@ -170,6 +177,7 @@ impl EnvironmentImage {
             };
             rgb(&self.texels, x as usize, y as usize)
         };
+        // Bilinear interpolation between the centres of texels.
         let y = match self.parametrization {
             Parametrization::LatLongY { poles: true } => uv.y * (h - 1) as f32,
             _ => uv.y * h as f32 - 0.5,
@@ -180,6 +188,7 @@ impl EnvironmentImage {
         let (x0, y0) = (x0 as i64, y0 as i64);
         let corners = [fetch(x0, y0), fetch(x0 + 1, y0), fetch(x0, y0 + 1), fetch(x0 + 1, y0 + 1)];
         let mean = |[a, b, c, d]: [Vec3; 4]| (a * (1.0 - dx) + b * dx) * (1.0 - dy) + (c * (1.0 - dx) + d * dx) * dy;
+        // Separate the brightest component from the ratio to it, and interpolate each.
         if mode == ColorMode::Spectral && self.parametrization == (Parametrization::LatLongY { poles: true }) {
             let brightness = corners.map(|c| Vec3::splat(c.max_element()));
             let hues = corners.map(|c| c / c.max_element().max(f32::MIN_POSITIVE));
@@ -228,6 +237,7 @@ impl Environment {
     pub fn sample(&self, p: Vec3, u: Vec2) -> Option<(Vec3, f32)> {
         let wi = match (&self.portal, &self.image) {
             (Some([corner, ex, ey]), _) => {
+                // A portal is sampled uniformly in the solid angle it subtends.
                 let rectangle = SphericalRectangle::new(*corner, *ex, *ey, p);
                 if rectangle.solid_angle <= 0.0 {
                     return None;
@@ -235,6 +245,7 @@ impl Environment {
                 (rectangle.sample(u) - p).try_normalize()?
             }
             (None, Some(image)) => {
+                // Draw image coordinates by the tabulated distribution and convert the density.
                 let (uv, pdf) = image.distribution.sample(u);
                 let (wi, density) = image.direction(uv);
                 let pdf = pdf * density;
@@ -258,6 +269,7 @@ impl Environment {
                 None => 0.0,
             },
             (None, Some(image)) => {
+                // Density of image coordinates times the Jacobian of the parametrisation.
                 let uv = image.uv(w);
                 let density = match image.parametrization {
                     Parametrization::Octahedral => 0.25 * std::f32::consts::FRAC_1_PI,
@@ -277,6 +289,7 @@ impl Environment {
 /// `Some` if the ray from `p` along `w` passes through a rectangle given by corner and edges.
 #[inline]
 fn through([corner, ex, ey]: [Vec3; 3], p: Vec3, w: Vec3) -> Option<()> {
+    // Intersect the plane of the rectangle and compare with its edges.
     let n = ex.cross(ey);
     let t = n.dot(corner - p) / n.dot(w);
     let q = p + w * t - corner;

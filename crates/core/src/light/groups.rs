@@ -33,6 +33,7 @@ impl LightGroups {
     /// Notes the groups of all lights, those of areas by their emitters; `others` has the light and group of each other
     /// one.
     pub fn assign(&mut self, lights: &Lights, others: &[(u32, u32)]) {
+        // Emitting areas inherit the group of their emitter; other lights are listed one by one.
         self.of_lights = lights
             .lights
             .iter()

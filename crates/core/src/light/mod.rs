@@ -119,6 +119,7 @@ impl Lights {
     /// Prepares the choice among lights.
     pub fn new(lights: Vec<Light>, emitters: Vec<Emitter>, mode: ColorMode) -> Self {
         let mut bounded = Vec::new();
+        // Separate lights with bounds, which go into the tree, from infinite ones, which are listed.
         let (mut infinite, mut environments) = (Vec::new(), Vec::new());
         for (i, light) in lights.iter().enumerate() {
             let i = i as u32;
@@ -136,6 +137,7 @@ impl Lights {
                 }
             }
         }
+        // Lights that estimate to nothing are never chosen.
         infinite.retain(|l| l.1 > 0.0);
         bounded.retain(|l| l.1.intensity > 0.0);
         Self {
@@ -170,14 +172,17 @@ impl Lights {
     #[inline]
     fn shares(&self, ctx: &LightContext) -> Shares {
         let groups = self.infinite.len() as f32 + f32::from(!self.tree.is_empty());
+        // Without infinite lights the tree takes all; a single infinite light alone needs no choice.
         if self.infinite.is_empty() {
             return Shares { tree: 1.0, per_irradiance: 0.0, even: 0.0 };
         }
         if self.tree.is_empty() && self.infinite.len() == 1 {
             return Shares { tree: 0.0, per_irradiance: 0.0, even: 1.0 };
         }
+        // Irradiance that the tree's root may give at the point, against the estimates of the infinite lights.
         let tree = self.tree.importance(ctx);
         let total = tree + self.infinite.iter().map(|l| l.1).sum::<f32>();
+        // Defensive sampling: a share goes evenly to all, so that no estimate starves a light.
         let even = UNIFORM_SHARE / groups;
         let per_irradiance = (1.0 - UNIFORM_SHARE) / total;
         let tree = if self.tree.is_empty() { 0.0 } else { tree * per_irradiance + even };
@@ -197,8 +202,10 @@ impl Lights {
     #[inline]
     pub fn choose_kind(&self, ctx: &LightContext, u: f32) -> Option<Choice> {
         let shares = self.shares(ctx);
+        // Walk the list of infinite lights by their cumulative probability; what is left of u chooses in the tree.
         let mut u = u;
         for &(light, irradiance) in &self.infinite {
+            // p = (1 − share)·E/ΣE + share/n, the mixture of importance and uniform sampling.
             let p = irradiance * shares.per_irradiance + shares.even;
             if u < p {
                 return Some(Choice::Infinite(light, p));
@@ -219,6 +226,7 @@ impl Lights {
     #[inline]
     pub fn probability(&self, ctx: &LightContext, light: u32) -> f32 {
         let shares = self.shares(ctx);
+        // Density of the mixture for a light that was found otherwise; the tree's part by its trail.
         match self.infinite.iter().find(|l| l.0 == light) {
             Some(l) => l.1 * shares.per_irradiance + shares.even,
             None => self.tree.probability(ctx, light) * shares.tree,
@@ -248,6 +256,7 @@ impl Lights {
         textures: &Textures,
     ) -> Option<LightSample> {
         let delta = |to: Vec3, intensity: Spectrum| {
+            // Inverse-square falloff: E = I/d².
             let d2 = to.length_squared();
             let distance = d2.sqrt();
             (d2 > 0.0 && !intensity.is_black()).then(|| LightSample {
@@ -263,6 +272,7 @@ impl Lights {
         }
         match &self.lights[light as usize] {
             Light::Punctual(light) => {
+                // A point light is a delta distribution in direction.
                 let light: &dyn PunctualLight = &**light;
                 delta(light.position() - ctx.p, light.intensity(ctx.p, lambda, textures, self.mode))
             }
@@ -274,6 +284,7 @@ impl Lights {
                 is_delta: true,
             }),
             Light::Environment(e) => {
+                // Direction by the distribution of the map, portal or sky; the radiance is looked up afterwards.
                 let (wi, pdf) = e.sample(ctx.p, u)?;
                 let radiance = e.radiance(ctx.p, wi, lambda);
                 Some(LightSample { wi, distance: f32::INFINITY, radiance, pdf, is_delta: false })
@@ -289,6 +300,7 @@ impl Lights {
     #[inline]
     pub fn area_pdf(&self, light: u32, ctx: &LightContext, (wi, distance): (Vec3, f32), n: Vec3, time: f32) -> f32 {
         match &self.lights[light as usize] {
+            // p_ω = P(light)·p(direction | light).
             Light::Area(a) => match self.probability(ctx, light) {
                 p if p > 0.0 => p * a.pdf(ctx.p, wi, distance, n, time),
                 _ => 0.0,

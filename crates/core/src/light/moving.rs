@@ -26,6 +26,7 @@ impl Moving {
     pub(super) fn bounds(&self, of: impl Fn(AreaShape) -> LightBounds) -> LightBounds {
         let reach = of(self.shape.clone()).bounds;
         let reach = reach.min.abs().max(reach.max.abs()).length();
+        // Sample the motion in steps small enough that points move a known distance between them.
         let (times, beyond) = self.motion.steps(reach);
         let mut all = of(self.at(0.0));
         for time in times {
@@ -53,6 +54,7 @@ impl AreaShape {
                 let area = ex.cross(ey).length();
                 Self::Rectangle { corner: place.point(*corner), ex, ey, n: normal(*n), area }
             }
+            // A sphere stays one under similarities; otherwise it becomes a quadric.
             Self::Sphere(c, r, inward) => match place.similarity() {
                 Some(scale) => Self::Sphere(place.point(*c), r * scale, *inward),
                 None => {

@@ -100,6 +100,7 @@ impl PunctualLight for Isotropic {
     }
 
     fn flux(&self, mode: ColorMode) -> f32 {
+        // Φ = 4π·I.
         4.0 * PI * self.intensity.luminance(mode)
     }
 }
@@ -137,6 +138,7 @@ pub struct Spot {
 impl Spot {
     /// Share of the full intensity at a cosine from the axis.
     pub fn share(&self, cos: f32) -> f32 {
+        // Full inside the inner cone, dark outside the outer one.
         let (inner, outer) = (self.start.cos(), self.total.cos());
         if cos >= inner {
             1.0
@@ -145,6 +147,7 @@ impl Spot {
         } else {
             match self.falloff {
                 Falloff::Smoothstep => {
+                    // Hermite polynomial 3t² − 2t³ over the cosine.
                     let t = (cos - outer) / (inner - outer);
                     t * t * (3.0 - 2.0 * t)
                 }
@@ -172,12 +175,14 @@ impl PunctualLight for Spot {
 
     fn intensity(&self, p: Vec3, lambda: &Wavelengths, textures: &Textures, _mode: ColorMode) -> Spectrum {
         let local = self.world_from_light.inverse().vector(p - self.position).normalize_or_zero();
+        // Angle from the axis in the light's own frame.
         let share = self.share(local.z);
         if share <= 0.0 {
             return Spectrum::ZERO;
         }
         let mut intensity = self.intensity.eval(lambda) * share;
         if let Some(texture) = &self.texture {
+            // Project the slide perspectively onto the cone's cross-section.
             let half = self.total.tan();
             let uv = Vec2::new(local.x, local.y) / (local.z * half) * 0.5 + 0.5;
             intensity *= texture.eval(textures, &TextureContext::new(p, uv), lambda);
@@ -190,6 +195,7 @@ impl PunctualLight for Spot {
     }
 
     fn draw(&self, u: Vec2) -> Option<(Vec3, f32)> {
+        // Uniform within the outer cone; a scaled placement changes solid angles.
         let m = 1.0 - self.total.cos();
         let local = warp::uniform_cone(u, m);
         let pdf = warp::uniform_cone_pdf(m) / self.world_from_light.solid_angle(local);
@@ -197,6 +203,7 @@ impl PunctualLight for Spot {
     }
 
     fn pdf(&self, w: Vec3) -> f32 {
+        // The same density where the direction lies within the cone.
         let local = self.world_from_light.inverse().vector(w).normalize_or_zero();
         if local.z >= self.total.cos() {
             warp::uniform_cone_pdf(1.0 - self.total.cos()) / self.world_from_light.solid_angle(local)
@@ -232,6 +239,7 @@ pub struct Goniometric {
 impl Goniometric {
     fn factor(&self, p: Vec3) -> f32 {
         let local = self.world_from_light.inverse().vector(p - self.position).normalize_or(Vec3::Z);
+        // Map the direction to the equal-area octahedron (Clarberg 2008) and take the nearest texel.
         let uv = warp::equal_area_sphere_to_square(local);
         nearest(&self.image, uv).element_sum() / 3.0
     }
@@ -256,6 +264,7 @@ impl PunctualLight for Goniometric {
     }
 
     fn flux(&self, mode: ColorMode) -> f32 {
+        // The equal-area map makes the flux 4π times the mean of the image.
         4.0 * PI * self.mean() * self.intensity.luminance(mode)
     }
 }
@@ -295,15 +304,18 @@ impl PunctualLight for Projection {
         if local.z <= 0.0 {
             return Spectrum::ZERO;
         }
+        // Coordinates on the slide at z = 1.
         let s = Vec2::new(local.x, local.y) / (local.z * self.half);
         if s.x.abs() > 1.0 || s.y.abs() > 1.0 {
             return Spectrum::ZERO;
         }
+        // The image's v axis points down, that of the slide up.
         let uv = Vec2::new(0.5 + 0.5 * s.x, 0.5 - 0.5 * s.y);
         let value = match &self.slide {
             Slide::Image(image) => role::texel(nearest(image, uv), Role::Illuminant, lambda, mode),
             Slide::Texture(t) => t.eval(textures, &TextureContext::new(p, uv), lambda),
         };
+        // Irradiance on the slide's plane is I·cos³θ/z²: divide it out.
         let cos = local.z / local.length();
         value * if self.is_irradiance { self.scale / (cos * cos * cos) } else { self.scale }
     }
@@ -318,6 +330,7 @@ impl PunctualLight for Projection {
     }
 
     fn draw(&self, u: Vec2) -> Option<(Vec3, f32)> {
+        // Uniform over the slide; dω = cos³θ dA at distance one.
         let at = (u * 2.0 - 1.0) * self.half;
         let local = Vec3::new(at.x, at.y, 1.0).normalize();
         let pdf = 1.0 / (4.0 * self.half.x * self.half.y * local.z.powi(3));
@@ -326,6 +339,7 @@ impl PunctualLight for Projection {
     }
 
     fn pdf(&self, w: Vec3) -> f32 {
+        // Project the direction onto the slide; without the slide's area there is no density.
         let local = self.world_from_light.inverse().vector(w).normalize_or_zero();
         let at = Vec2::new(local.x, local.y) / (local.z * self.half);
         if local.z > 0.0 && at.abs().max_element() <= 1.0 {
@@ -344,12 +358,14 @@ impl Projection {
             Slide::Texture(SpectrumTexture::Constant(c)) => c.luminance(mode),
             Slide::Texture(_) => 1.0,
         };
+        // The greatest distance on the slide's plane bounds the factor 1/cos³θ.
         let corner = (1.0 + self.half.length_squared()).sqrt();
         value * self.scale * if self.is_irradiance { corner.powi(3) } else { 1.0 }
     }
 
     /// Flux for the image as it is, as luminance, before the scale.
     pub fn flux_of(&self, image: &Texels) -> f32 {
+        // ∫ L cos³θ dA over the slide's plane.
         let area = 4.0 * self.half.x * self.half.y;
         let mut sum = 0.0_f64;
         for y in 0..image.height {

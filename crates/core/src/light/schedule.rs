@@ -19,6 +19,7 @@ impl Schedule {
 
     fn shines(&self, moment: f64) -> bool {
         let Self { on, off, period } = *self;
+        // Fold the moment into the period that begins when the light goes on.
         let moment = if period.is_finite() { on + (moment - on).rem_euclid(period) } else { moment };
         on <= moment && moment < off
     }
@@ -39,6 +40,7 @@ impl Timetable {
     /// True if a light with the given schedule shines at the moment of the sample.
     pub(super) fn shines(&self, schedule: &Schedule, lambda: &Wavelengths) -> bool {
         let [open, close] = self.exposure;
+        // The moment of emission: the time in the exposure less the delay of the light on its way.
         schedule.shines(open + (close - open) * f64::from(lambda.time) - f64::from(lambda.delay))
     }
 }

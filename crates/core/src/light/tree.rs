@@ -63,6 +63,7 @@ pub struct Cluster {
 impl Cluster {
     fn new(light: &LightBounds) -> Self {
         let center = light.bounds.center();
+        // Half the squared diagonal stands for the extent of the cluster.
         let LightBounds { bounds, axis, cos_o, cos_e, intensity, two_sided } = *light;
         Self { center, half2: (bounds.max - center).length_squared(), axis, cos_o, cos_e, intensity, two_sided }
     }
@@ -71,6 +72,8 @@ impl Cluster {
     /// visibility; never zero where there is any.
     #[inline(always)]
     pub fn importance(&self, ctx: &LightContext) -> f32 {
+        // Conty Estevez and Kulla: intensity over squared distance, times the cosines left after all angles are
+        // bounded.
         let half2 = self.half2;
         let to = ctx.p - self.center;
         let d2 = to.length_squared();
@@ -81,15 +84,18 @@ impl Cluster {
         let s2 = half2 / d2;
         let is_inside = d2 <= half2;
         let (sin_b, cos_b) = if is_inside { (0.0, -1.0) } else { (s2.sqrt(), (1.0 - s2).sqrt()) };
+        // θ_w, the angle between the axis and the direction to the point.
         let cos_w = self.axis.dot(w);
         let cos_w = if self.two_sided { cos_w.abs() } else { cos_w };
         let sin = |c: f32| (1.0 - c * c).max(0.0).sqrt();
         let (sin_w, sin_o) = (sin(cos_w), sin(self.cos_o));
+        // θ' = max(0, θ_w − θ_o − θ_b); beyond θ_e the cluster emits nothing.
         let (sin_x, cos_x) = minus(sin_w, cos_w, sin_o, self.cos_o);
         let (_, cos_p) = minus(sin_x, cos_x, sin_b, cos_b);
         let cos_p = if cos_p <= self.cos_e { 0.0 } else { cos_p };
         let cos_emit = if self.cos_o <= -1.0 || cos_b <= -1.0 { 1.0 } else { cos_p };
         let importance = self.intensity * cos_emit / falloff;
+        // |cos θ_i'| with the angle of the cluster subtracted: a bound on the cosine at the receiver.
         let cos_i = -w.dot(ctx.n);
         let (_, cos) = minus(sin(cos_i), cos_i, sin_b, cos_b);
         let facing = if cos_b <= -1.0 || ctx.n == Vec3::ZERO { 1.0 } else { cos.max(0.0) };
@@ -109,6 +115,7 @@ fn union_cones(a: (Vec3, f32), b: (Vec3, f32)) -> (Vec3, f32) {
     if a.1 <= -1.0 {
         return (a.0, -1.0);
     }
+    // Bounding cone of two cones (PBR 4th ed., 3.8.4): one inside the other, or the cone that spans both.
     let (ta, tb) = (a.1.clamp(-1.0, 1.0).acos(), b.1.clamp(-1.0, 1.0).acos());
     let between = a.0.dot(b.0).clamp(-1.0, 1.0).acos();
     if between + tb <= ta {
@@ -144,6 +151,7 @@ pub struct Node {
 /// `u` made anew; probability zero where neither can contribute.
 #[inline(always)]
 pub fn choose_child(first: f32, second: f32, u: f32) -> (bool, f32, f32) {
+    // Rescale u within the chosen part, so that one number walks the whole tree.
     let total = first + second;
     let p = first / total;
     let is_second = u >= p;
@@ -193,13 +201,16 @@ impl LightTree {
     /// Depth is bounded: at most `MAX_FREE_DEPTH` free splits, then halves.
     fn build(&mut self, items: &mut [(u32, LightBounds)], trail: u64, depth: u32) -> usize {
         let at = self.nodes.len();
+        // A leaf records its trail of left and right turns.
         if let [(light, bounds)] = items {
             self.trails[*light as usize] = trail;
             self.nodes.push(Node { cluster: Cluster::new(bounds), index: *light, leaf: true });
             return at;
         }
+        // Bounds of all lights below, then the split of least cost.
         let all = items.iter().map(|i| i.1).reduce(|a, b| a.union(&b)).unwrap_or(items[0].1);
         self.nodes.push(Node { cluster: Cluster::new(&all), index: 0, leaf: false });
+        // Below the free depth, or where no split is found, halve the list along the longest axis.
         let middle = if depth < MAX_FREE_DEPTH { split(items) } else { None };
         let middle = middle.unwrap_or_else(|| {
             let axis = all.bounds.longest_axis();
@@ -253,6 +264,7 @@ impl LightTree {
         if self.nodes.is_empty() || (trail == u64::MAX && self.nodes.len() > 1) {
             return 0.0;
         }
+        // Follow the trail and multiply the probabilities of its turns.
         loop {
             let node = &self.nodes[at];
             if node.leaf {
@@ -295,13 +307,16 @@ fn split(items: &mut [(u32, LightBounds)]) -> Option<usize> {
         if !(extent[axis] > 0.0 && extent[axis].is_finite()) {
             continue;
         }
+        // Bin the centres; each bucket accumulates bounds, cones and intensity.
         let mut buckets: [Option<LightBounds>; BUCKETS] = [None; BUCKETS];
         for (_, l) in items.iter() {
             let b = &mut buckets[bucket_of(l, axis)];
             *b = Some(b.map_or(*l, |x| x.union(l)));
         }
+        // Union of the buckets on one side of a cut.
         let gather = |r: std::ops::Range<usize>| buckets[r].iter().flatten().copied().reduce(|a, b| a.union(&b));
         for k in 1..BUCKETS {
+            // Surface-area-orientation heuristic: cost of both sides of each cut between buckets.
             if let (Some(a), Some(b)) = (gather(0..k), gather(k..BUCKETS)) {
                 let cost = measure(&a, extent, axis) + measure(&b, extent, axis);
                 if best.is_none_or(|x| cost < x.0) {
@@ -311,6 +326,7 @@ fn split(items: &mut [(u32, LightBounds)]) -> Option<usize> {
         }
     }
     let (_, axis, k) = best?;
+    // Sort along the chosen axis, so that the cut is an index.
     items.sort_by(|a, b| order(a, b, axis));
     let middle = items.partition_point(|i| bucket_of(&i.1, axis) < k);
     (middle > 0 && middle < items.len()).then_some(middle)
@@ -319,6 +335,7 @@ fn split(items: &mut [(u32, LightBounds)]) -> Option<usize> {
 /// The surface-area-orientation measure of one side of a split.
 fn measure(l: &LightBounds, extent: Vec3, axis: usize) -> f32 {
     use std::f32::consts::{FRAC_PI_2, PI, TAU};
+    // M_Ω, the measure of the solid angle that normals and emission cover.
     let (to, te) = (l.cos_o.clamp(-1.0, 1.0).acos(), l.cos_e.clamp(-1.0, 1.0).acos());
     let tw = (to + te).min(PI);
     let orientation = TAU * (1.0 - l.cos_o)

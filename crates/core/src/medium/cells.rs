@@ -25,6 +25,7 @@ impl Cells {
     /// x fastest, until it says `false`.
     pub fn walk(&self, ray: &Ray, distance: f32, mut visit: impl FnMut(f32, f32, usize) -> bool) {
         let (o, d) = (self.cube_from_world.point(ray.origin), self.cube_from_world.vector(ray.direction));
+        // Clip the ray to the unit cube, slab by slab.
         let (mut begin, mut end) = (0.0_f32, distance);
         for axis in 0..3 {
             let (a, b) = (-o[axis] / d[axis], (1.0 - o[axis]) / d[axis]);
@@ -39,11 +40,13 @@ impl Cells {
         if begin.partial_cmp(&end) != Some(Ordering::Less) {
             return;
         }
+        // Start in the cell of the entry point, and step through cells by the nearest border (Amanatides and Woo 1987).
         let p = o + d * begin;
         let count = Vec3::from_array(self.count.map(|c| c as f32));
         let mut cell: [i64; 3] =
             std::array::from_fn(|a| ((p[a] * count[a]).floor() as i64).clamp(0, self.count[a] as i64 - 1));
         let step: [i64; 3] = std::array::from_fn(|a| if d[a] < 0.0 { -1 } else { 1 });
+        // The plane of the cell at which the ray leaves it along an axis.
         let border = |cell: &[i64; 3], a: usize| {
             let edge = (cell[a] + i64::from(step[a] > 0)) as f32 / count[a];
             if d[a] == 0.0 { f32::INFINITY } else { (edge - o[a]) / d[a] }
@@ -52,6 +55,7 @@ impl Cells {
         loop {
             let axis = (0..3).min_by(|a, b| border(&cell, *a).total_cmp(&border(&cell, *b))).unwrap_or(0);
             let next = border(&cell, axis).min(end).max(at);
+            // Skip intervals without length, which rounding makes.
             let [x, y, z] = cell.map(|c| c as usize);
             if next > at && !visit(at, next, (z * self.count[1] + y) * self.count[0] + x) {
                 return;

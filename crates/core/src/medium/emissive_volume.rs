@@ -35,6 +35,7 @@ impl EmissiveVolume {
         let count = if medium.field.is_some() { [CELLS; 3] } else { [1; 3] };
         let size = 1.0 / Vec3::from_array(count.map(|c| c as f32));
         let mut rng = HashRng::new(1);
+        // Mean emission of a cell from jittered points.
         let mut mean = |cell: usize| {
             let corner = [cell % count[0], cell / count[0] % count[1], cell / (count[0] * count[1])];
             let sum = (0..POINTS).map(|k| {
@@ -52,6 +53,7 @@ impl EmissiveVolume {
         if !(power > 0.0 && power.is_finite() && volume.is_normal()) {
             return None;
         }
+        // Density of points: the cell's share over its volume.
         let density = brightness.iter().map(|b| b / total * cells as f32 / volume).collect();
         let mut sum = 0.0;
         let until = brightness.iter().map(|b| {
@@ -72,6 +74,7 @@ impl EmissiveVolume {
 
     /// A direction from a point: by a number for the cell and three for the place within it.
     pub fn sample(&self, p: Vec3, u: f32, within: Vec3) -> Option<Vec3> {
+        // Choose a cell by inversion of the cumulative distribution, then a uniform place within.
         let cell = self.until.partition_point(|sum| *sum <= u).min(self.until.len() - 1);
         let [nx, ny, _] = self.cells.count;
         let corner = Vec3::new((cell % nx) as f32, (cell / nx % ny) as f32, (cell / (nx * ny)) as f32);
@@ -82,6 +85,7 @@ impl EmissiveVolume {
     /// The density per solid angle with which [`EmissiveVolume::sample`] gives a unit direction: `∫ p(x) r² dr` along
     /// it.
     pub fn pdf(&self, p: Vec3, w: Vec3) -> f32 {
+        // p(ω) = ∫ p(x) r² dr, exact for constant density in each cell: (b³ − a³)/3.
         let mut sum = 0.0;
         self.cells.walk(&Ray::new(p, w), f32::INFINITY, |begin, end, cell| {
             // b³ − a³, without what cancels.

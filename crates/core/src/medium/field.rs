@@ -47,6 +47,7 @@ impl Grid {
     /// The value at a point of the unit cube of the medium.
     pub fn lookup(&self, p: Vec3) -> f32 {
         let p = self.from_cube.as_ref().map_or(p, |t| t.point(p));
+        // Nearest voxel, or trilinear interpolation between centres.
         if self.is_nearest {
             return self.at(std::array::from_fn(|axis| (p[axis] * self.size[axis] as f32).floor() as i32));
         }
@@ -55,6 +56,7 @@ impl Grid {
         let part: [f32; 3] = std::array::from_fn(|axis| scaled[axis] - base[axis]);
         let base = base.map(|v| v as i32);
         let mut sum = 0.0;
+        // Weight of a corner of the voxel cell: the product of its distances along the axes.
         for corner in 0..8 {
             let bit = |axis: usize| corner >> axis & 1_i32;
             let weight: f32 = (0..3).map(|a| if bit(a) == 1 { part[a] } else { 1.0 - part[a] }).product();
@@ -70,6 +72,7 @@ impl Grid {
         let part = Bounds3 { min: low, max: high };
         let part = self.from_cube.as_ref().map_or(part, |t| t.bounds(&part));
         let range: [[i32; 2]; 3] = std::array::from_fn(|a| {
+            // Voxels whose interpolation reaches into the part.
             let index = |v: f32| (v * self.size[a] as f32 - 0.5).floor() as i32;
             let (first, last) = (index(part.min[a]), index(part.max[a]).saturating_add(1));
             let n = self.size[a] as i32;
@@ -80,6 +83,7 @@ impl Grid {
                 _ => [first.clamp(-1, n), last.clamp(-1, n)],
             }
         });
+        // Largest of all voxels in range, which bounds every interpolation between them.
         let [first, last] = [0, 1].map(|end| range.map(|r| r[end]));
         let mut most = 0.0_f32;
         for z in first[2]..=last[2] {
@@ -116,6 +120,7 @@ impl Cloud {
         let noise = |p: Vec3| gradient_noise(p, 0);
         let mut at = p * self.frequency;
         if self.wispiness > 0.0 {
+            // Domain warping by the gradient of finer noise.
             const STEP: f32 = 0.01;
             let (mut amplitude, mut frequency) = (0.05 * self.wispiness, 10.0);
             for _ in 0..2 {
@@ -126,11 +131,13 @@ impl Cloud {
                 (amplitude, frequency) = (amplitude * 0.5, frequency * 1.99);
             }
         }
+        // Fractional Brownian motion of five octaves.
         let (mut sum, mut amplitude, mut frequency) = (0.0, 0.5, 1.0);
         for _ in 0..5 {
             sum += amplitude * noise(at * frequency);
             (amplitude, frequency) = (amplitude * 0.5, frequency * 1.99);
         }
+        // Density falls with height; below the middle it is raised.
         let sum = ((1.0 - p.y) * 4.5 * self.density * sum).clamp(0.0, 1.0);
         (sum + 2.0 * (0.5 - p.y).max(0.0)).clamp(0.0, 1.0)
     }
@@ -203,6 +210,7 @@ impl Heat {
         if above <= 0.0 || self.step <= 0.0 {
             return Spectrum::ZERO;
         }
+        // Interpolate the tabulated colours of black bodies over the temperature.
         let at = (above / self.step).min((Self::STEPS - 1) as f32);
         let first = (at as usize).min(Self::STEPS - 2);
         self.colors[first].eval(lambda).lerp(self.colors[first + 1].eval(lambda), at - first as f32)
@@ -246,6 +254,7 @@ pub struct Field {
 impl Field {
     /// Medium that fills a box placed by `world_from_medium`.
     pub fn new(bounds: &Bounds3, world_from_medium: &Affine, variation: Variation, mode: ColorMode) -> Option<Self> {
+        // Compose the map from the world to the unit cube, and its inverse.
         let cube = into_cube(bounds)?;
         let into = world_from_medium.inverse();
         let cube_from_world = Affine { m: cube.m * into.m, inv: into.inv * cube.inv };
@@ -254,9 +263,11 @@ impl Field {
             Variation::Density(grid) | Variation::Albedo(grid, _) => vec![grid],
             Variation::Rgb(grids) => grids.iter().flatten().collect(),
         };
+        // As many cells of bounds as the finest grid has voxels, up to a limit.
         let count: [usize; 3] = std::array::from_fn(|a| grids.iter().map(|g| g.size[a]).max().unwrap_or(1).min(CELLS));
         let mut most = Vec::with_capacity(count.iter().product());
         let scale = Vec3::from_array(count.map(|c| 1.0 / c as f32));
+        // Bound the variation in each cell, a little enlarged against rounding.
         for z in 0..count[2] {
             for y in 0..count[1] {
                 for x in 0..count[0] {
@@ -301,12 +312,14 @@ impl Field {
                 (a * density, s * density)
             }
             Variation::Albedo(grid, albedo) => {
+                // Extinction times albedo scatters; the rest is absorbed.
                 let rgb = [0, 1, 2].map(|c: usize| albedo.get(c).or(albedo.first()).map_or(0.0, |g| g.lookup(p)));
                 let albedo = role::texel(Vec3::from_array(rgb), Role::Albedo, lambda, self.mode);
                 let extinction = s * grid.lookup(p).max(0.0);
                 (extinction * (Spectrum::ONE - albedo), extinction * albedo)
             }
             Variation::Rgb(grids) => {
+                // Absorption and scattering have colours of their own, bounded by nothing.
                 let [absorbed, scattered] = [0, 1].map(|k| {
                     let rgb = Vec3::from_array([0, 1, 2].map(|c| grids[k][c].lookup(p).max(0.0)));
                     role::texel(rgb, Role::Unbounded, lambda, self.mode)

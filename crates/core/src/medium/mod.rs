@@ -62,6 +62,7 @@ impl Medium {
     /// The light that it gives off per length, at a point of the cube of its field.
     fn glow_at(&self, p: Vec3, lambda: &Wavelengths) -> Spectrum {
         let Some(glow) = &self.glow else { return Spectrum::ZERO };
+        // ε = σ_a·L_e at the point.
         let coefficients = self.coefficients(lambda);
         let (absorbed, _) = self.field.as_ref().map_or(coefficients, |f| f.coefficients(coefficients, p, lambda));
         absorbed * glow.eval(p, lambda)
@@ -70,6 +71,7 @@ impl Medium {
     /// The light that a way of a length brings to its beginning, where nothing varies: `σ_a L (1 − e^(−σ_t d))/σ_t`.
     pub fn glow_over(&self, distance: f32, lambda: &Wavelengths) -> Spectrum {
         let Some(Glow { source: GlowSource::Even(color), .. }) = &self.glow else { return Spectrum::ZERO };
+        // ∫ σ_a L e^(−σ_t t) dt over the distance.
         let (a, s) = self.coefficients(lambda);
         let extinction = (a + s) * distance.min(f32::MAX);
         // Of thin media the length; of infinite ones one over the extinction.
@@ -109,6 +111,7 @@ pub fn transmittance(sigma_t: Spectrum, distance: f32) -> Spectrum {
 /// One lane of [`transmittance`].
 #[inline(always)]
 pub fn beer_lambert(sigma_t: f32, distance: f32) -> f32 {
+    // T = e^(−σ_t·d); no extinction keeps one even over infinite distances.
     if sigma_t == 0.0 { 1.0 } else { elementary::exp(-sigma_t * distance) }
 }
 

@@ -48,12 +48,14 @@ impl Phase {
     pub fn sum(parts: &[(f32, Self)]) -> Self {
         let total: f32 = parts.iter().map(|(weight, _)| weight).sum();
         let mut lobes = Vec::new();
+        // Flatten sums of sums, with products of weights.
         for (weight, phase) in parts.iter().filter(|(weight, _)| *weight > 0.0) {
             match phase {
                 Self::HenyeyGreenstein(g) => lobes.push((weight / total, Lobe::HenyeyGreenstein(*g))),
                 Self::Lobes(inner) => lobes.extend(inner.iter().map(|(w, lobe)| (w * weight / total, lobe.clone()))),
             }
         }
+        // A single lobe of Henyey and Greenstein keeps its closed form.
         match &*lobes {
             [] => Self::ISOTROPIC,
             [(_, Lobe::HenyeyGreenstein(g))] => Self::HenyeyGreenstein(*g),
@@ -142,6 +144,7 @@ impl Lobe {
             Self::Table(table) => table.invert(u.x),
         };
         let cos = cos.clamp(-1.0, 1.0);
+        // Around the direction straight on: sin θ by factors, which keeps digits near the poles.
         let sin = ((1.0 - cos) * (1.0 + cos)).sqrt();
         let (sin_phi, cos_phi) = elementary::sin_cos_turns(u.y);
         Frame::from_z(-wo).to_world(Vec3::new(sin * cos_phi, sin * sin_phi, cos))
@@ -154,6 +157,7 @@ impl Table {
         let step = 2.0 / (values.len().checked_sub(1).filter(|steps| *steps > 0)? as f64);
         let is_sound = values.iter().all(|v| (0.0..=f64::from(f32::MAX)).contains(v));
         let mut sums = vec![0.0];
+        // Trapezoids between values give the cumulative distribution.
         for pair in values.windows(2) {
             sums.push(sums[sums.len() - 1] + 0.5 * (pair[0] + pair[1]) * step);
         }
@@ -169,6 +173,7 @@ impl Table {
     }
 
     fn density(&self, cos: f32) -> f32 {
+        // Linear interpolation over the cosine.
         let x = (0.5 * (cos + 1.0)).clamp(0.0, 1.0) * self.steps() as f32;
         let i = (x as usize).min(self.steps() - 1);
         let [a, b] = [self.values[i], self.values[i + 1]];
@@ -177,6 +182,7 @@ impl Table {
 
     /// The cosine up to which the integral is `u`.
     fn invert(&self, u: f32) -> f32 {
+        // Find the interval by binary search, then invert the quadratic within it.
         let i = self.cumulative.partition_point(|c| *c <= u).saturating_sub(1).min(self.steps() - 1);
         let step = 2.0 / self.steps() as f32;
         let ([a, b], rest) = ([self.values[i], self.values[i + 1]], (u - self.cumulative[i]) / step);

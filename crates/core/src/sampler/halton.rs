@@ -15,6 +15,7 @@ static PRIMES: [u32; 2 * PAIRS as usize] = primes();
 const fn primes() -> [u32; 2 * PAIRS as usize] {
     let mut found = [2; 2 * PAIRS as usize];
     let (mut n, mut candidate) = (1, 3);
+    // Sieve by trial division at compile time.
     while n < found.len() {
         let mut k = 0;
         while k < n && candidate % found[k] != 0 {

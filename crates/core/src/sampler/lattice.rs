@@ -28,7 +28,9 @@ static GENERATOR: [u32; 2 * PAIRS as usize] = [
 /// `pixel`, their shift that of `seed`.
 pub(super) fn pair(index: u32, pair: u32, pixel: u32, seed: u32) -> [u32; 2] {
     let (again, pair) = (pair / PAIRS, pair % PAIRS);
+    // Reuse components for late dimensions with a shuffled order, which decorrelates them.
     let index = if again == 0 { index } else { owen_scramble(index, combine32(pixel, again)) };
+    // x_i = {φ₂(i)·z + Δ} in 32-bit fixed point: overflow is the modulo.
     let phi = index.reverse_bits();
     [0, 1].map(|axis| phi.wrapping_mul(GENERATOR[(2 * pair + axis) as usize]).wrapping_add(combine32(seed, axis)))
 }

@@ -98,6 +98,7 @@ impl Sampler {
         if self.kind != SamplerKind::ZSobol {
             return self.with(PIXEL, [x, y, 0], index);
         }
+        // Pixels along the Z-curve take consecutive runs of the sequence.
         let (seed, index) = z_order(self.base(PIXEL), [x, y], index, self.bits());
         self.at(seed, index)
     }
@@ -112,6 +113,7 @@ impl Sampler {
     /// independent of each other, each of half as many samples. In its half the sample has the number `number / 2`.
     #[must_use]
     pub fn half(&self, number: u32) -> Self {
+        // Halve the strata and hash the half into the seed.
         Self { spp: self.spp.div_ceil(2), seed: combine64(self.seed, HALF + u64::from(number % 2)), ..*self }
     }
 
@@ -136,6 +138,7 @@ impl Sampler {
     /// ([`GroupSampler::member`]). `x`, `y` and `group` name the group.
     #[inline]
     pub fn group(&self, x: u32, y: u32, group: u32, index: u32, of: u32) -> GroupSampler {
+        // Members take blocks of consecutive points, a power of two each.
         let block = self.spp.clamp(1, LARGEST_BLOCK).next_power_of_two();
         let bits = block.trailing_zeros();
         let first = ((index >> bits).wrapping_mul(of) << bits) | (index & (block - 1));
@@ -159,6 +162,7 @@ const PIXEL: u32 = 0x5d4e_8a1b;
 /// Seed and index of a sample of a pixel where the pixels of a block take consecutive parts of one sequence.
 #[inline(always)]
 pub fn z_order(base: u32, [x, y]: [u32; 2], index: u32, bits: u32) -> (u32, u32) {
+    // Blocks of pixels have seeds of their own; within one the Morton code orders them.
     let seed = combine32(combine32(combine32(base, x >> BLOCK), y >> BLOCK), index >> bits);
     let place = spread_bits(x) | spread_bits(y) << 1;
     (seed, place << bits | index & ((1 << bits) - 1))
@@ -167,6 +171,7 @@ pub fn z_order(base: u32, [x, y]: [u32; 2], index: u32, bits: u32) -> (u32, u32)
 /// Puts a zero above each of the last bits of a coordinate in a block.
 #[inline(always)]
 const fn spread_bits(v: u32) -> u32 {
+    // Interleave the coordinate's bits with zeros.
     let v = v & ((1 << BLOCK) - 1);
     let v = (v | v << 4) & 0x0f0f;
     let v = (v | v << 2) & 0x3333;
@@ -185,6 +190,7 @@ impl GroupSampler {
     /// Sampler of a member of the group.
     #[inline]
     pub fn member(&self, rank: u32) -> PixelSampler {
+        // Later members continue where the block of the first ends.
         let index = self.first.index.wrapping_add(rank.wrapping_mul(self.block));
         PixelSampler { index, reversed: index.reverse_bits(), ..self.first }
     }
@@ -211,6 +217,7 @@ impl PixelSampler {
     /// The number in `[0, 1)` of a dimension.
     #[inline]
     pub fn get_1d(&self, dimension: u32) -> f32 {
+        // Sobol' points by hashing; the other kinds are rare and out of line.
         match self.kind {
             SamplerKind::ZSobol | SamplerKind::Sobol => self.scramble(dimension).point_1d(self.reversed),
             _ => self.other_1d(dimension),
@@ -249,6 +256,7 @@ impl PixelSampler {
     #[inline(never)]
     fn other_1d(&self, dimension: u32) -> f32 {
         let seed = combine32(self.seed, dimension);
+        // Decorrelate dimensions by the seed; each kind then makes its own point.
         match self.kind {
             SamplerKind::Stratified | SamplerKind::MultiJitter => strata::stratified_1d(self.index, self.spp, seed),
             SamplerKind::Halton if dimension < halton::PAIRS => halton::coordinate(self.index, dimension, 0, seed),
@@ -260,6 +268,7 @@ impl PixelSampler {
 
     #[inline(never)]
     fn other_2d(&self, dimension: u32) -> Vec2 {
+        // The same in two dimensions; kinds without pairs of their own hash the index.
         let seed = combine32(self.seed, dimension);
         match self.kind {
             SamplerKind::Stratified => strata::stratified_2d(self.index, self.spp, seed),
@@ -279,6 +288,7 @@ impl PixelSampler {
     /// The numbers of one of several paths that go on from a scattering event.
     #[inline]
     pub fn branch(&self, event: u32, number: u32) -> Self {
+        // A new seed for each branch: its dimensions start anew.
         Self { seed: combine32(combine32(self.seed, event), number ^ 0x5851_f42d), ..*self }
     }
 

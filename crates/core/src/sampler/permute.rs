@@ -3,6 +3,7 @@
 /// A random permutation of `0..n`, evaluated at `i < n` (Kensler 2013, "Correlated Multi-Jittered Sampling").
 pub(super) fn permute(mut i: u32, n: u32, p: u32) -> u32 {
     let w = n.next_power_of_two().wrapping_sub(1);
+    // Hash within the next power of two and walk the cycle until the result is in range.
     loop {
         i ^= p;
         i = i.wrapping_mul(0xe170_893d);

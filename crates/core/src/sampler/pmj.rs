@@ -21,8 +21,10 @@ const CANDIDATES: usize = 8;
 pub(super) fn point(index: u32, n: u32, seed: u32) -> Vec2 {
     static POINTS: OnceLock<Vec<[u32; 2]>> = OnceLock::new();
     let points = POINTS.get_or_init(|| sequence(LEVELS, 0x5eed));
+    // Restrict to a prefix of a power of two, which is stratified by itself.
     let n = n.clamp(1, 1 << LEVELS).next_power_of_two();
     let seed = combine32(seed, index / n);
+    // Visit the prefix in a random order and flip random bits: an XOR scramble keeps all strata.
     let [x, y] = points[permute(index % n, n, seed) as usize];
     Vec2::new(unit_f32(x ^ combine32(seed, 1)), unit_f32(y ^ combine32(seed, 2)))
 }
@@ -44,6 +46,7 @@ impl Strata {
 
     fn cell(&self, a: u32, [x, y]: [u32; 2]) -> usize {
         let top = |v: u32, bits: u32| if bits == 0 { 0 } else { (v >> (32 - bits)) as usize };
+        // The highest bits of both coordinates name the elementary interval.
         (top(y, self.level - a) << a) | top(x, a)
     }
 
@@ -63,6 +66,7 @@ impl Strata {
 fn sequence(levels: u32, seed: u64) -> Vec<[u32; 2]> {
     let mut rng = HashRng::new(seed);
     let mut points = vec![[rng.next_u64() as u32, rng.next_u64() as u32]];
+    // Double the set at each level: a new point for each old one.
     for level in 1..=levels {
         let n = points.len();
         let mut strata = Strata::new(level, &points);
@@ -70,6 +74,7 @@ fn sequence(levels: u32, seed: u64) -> Vec<[u32; 2]> {
         // them.
         let half = (level - 1) / 2;
         let quarter = 31 - half;
+        // Odd levels fill the diagonally opposite quarter, even levels the other two.
         for i in 0..n {
             let p = points[i];
             let quarters: &[[u32; 2]] = if level % 2 == 1 { &[[1, 1]] } else { &[[1, 0], [0, 1]] };
@@ -94,6 +99,7 @@ fn free_places(strata: &Strata, [x, y]: [u32; 2], quarter: u32) -> Vec<[u32; 2]>
     let axis = |from: u32, a: u32, of: fn(u32) -> [u32; 2]| -> Vec<u32> {
         (0..steps).map(|s| from + (s << fine)).filter(|v| !strata.taken[a as usize][strata.cell(a, of(*v))]).collect()
     };
+    // Free columns and rows first; their crossings are tested in the other shapes.
     let (xs, ys) = (axis(x, strata.level, |v| [v, 0]), axis(y, 0, |v| [0, v]));
     xs.iter().flat_map(|x| ys.iter().map(|y| [*x, *y])).filter(|p| strata.is_free(*p)).collect()
 }
@@ -103,8 +109,10 @@ fn spread(places: &[[u32; 2]], points: &[[u32; 2]], level: u32, rng: &mut HashRn
     let jitter = (1_u64 << (32 - level)) - 1;
     let mut best: Option<(u64, [u32; 2])> = None;
     for _ in 0..CANDIDATES.min(places.len()) {
+        // Best candidate: the one whose nearest neighbour is farthest.
         let place = places[((u128::from(rng.next_u64()) * places.len() as u128) >> 64) as usize];
         let candidate = place.map(|v| v | (rng.next_u64() & jitter) as u32);
+        // Toroidal distance by wrapping subtraction.
         let distance = |p: &[u32; 2]| -> u64 {
             (0..2).map(|k| u64::from((candidate[k].wrapping_sub(p[k]) as i32).unsigned_abs()).pow(2) >> 1).sum()
         };

@@ -15,6 +15,7 @@ fn stratum_point(stratum: u32, n: u32, jitter: u32) -> f32 {
 
 /// Columns and rows of the grid for `n` samples, nearly square, with at least as many cells.
 fn grid(n: u32) -> [u32; 2] {
+    // Nearly square grid with at least n cells.
     let columns = n.isqrt().max(1);
     [columns, n.div_ceil(columns)]
 }
@@ -26,6 +27,7 @@ fn set(index: u32, n: u32, seed: u32) -> (u32, u32) {
 
 /// One of `n` strata.
 pub(super) fn stratified_1d(index: u32, n: u32, seed: u32) -> f32 {
+    // Take the strata in a random order, jittered within.
     let (seed, at) = set(index, n, seed);
     stratum_point(permute(at, n, seed), n, combine32(seed, at ^ 0x68bc_21eb))
 }
@@ -34,6 +36,7 @@ pub(super) fn stratified_1d(index: u32, n: u32, seed: u32) -> f32 {
 pub(super) fn stratified_2d(index: u32, n: u32, seed: u32) -> Vec2 {
     let (seed, at) = set(index, n, seed);
     let [columns, rows] = grid(n);
+    // Permute the cells, so that any prefix is a random subset.
     let cell = permute(at, columns * rows, seed);
     let (a, b) = (combine32(seed, at ^ 0x68bc_21eb), combine32(seed, at ^ 0x02e5_be93));
     Vec2::new(stratum_point(cell % columns, columns, a), stratum_point(cell / columns, rows, b))
@@ -47,6 +50,7 @@ pub(super) fn multijitter_2d(index: u32, n: u32, seed: u32) -> Vec2 {
     let [columns, rows] = grid(n);
     let cell = permute(at, columns * rows, seed ^ 0x51_63_3e_2d);
     let (x, y) = (cell % columns, cell / columns);
+    // Sub-strata: a row shares the order of its columns, a column that of its rows.
     let fine_x = permute(y, rows, combine32(seed, 0x02e5_be93));
     let fine_y = permute(x, columns, combine32(seed, 0x68bc_21eb));
     let jitter = |salt: u32| combine32(combine32(seed, salt), cell);

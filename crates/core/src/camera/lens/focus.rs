@@ -21,6 +21,7 @@ const ZONES: u32 = 24;
 impl LensSystem {
     /// Cardinal points, by rays parallel to the axis at a small height from both sides.
     pub(super) fn cardinal(&self) -> Option<Cardinal> {
+        // Trace one paraxial ray from each side.
         let least = self.surfaces.iter().map(|s| s.rim).fold(f64::INFINITY, f64::min);
         let height = 1e-4 * least;
         let (front, rear) = (self.surfaces.first()?.vertex, self.surfaces.last()?.vertex);
@@ -31,6 +32,8 @@ impl LensSystem {
             (at(height), at(0.0))
         };
         let parallel = |z: f64, direction| Beam { origin: DVec3::new(height, 0.0, z), direction };
+        // The principal plane is where the outgoing ray has the height of the incoming one, the focus where it meets
+        // the axis.
         let (film_principal, film_focus) = points(self.towards_film(parallel(front + 1.0, -DVec3::Z))?);
         let (scene_principal, _) = points(self.towards_scene(parallel(rear - 1.0, DVec3::Z), D_LINE)?);
         let focal_length = film_principal - film_focus;
@@ -51,6 +54,7 @@ impl LensSystem {
             return Err(format!("the lens cannot focus nearer than {least:.4} m, measured from the film"));
         }
         let image = 2.0 * f * sum / (sum + square.sqrt());
+        // Move to the paraxial focus, then refine by Newton-like steps on the spot size.
         self.shift(image - lens.principal[1]);
         for _ in 0..12 {
             let Some(step) = self.best_focus(distance).filter(|s| s.is_finite() && s.abs() < 0.1 * f) else { break };
@@ -79,12 +83,14 @@ impl LensSystem {
             *if through(middle).is_some() { &mut passes } else { &mut fails } = middle;
         }
         let (mut products, mut squares) = (0.0, 0.0);
+        // Zones of equal area sample the pupil uniformly.
         for k in 0..ZONES {
             let out = through(passes * ((f64::from(k) + 0.5) / f64::from(ZONES)).sqrt())?;
             let slope = out.direction.x / out.direction.z;
             products += (out.origin.x - slope * out.origin.z) * slope;
             squares += slope * slope;
         }
+        // Least squares: the plane where Σ x² of the rays is smallest.
         Some(-products / squares)
     }
 

@@ -66,6 +66,7 @@ impl LensSystem {
         if rows.is_empty() || rows.len() > MOST {
             return Err(format!("a lens has 1 to {MOST} rows, not {}", rows.len()));
         }
+        // Validate the table row by row.
         for (k, row) in rows.iter().enumerate() {
             let fault = if row.radius.is_nan() || row.radius.abs() > 0.0 && row.radius.abs() < 1e-3 {
                 Some("a radius of curvature is 0 (the stop) or at least 0.001 mm")
@@ -84,6 +85,7 @@ impl LensSystem {
                 return Err(format!("row {} of the lens: {fault}", k + 1));
             }
         }
+        // Place surfaces from the film outwards; the glass behind one row is before the next.
         let mut vertex: f64 = rows.iter().map(|r| r.thickness).sum();
         let mut before = Glass::AIR;
         let mut surfaces = Vec::with_capacity(rows.len());
@@ -100,6 +102,7 @@ impl LensSystem {
         // Filters reach beyond the film.
         let film_radius = 0.5 * 1.05 * diagonal;
         let mut lens = Self { surfaces, stop, is_dispersive, pupils: Vec::new(), film_radius, image_distance: 0.0 };
+        // Focus first: pupils depend on the lens's place.
         lens.image_distance = lens.focus(1e3 * focus)?.principal[1];
         lens.pupils = lens.pupils(film_radius);
         if lens.pupils.iter().all(Option::is_none) {
@@ -135,14 +138,18 @@ impl LensSystem {
     pub(super) fn ray(&self, window: Vec2, u: Vec2, nm: f64) -> Option<(Vec3, Vec3, f32)> {
         let film = -window.as_dvec2() * self.image_distance;
         let (radius, rear) = (film.length(), self.surfaces.last()?.vertex);
+        // Bounds of the exit pupil for this distance from the axis; a uniform point in them.
         let interval = ((radius / self.film_radius * INTERVALS as f64) as usize).min(INTERVALS - 1);
         let [x0, x1, y1] = (*self.pupils.get(interval)?)?;
         let aim = DVec2::new(x0 + (x1 - x0) * f64::from(u.x), y1 * (2.0 * f64::from(u.y) - 1.0));
         let turn = if radius > 0.0 { film / radius } else { DVec2::X };
+        // Bounds are stored for the +x axis: rotate to the point of the film.
         let aim = turn.rotate(aim);
         let beam = Beam::between(film.extend(0.0), aim.extend(rear));
+        // Trace from the film to the scene, refracting at every surface.
         let (out, share) = surface::follow(self.surfaces.iter().rev(), beam, nm, &self.stop)?;
         let area = (x1 - x0) * 2.0 * y1;
+        // cos⁴θ·A/z²: the measure of the rectangle aimed at (pbrt-v4's weight, without its exposure time).
         let weight = share * beam.direction.z.powi(4) * area / (rear * rear);
         Some(((out.origin * 1e-3).as_vec3(), out.direction.as_vec3(), weight as f32))
     }

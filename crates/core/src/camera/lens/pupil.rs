@@ -15,6 +15,7 @@ pub(super) type Bounds = [f64; 3];
 impl LensSystem {
     /// Bounds for intervals of the film's radius, up to `radius` mm; `None` where nothing passes.
     pub(super) fn pupils(&self, radius: f64) -> Vec<Option<Bounds>> {
+        // Bound the pupil at the ends of the intervals and unite neighbours.
         let ends: Vec<Option<Bounds>> =
             (0..=INTERVALS).map(|k| self.pupil(radius * k as f64 / INTERVALS as f64)).collect();
         ends.windows(2).map(|w| w.iter().flatten().copied().reduce(union)).collect()
@@ -22,12 +23,14 @@ impl LensSystem {
 
     /// Bounds for a point of the film.
     fn pupil(&self, x: f64) -> Option<Bounds> {
+        // Search the rear element generously: the pupil may be larger than its rim.
         let rim = 1.5 * self.surfaces.last()?.rim;
         let whole = [-rim, rim, rim];
         // A small pupil may lie between the rays of a coarse search.
         let search = |grid| self.passing(x, whole, grid, D_LINE);
         let coarse = search(GRID).or_else(|| search(4 * GRID))?;
         let colors = if self.is_dispersive { &[380.0, 780.0][..] } else { &[D_LINE][..] };
+        // Search again within the coarse bounds, for both ends of the spectrum where glass disperses.
         let fine = colors.iter().filter_map(|nm| self.passing(x, coarse, GRID, *nm)).reduce(union);
         fine.or(Some(coarse))
     }
@@ -49,6 +52,7 @@ impl LensSystem {
                 bounds = Some(bounds.map_or(here, |b| union(b, here)));
             }
         }
+        // Grow by one cell against what lies between grid points.
         bounds.map(|b| [b[0] - dx, b[1] + dx, b[2] + dy])
     }
 }

@@ -39,6 +39,7 @@ impl Stop {
     pub fn mask(width: usize, values: Vec<f32>) -> Option<Self> {
         let sum: f64 = values.iter().map(|v| f64::from(*v)).sum();
         let is_sound = width > 0 && sum.is_finite() && sum > 0.0 && values.iter().all(|v| *v >= 0.0);
+        // Normalise to the mean of the disk: π/4 of the square.
         let scale = FRAC_PI_4 * values.len() as f64 / sum;
         let scaled = || values.iter().map(|v| (f64::from(*v) * scale) as f32).collect();
         is_sound.then(|| Self::Mask(width, scaled()))
@@ -49,6 +50,7 @@ impl Stop {
         match self {
             Self::Circle => 1.0,
             Self::Polygon(corners, factor) => {
+                // Even–odd rule: count the edges crossed to the left of the point.
                 let ends = corners.iter().zip(corners.iter().cycle().skip(1));
                 let crossed = ends
                     .filter(|([ax, ay], [bx, by])| (*ay > y) != (*by > y) && x < ax + (y - ay) * (bx - ax) / (by - ay));
@@ -63,6 +65,7 @@ impl Stop {
 /// A polygon with the factor that makes it pass as much as the unit disk.
 fn polygon(corners: Vec<[f64; 2]>) -> Stop {
     let ends = corners.iter().zip(corners.iter().cycle().skip(1));
+    // Shoelace formula.
     let area = 0.5 * ends.map(|([ax, ay], [bx, by])| ax * by - bx * ay).sum::<f64>();
     Stop::Polygon(corners, PI / area)
 }
@@ -76,6 +79,7 @@ fn bilinear(width: usize, values: &[f32], s: f64, t: f64) -> f64 {
         let inside = i >= 0.0 && j >= 0.0 && i < width as f64 && j < height as f64;
         if inside { f64::from(values[j as usize * width + i as usize]) } else { 0.0 }
     };
+    // Bilinear interpolation, black beyond the border.
     let row = |j: f64| texel(i, j) * (1.0 - (x - i)) + texel(i + 1.0, j) * (x - i);
     row(j) * (1.0 - (y - j)) + row(j + 1.0) * (y - j)
 }

@@ -100,8 +100,10 @@ impl Surface {
             let share = stop.transmission(p.x / self.rim, p.y / self.rim);
             return (share > 0.0).then_some((Beam { origin, direction: d }, share));
         }
+        // Cauchy's equation n = A + B/λ².
         let [scene, film] = self.media.map(|Glass([a, b])| a + b * inverse_square);
         let eta = if d.z > 0.0 { film / scene } else { scene / film };
+        // Snell's law in vector form: ω_t = η·ω_i + (cos θ_t − η·cos θ_i)·n; total reflection ends the ray.
         let cos2 = 1.0 - eta * eta * (1.0 - cos * cos);
         let direction = d * eta + normal * (cos2.max(0.0).sqrt().copysign(d.z) - eta * cos);
         (cos2 > 0.0).then_some((Beam { origin, direction }, 1.0))

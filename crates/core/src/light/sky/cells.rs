@@ -27,6 +27,7 @@ impl Cells {
         for row in 0..ROWS {
             for column in 0..COLUMNS {
                 let uv = Vec2::new((column as f32 + 0.5) / COLUMNS as f32, (row as f32 + 0.5) / ROWS as f32);
+                // Weight each cell by its luminance times its solid angle.
                 let (w, density) = cells.direction(uv);
                 values.push(luminance(w).max(0.0) / density);
             }
@@ -47,6 +48,7 @@ impl Cells {
 
     /// A direction, and its density per solid angle.
     pub(super) fn sample(&self, u: Vec2) -> (Vec3, f32) {
+        // Draw a place on the table and convert its density to solid angle.
         let (uv, pdf) = self.distribution.sample(u);
         let (w, density) = self.direction(uv);
         (w, pdf * density)
@@ -54,6 +56,7 @@ impl Cells {
 
     /// The density of [`Cells::sample`].
     pub(super) fn pdf(&self, w: Vec3) -> f32 {
+        // Invert the mapping: azimuth and zenith angle over the part that is sky.
         let d = self.frame.to_local(w);
         let sin = d.x.hypot(d.y);
         let uv = warp::latlong_from_direction(d) * Vec2::new(1.0, 1.0 / self.share);

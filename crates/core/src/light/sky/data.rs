@@ -68,10 +68,12 @@ pub(super) fn sky(turbidity: f32, albedo: &[f32], height: f32) -> Vec<SkyBand> {
     let is_rgb = bands == 3;
     let (shape, level) = if is_rgb { (RGB_SHAPE, RGB_LEVEL) } else { (SPECTRAL_SHAPE, SPECTRAL_LEVEL) };
     let per_nm = if is_rgb { 1.0 / cie::CIE_Y_INTEGRAL as f32 } else { 1.0 };
+    // Elevation enters by its cube root; Bernstein polynomials of degree five.
     let x = (height.max(0.0) * std::f32::consts::FRAC_2_PI).cbrt().min(1.0);
     let bernstein = |k: usize| [1.0, 5.0, 10.0, 10.0, 5.0, 1.0][k] * x.powi(k as i32) * (1.0 - x).powi(5 - k as i32);
     let (row, t) = turbidity_row(turbidity);
     let mut out = vec![[0.0; 10]; bands];
+    // Interpolate trilinearly over turbidity, albedo and the control points.
     for (turbid, wt) in [(row, 1.0 - t), (row + 1, t)] {
         for ground in 0..ALBEDOS {
             for point in 0..POINTS {
@@ -93,6 +95,7 @@ pub(super) fn sky(turbidity: f32, albedo: &[f32], height: f32) -> Vec<SkyBand> {
 
 /// The polynomials of solar radiance for a turbidity: `[segment][band][power]`.
 pub(super) fn sun(turbidity: f32) -> Vec<[[f32; POWERS]; BANDS]> {
+    // Interpolate the polynomials between adjacent turbidities.
     let (row, t) = turbidity_row(turbidity);
     let at = |row: usize, i: usize| SUN.get(row * SEGMENTS * BANDS * POWERS + i);
     let mixed = |i: usize| at(row, i) * (1.0 - t) + at(row + 1, i) * t;
@@ -109,6 +112,7 @@ pub(super) fn limb() -> [[f32; LIMB]; BANDS] {
 /// A value per lane, interpolated between bands; zero outside the tables, beyond 720 nm as below 320 nm.
 pub(super) fn at_wavelengths(lambda: &Wavelengths, value: impl Fn(usize) -> f32) -> Spectrum {
     Spectrum::new(lambda.lambda.map(|l| {
+        // The model ends with its tables: no radiance is extrapolated.
         let x = (l - FIRST) / STEP;
         if !(0.0..=(BANDS - 1) as f32).contains(&x) {
             return 0.0;
@@ -128,6 +132,7 @@ pub(super) fn banded(value: impl Fn(&Wavelengths) -> Spectrum) -> [f32; BANDS] {
 pub(super) fn rgb_of_bands() -> [[f32; 3]; BANDS] {
     std::array::from_fn(|b| {
         let centre = FIRST + STEP * b as f32;
+        // Hat function of the band: one at its own wavelength, zero at its neighbours.
         let xyz = cie::to_xyz(|l| {
             let inside = (FIRST..=FIRST + STEP * (BANDS - 1) as f32).contains(&l);
             if inside { (1.0 - (l - centre).abs() / STEP).max(0.0) } else { 0.0 }

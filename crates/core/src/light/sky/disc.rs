@@ -15,6 +15,7 @@ pub(super) struct Disc {
 impl Disc {
     /// A disc around a direction, by its whole angle in degrees.
     pub(super) fn new(middle: Vec3, aperture: f32) -> Self {
+        // 1 − cos by the half-angle formula, without cancellation.
         let half = (0.5 * aperture.to_radians()).sin();
         let quarter = (0.5 * (0.5 * aperture).to_radians()).sin();
         let one_minus_cos = 2.0 * quarter * quarter;
@@ -23,12 +24,14 @@ impl Disc {
 
     /// The square of the cosine at which the sun's surface is seen; `None` beside the disc.
     pub(super) fn mu2(&self, w: Vec3) -> Option<f32> {
+        // Chord between the directions: |w − z|²/2 = 1 − cos.
         let x = 0.5 * (w - self.frame.z).length_squared();
         (x <= self.one_minus_cos).then(|| (1.0 - x * (2.0 - x) / self.sin2).max(0.0))
     }
 
     /// A direction, and its density per solid angle.
     pub(super) fn sample(&self, u: Vec2) -> (Vec3, f32) {
+        // Uniform over the cone that the disc subtends.
         let w = self.frame.to_world(warp::uniform_cone(u, self.one_minus_cos));
         (w, warp::uniform_cone_pdf(self.one_minus_cos))
     }

@@ -25,6 +25,7 @@ pub struct SkyDome {
 /// Radiance of one band: `F(θ, γ)` times the level (eq. 8 of the paper, with the coefficients A to I in its order but
 /// `H` and `I` exchanged, as the tables have them).
 fn band(b: &SkyBand, cos_theta: f32, gamma: f32, cos_gamma: f32) -> f32 {
+    // Gradient towards the horizon, glow around the sun, and an anisotropic Mie term.
     let near_horizon = 1.0 + b[0] * (b[1] / (cos_theta + 0.01)).exp();
     let cos2 = cos_gamma * cos_gamma;
     let base = (1.0 + b[8] * b[8] - 2.0 * b[8] * cos_gamma).max(1e-12);
@@ -40,6 +41,7 @@ impl SkyDome {
         let bands = match air.mode {
             _ if height < 0.0 => Vec::new(),
             ColorMode::Rgb => {
+                // In RGB mode the three channels take the place of bands.
                 let albedo = air.albedo.eval(&Wavelengths::RGB).to_rgb();
                 data::sky(air.turbidity, &albedo, height)
             }
@@ -47,6 +49,7 @@ impl SkyDome {
         };
         let frame = Frame::from_zx(air.up, air.sun);
         let rgb = data::rgb_of_bands();
+        // Importance: the luminance of the model in each cell.
         let cells = Cells::new(frame, 0.0, |w| {
             let radiance = |b: usize| at(&bands[b], frame.z, air.sun, w);
             match air.mode {
@@ -64,6 +67,7 @@ impl SkyDome {
 impl CelestialBody for SkyDome {
     fn radiance(&self, w: Vec3, lambda: &Wavelengths) -> Spectrum {
         let cos_theta = w.dot(self.up);
+        // The model ends at the horizon.
         if self.bands.is_empty() || cos_theta < 0.0 {
             return Spectrum::ZERO;
         }
@@ -99,5 +103,6 @@ fn at(b: &SkyBand, up: Vec3, sun: Vec3, w: Vec3) -> f32 {
 
 /// The angle between unit vectors, accurate for small ones.
 fn angle(a: Vec3, b: Vec3) -> f32 {
+    // tan(γ/2) = |a − b|/|a + b|, without the loss of digits of the arc cosine near one.
     2.0 * (a - b).length().atan2((a + b).length())
 }

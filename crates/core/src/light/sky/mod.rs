@@ -90,6 +90,7 @@ impl Celestial {
     /// Estimate of the irradiance of a surface, as luminance: all of the sun's on one that faces it, and half of what
     /// comes from the sky.
     pub(super) fn irradiance(&self) -> f32 {
+        // A sky lights a facing surface from its hemisphere at a mean cosine of one half.
         match self {
             Self::Sky(_) | Self::Air(_) => 0.5 * self.fluence(),
             Self::Sun(_) | Self::AirSun(_) => self.fluence(),

@@ -37,6 +37,7 @@ impl Moment {
 
     /// The unit vector to the sun: +x is north, +y west, +z up.
     pub fn sun(&self) -> DVec3 {
+        // Ecliptic coordinates of the sun from the days since the epoch.
         let n = self.days();
         let node = 2.1429 - 0.001_039_459_4 * n;
         let anomaly = 6.240_060_0 + 0.017_201_969_9 * n;
@@ -48,11 +49,13 @@ impl Moment {
         // Equatorial: along the equinox, 90° east of it, and the pole.
         let (sin_l, cos_l) = longitude.sin_cos();
         let equatorial = DVec3::new(cos_l, obliquity.cos() * sin_l, obliquity.sin() * sin_l);
+        // Local mean sidereal time, in degrees.
         let sidereal = (6.697_424_324_2 + 0.065_709_828_3 * n + self.universal_hours()) * 15.0 + self.longitude;
         let (sin_s, cos_s) = sidereal.to_radians().sin_cos();
         // Along the meridian, and east.
         let meridian = cos_s * equatorial.x + sin_s * equatorial.y;
         let east = -sin_s * equatorial.x + cos_s * equatorial.y;
+        // Rotate from the equator to the horizon of the place.
         let (sin_b, cos_b) = self.latitude.to_radians().sin_cos();
         let up = cos_b * meridian + sin_b * equatorial.z;
         let north = cos_b * equatorial.z - sin_b * meridian;

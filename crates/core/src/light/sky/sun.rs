@@ -57,11 +57,13 @@ impl SunDisc {
             rgb: if look.coarse_rgb { data::rgb_of_bands_by_mitsuba() } else { exact },
             even: None,
             is_up: air.height() >= 0.0,
+            // Keep the irradiance: radiance goes with the inverse of the solid angle.
             scale: Disc::new(air.sun, APERTURE).relative_to(&Disc::new(air.sun, look.aperture)),
             mode: air.mode,
             fluence: 0.0,
         };
         if disc.is_up {
+            // Without limb darkening the disc has its mean radiance everywhere, so that the irradiance stays the same.
             let mean = disc.mean();
             let y: f32 = (0..BANDS).map(|b| mean[b] * luminance(Vec3::from_array(exact[b]))).sum();
             disc.fluence = disc.disc.integral(y.max(0.0) * disc.scale);
@@ -76,6 +78,7 @@ impl SunDisc {
         let (mut sum, mut count) = ([0.0_f64; BANDS], 0_u32);
         for k in 0..EDGE * EDGE {
             let u = Vec2::new((k % EDGE) as f32 + 0.5, (k / EDGE) as f32 + 0.5) / EDGE as f32;
+            // Average over stratified directions in the disc.
             let w = self.sample(u).0;
             if let (Some(mu2), true) = (self.disc.mu2(w), w.dot(self.up) >= 0.0) {
                 count += 1;
@@ -88,6 +91,7 @@ impl SunDisc {
     /// Radiance of a band at the middle of a disc at the height of `w`: the polynomial of its segment.
     fn band(&self, b: usize, w: Vec3) -> f32 {
         let height = w.dot(self.up).clamp(0.0, 1.0).asin();
+        // Segments are spaced by the cube of the elevation.
         let segment = (((height * FRAC_2_PI).cbrt() * SEGMENTS as f32) as usize).min(SEGMENTS - 1);
         let x = height - FRAC_PI_2 * (segment as f32 / SEGMENTS as f32).powi(3);
         polynomial(&self.segments[segment][b], x)

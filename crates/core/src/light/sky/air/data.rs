@@ -40,6 +40,7 @@ pub(super) const OZONE: Bands = [
 
 /// The band below a wavelength in nm, and how far it is to the next.
 fn place(lambda: f32) -> (usize, f32) {
+    // Linear interpolation between the middles of bands.
     let x = ((lambda - FIRST) / STEP).clamp(0.0, (BANDS - 1) as f32);
     let band = (x as usize).min(BANDS - 2);
     (band, x - band as f32)
@@ -73,6 +74,7 @@ pub(super) fn rgb_of_bands() -> [Vec3; BANDS] {
 pub(super) fn limb() -> [[f32; tables::LIMB]; BANDS] {
     let published = tables::limb();
     std::array::from_fn(|b| {
+        // Interpolate the published polynomials between their wavelengths.
         let x = ((wavelength(b) - 320.0) / 40.0).min((tables::BANDS - 1) as f32);
         let row = (x as usize).min(tables::BANDS - 2);
         let t = x - row as f32;

@@ -52,6 +52,7 @@ impl AirDome {
     /// The sky of some air.
     pub fn new(air: &Air) -> Self {
         let medium = air.medium();
+        // Tabulate radiance over elevation and azimuth from the sun; phase functions are applied at lookup.
         let sights = sights(&medium, air);
         let frame = Frame::from_zx(air.up, air.sun);
         let dip = -(horizon(medium.radius, air.altitude_km()).asin() as f32);
@@ -59,6 +60,7 @@ impl AirDome {
         let bands = if air.mode == ColorMode::Rgb { 3 } else { BANDS };
         let table = match air.mode {
             ColorMode::Spectral => sights.iter().flatten().flatten().copied().collect(),
+            // In RGB mode the integral over wavelengths is precomputed, band by band.
             ColorMode::Rgb => {
                 let colour = |b: &Bands| (0..BANDS).map(|i| rgb[i] * b[i]).sum::<Vec3>().to_array();
                 sights.iter().flatten().flat_map(colour).collect()
@@ -68,6 +70,7 @@ impl AirDome {
         let y = |b: &Bands| b.iter().zip(&brightness).map(|(v, y)| v * y).sum::<f32>();
         let bright: Vec<f32> = sights.iter().flatten().map(y).collect();
         let g = medium.g;
+        // Importance: the luminance of the finished sky by cells.
         let cells = Cells::new(frame, dip, |w| {
             let d = frame.to_local(w);
             corners(d, dip).map_or(0.0, |c| mixed(&bright, 1, &c, &weights(w.dot(air.sun), g), 0))
@@ -79,6 +82,7 @@ impl AirDome {
 impl CelestialBody for AirDome {
     fn radiance(&self, w: Vec3, lambda: &Wavelengths) -> Spectrum {
         let Some(corners) = corners(self.frame.to_local(w), self.dip) else { return Spectrum::ZERO };
+        // Mix the terms at the direction, with the phase functions of its angle from the sun.
         let weights = weights(w.dot(self.sun), self.g);
         let value = |b: usize| mixed(&self.table, self.bands, &corners, &weights, b);
         match self.mode {
@@ -106,6 +110,7 @@ impl CelestialBody for AirDome {
 
 /// Factors on the terms at a cosine with the direction to the sun.
 fn weights(nu: f32, g: f32) -> [f32; TERMS] {
+    // Rayleigh scattering splits into 1 and cos²; aerosols have their own phase function.
     [1.0, nu * nu, aerosols(g, nu.clamp(-1.0, 1.0))]
 }
 
@@ -122,6 +127,7 @@ fn corners(d: Vec3, dip: f32) -> Option<Corners> {
     if above < 0.0 {
         return None;
     }
+    // Square-root spacing towards the horizon, linear in azimuth.
     let y = (above / (FRAC_PI_2 + dip)).min(1.0).sqrt() * (ROWS - 1) as f32;
     let x = d.y.abs().atan2(d.x) / PI * (COLUMNS - 1) as f32;
     let (i, j) = ((y as usize).min(ROWS - 2), (x.max(0.0) as usize).min(COLUMNS - 2));
@@ -146,6 +152,7 @@ fn sights(medium: &Medium, air: &Air) -> Vec<Sight> {
         .into_par_iter()
         .map(|i| {
             let (row, column) = ((i / COLUMNS) as f64 / (ROWS - 1) as f64, (i % COLUMNS) as f64 / (COLUMNS - 1) as f64);
+            // Elevation by the square of the row; cosine with the sun by the spherical law of cosines.
             let (mu, cos) = (row * row * (std::f64::consts::FRAC_PI_2 + dip) - dip).sin_cos();
             let nu = cos * (column * std::f64::consts::PI).cos() * sin_sun + mu * mu_sun;
             let mut sight = eye.sight(&Way { height, mu, mu_sun, nu, can_hit: false });
@@ -174,6 +181,7 @@ impl Eye {
         if !multiple {
             return Self { medium: medium.clone(), sunward, orders: None, scattering };
         }
+        // Delta scaling: remove the forward peak of aerosols from extinction and scattering.
         let (forward, _) = moments::of_aerosols(medium.g);
         let mut medium = medium.clone();
         medium.optics = medium.optics.without_forward(forward);
@@ -184,12 +192,15 @@ impl Eye {
     /// The light along a way, for a sun whose irradiance is one.
     pub(super) fn sight(&self, way: &Way) -> Sight {
         let optics = &self.medium.optics;
+        // Cut the line of sight into pieces, dense near the lowest point.
         let (steps, _) = way.steps(&self.medium, PIECES);
         let (mut through, mut sight) = ([1.0; BANDS], [[0.0; BANDS]; TERMS]);
         for step in &steps {
+            // Sunlight reaches the piece by the transmittance of the columns towards the sun.
             let sunlight = self.sunward.columns(step.height, step.mu_sun).map_or([0.0; BANDS], |c| passed(optics, &c));
             let again = self.orders.as_ref().map(|orders| orders.arriving(step, way.nu));
             let [air, dust, _] = step.amounts;
+            // Source term of the piece, weighted by transmittance to the eye: single scattering, then higher orders.
             pass(optics, &step.amounts, &mut through, |b, weight| {
                 let (even, square) = self.medium.molecules(b);
                 let molecules = weight * air * optics.rayleigh[b];

@@ -25,6 +25,7 @@ fn anisotropy(nm: f32) -> f64 {
     let i2 = (f64::from(nm) * 1e-3).powi(-2);
     let nitrogen = 1.034 + 3.17e-4 * i2;
     let oxygen = 1.096 + 1.385e-3 * i2 + 1.448e-4 * i2 * i2;
+    // King factor of dry air, the mean over its gases by volume.
     let king = (78.084 * nitrogen + 20.946 * oxygen + 0.934 + 0.036 * 1.15) / (78.084 + 20.946 + 0.934 + 0.036);
     let rho = 6.0 * (king - 1.0) / (3.0 + 7.0 * king);
     rho / (2.0 - rho)
@@ -45,8 +46,11 @@ fn standard_density(height: f64) -> f64 {
     ];
     /// Weight of air over the gas constant, K/km.
     const HYDROSTATIC: f64 = 34.163_195;
+    // Geopotential height accounts for the decrease of gravity.
     let h = 6356.766 * height / (6356.766 + height);
     let (mut pressure, mut temperature) = (1.0, LAYERS[0].1);
+    // Integrate the hydrostatic equation through the layers: exponential where isothermal, a power law under a lapse
+    // rate.
     for (i, &(base, at_base, lapse)) in LAYERS.iter().enumerate() {
         let end = LAYERS.get(i + 1).map_or(h, |next| next.0.min(h));
         if end <= base {
@@ -59,6 +63,7 @@ fn standard_density(height: f64) -> f64 {
             (at_base / temperature).powf(HYDROSTATIC / lapse)
         };
     }
+    // Ideal gas: ρ ∝ p/T.
     pressure * LAYERS[0].1 / temperature
 }
 
@@ -89,6 +94,7 @@ impl Optics<BANDS> {
     /// Aerosols of which a part of what they scatter goes straight on, as if it had not been scattered.
     pub(super) fn without_forward(mut self, part: f32) -> Self {
         for b in 0..BANDS {
+            // Light scattered straight on is neither extinguished nor scattered.
             self.aerosol[b] -= part * self.scattering[b];
             self.scattering[b] *= 1.0 - part;
         }
@@ -116,6 +122,7 @@ impl Medium {
     /// The Earth's, of what is in it.
     pub(super) fn new(contents: &super::Contents, ground: Bands) -> Self {
         let band = |value: &dyn Fn(f32) -> f64| std::array::from_fn(|b| value(data::wavelength(b)) as f32);
+        // Ångström's law: τ(λ) = τ_550·(λ/550)^(−α).
         let aerosol = band(&|nm| contents.aerosol * (f64::from(nm) / 550.0).powf(-contents.angstrom));
         let ozone: Bands =
             std::array::from_fn(|b| (contents.ozone * DOBSON * f64::from(data::OZONE[b]) * 1e-27) as f32);
@@ -138,6 +145,7 @@ impl Medium {
 
     /// A sky of air with another density by height.
     pub(super) fn with_air(mut self, density: impl Fn(f64) -> f64) -> Self {
+        // Normalise the profile to a column of one.
         let at: Vec<f64> = (0..=STEPS).map(|i| density(STEP * i as f64)).collect();
         let column: f64 = at.windows(2).map(|w| 0.5 * STEP * (w[0] + w[1])).sum();
         self.air = at.into_iter().map(|d| d / column).collect();
@@ -153,6 +161,7 @@ impl Medium {
         let aerosol = (-height / self.aerosol_height).exp() / self.aerosol_height;
         const MIDDLE: f64 = 20.0;
         const WIDTH: f64 = 5.0;
+        // Derivative of a logistic curve about 20 km.
         let e = ((height - MIDDLE) / WIDTH).exp();
         let ozone = (1.0 + (-MIDDLE / WIDTH).exp()) * e / (WIDTH * (1.0 + e) * (1.0 + e));
         [air, aerosol, ozone]
@@ -169,6 +178,7 @@ impl Medium {
 /// The phase function of Henyey and Greenstein, 1/sr.
 pub(super) fn aerosols(g: f32, cos: f32) -> f32 {
     let d = (1.0 + g * g - 2.0 * g * cos).max(1e-6);
+    // p(θ) = (1 − g²)/(4π(1 + g² − 2g cos θ)^(3/2)).
     (1.0 - g * g) / (4.0 * std::f32::consts::PI * d * d.sqrt())
 }
 

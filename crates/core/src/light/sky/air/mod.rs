@@ -75,6 +75,7 @@ pub struct Air {
 
 impl Air {
     fn medium(&self) -> Medium {
+        // Sample the ground's reflectance in the middle of each band.
         let reflectance = |b| self.albedo.eval(&Wavelengths::at([data::wavelength(b).min(830.0); 4])).to_array()[0];
         Medium::new(&self.contents, std::array::from_fn(|b| reflectance(b).clamp(0.0, 1.0)))
     }

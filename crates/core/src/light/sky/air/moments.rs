@@ -28,6 +28,7 @@ impl Harmonics {
     pub(super) fn new(has_aerosols: bool) -> Self {
         let degree = if has_aerosols { DUSTY } else { CLEAR };
         let (mut degrees, mut recurrence, mut first, mut count) = ([0; MOST], [[0.0; 2]; MOST], [0.0; DUSTY + 1], 0);
+        // Normalisation of the sectoral harmonics by recurrence over the order.
         let mut p = (0.25 / std::f64::consts::PI).sqrt();
         for (m, first) in first[..=degree].iter_mut().enumerate() {
             if m > 0 {
@@ -38,6 +39,7 @@ impl Harmonics {
             for l in m..=degree {
                 let (l2, k2) = ((l * l) as f64, (l as f64 - 1.0).powi(2));
                 degrees[count] = l;
+                // Coefficients of the recurrence over the degree for normalised associated Legendre functions.
                 if l > m {
                     let a = ((4.0 * l2 - 1.0) / (l2 - m2)).sqrt();
                     let b = if l > m + 1 { ((k2 - m2) / (4.0 * k2 - 1.0)).sqrt() } else { 0.0 };
@@ -54,10 +56,12 @@ impl Harmonics {
         let y = (1.0 - x * x - z * z).max(0.0).sqrt();
         let (mut out, mut i, mut re, mut im) = ([0.0; MOST], 0, 1.0, 0.0);
         for m in 0..=self.degree {
+            // cos mφ·sin^m θ is the real part of (x + iy)^m.
             if m > 0 {
                 (re, im) = (re * x - im * y, re * y + im * x);
             }
             let (mut before, mut p) = (0.0, self.first[m] * re);
+            // Recurrence over the degree: P_l = a·z·P_{l−1} − b·P_{l−2}.
             for l in m..=self.degree {
                 if l > m {
                     let [a, b] = self.recurrence[i];
@@ -72,6 +76,7 @@ impl Harmonics {
 
     /// A phase function by its factors, 1/sr, up to the degree.
     pub(super) fn phase(&self, factors: &Factors, cos: f32) -> f32 {
+        // p = Σ (2l + 1)·f_l·P_l(cos)/(4π), with Legendre's polynomials by recurrence.
         let (mut before, mut p, mut sum) = (0.0, 1.0, 0.0);
         for (l, factor) in factors[..=self.degree].iter().enumerate() {
             let k = l as f32;
@@ -93,6 +98,7 @@ pub(super) fn of_molecules(gamma: f32) -> Factors {
 /// The part of what aerosols scatter that goes straight on (Wiscombe, "The delta-M method", 1977), and the factors of
 /// the rest of Henyey's and Greenstein's phase function.
 pub(super) fn of_aerosols(g: f32) -> (f32, Factors) {
+    // Henyey and Greenstein's moments are g^l; delta-M removes the first one that is cut off.
     let forward = g.max(0.0).powi(DUSTY as i32 + 1);
     (forward, std::array::from_fn(|l| (g.powi(l as i32) - forward) / (1.0 - forward)))
 }

@@ -89,6 +89,7 @@ impl Angles {
 
     /// Lists by angle with those between, by Catmull's and Rom's curves.
     fn refined(&self, lists: &[Few], size: usize) -> Vec<Few> {
+        // Refine the table over the sun's angle by cubic interpolation.
         let at = |i: i64, k: usize| &lists[i.clamp(0, self.count as i64 - 1) as usize * size + k];
         let mut out = Vec::with_capacity(self.fine().count * size);
         for fine in 0..self.fine().count {
@@ -113,12 +114,14 @@ fn add(sum: &mut Few, factor: f32, values: &Few) {
 }
 
 fn height(i: usize) -> f64 {
+    // Heights spaced by squares, dense near the ground.
     HIGHEST * (i as f64 / (HEIGHTS - 1) as f64).powi(2)
 }
 
 /// Transmittance of a path segment, and its mean over the segment.
 #[inline]
 fn dimming(tau: f32) -> (f32, f32) {
+    // Mean transmittance over a segment of depth τ is (1 − e^−τ)/τ, by its series where τ is small.
     let left = elementary::exp(-tau);
     (left, if tau < 0.01 { 1.0 - tau * (0.5 - tau / 6.0) } else { (1.0 - left) / tau })
 }
@@ -132,6 +135,7 @@ pub(super) fn pass<const N: usize>(
     mut add: impl FnMut(usize, f32),
 ) {
     for (b, through) in through.iter_mut().enumerate() {
+        // τ = Σ depth per unit column · amount, over molecules, aerosols and ozone.
         let tau = optics.rayleigh[b] * amounts[0] + optics.aerosol[b] * amounts[1] + optics.ozone[b] * amounts[2];
         let (left, mean) = dimming(tau);
         add(b, *through * mean);
@@ -156,6 +160,7 @@ impl Field {
 
     /// All that follows this order, each the one before times the ratio of this to its own.
     fn rest(&self, before: &Self, count: usize) -> Self {
+        // Geometric series of the remaining orders: r/(1 − r), with r the ratio of the last two.
         let series = |now: f32, before: f32| {
             let ratio = if before > 0.0 { (now / before).clamp(0.0, 0.97) } else { 0.0 };
             ratio / (1.0 - ratio)
@@ -185,6 +190,7 @@ impl Orders {
             optics,
             field: Field { moments: Vec::new(), ground: Vec::new() },
         };
+        // First order: sunlight, scattered once. Each further order scatters the one before.
         all.field = all.next(medium, None, sunward);
         let mut last = all.clone();
         for order in 2..=ORDERS {
@@ -201,12 +207,14 @@ impl Orders {
     /// The light that a source makes, or the sun.
     fn next(&self, medium: &Medium, source: Option<&Self>, sunward: &Sunward) -> Field {
         let (angles, count) = (self.angles, self.harmonics.count);
+        // Gather at every height and angle of the sun in parallel.
         let nodes: Vec<(Vec<Few>, Few)> = (0..HEIGHTS * angles.count)
             .into_par_iter()
             .map(|i| self.gather(medium, source, sunward, height(i / angles.count), i % angles.count))
             .collect();
         let ground: Vec<Few> = nodes[..angles.count].iter().map(|n| n.1).collect();
         let moments: Vec<Few> = nodes.into_iter().flat_map(|n| n.0).collect();
+        // Catmull–Rom curves fill in the angles between those that were gathered.
         let rows = moments.chunks(angles.count * count).flat_map(|row| angles.refined(row, count));
         Field { moments: rows.collect(), ground: angles.refined(&ground, 1) }
     }
@@ -223,6 +231,7 @@ impl Orders {
         let (sin_sun, mu_sun) = self.angles.angle(angle).sin_cos();
         let lowest = horizon(medium.radius, height);
         let (mut moments, mut irradiance) = (vec![[0.0; FEW]; self.harmonics.count], [0.0; FEW]);
+        // Gauss–Legendre quadrature above and below the horizon, midpoints in azimuth.
         for (from, to, count) in [(lowest, 1.0, UP), (-1.0, lowest, DOWN)] {
             for (x, weight) in gauss_legendre(count) {
                 let mu = 0.5 * (from + to) + 0.5 * (to - from) * x;
@@ -232,7 +241,9 @@ impl Orders {
                     let nu = across * sin_sun + mu * mu_sun;
                     let way = Way { height, mu, mu_sun, nu, can_hit: to < 1.0 };
                     let light = self.light(medium, source, sunward, &way);
+                    // Solid angle of the quadrature node.
                     let w = (weight * 0.5 * (to - from) * 2.0 * PI / AROUND as f64) as f32;
+                    // Project the radiance onto the harmonics: L_lm = ∫ L(ω) Y_lm(ω) dω.
                     let y = self.harmonics.at(across as f32, mu as f32).map(|y| y * w);
                     for (m, y) in moments.iter_mut().zip(y) {
                         add(m, y, &light);
@@ -248,6 +259,7 @@ impl Orders {
     pub(super) fn light(&self, medium: &Medium, source: Option<&Self>, sunward: &Sunward, way: &Way) -> Few {
         let (steps, ground) = way.steps(medium, PIECES);
         let (mut through, mut light) = ([1.0; FEW], [0.0; FEW]);
+        // March along the way: emission of each piece times the transmittance before it.
         for step in &steps {
             let emitted = match source {
                 Some(source) => source.scattered(step, way.nu),
@@ -258,6 +270,7 @@ impl Orders {
             };
             pass(&self.optics, &step.amounts, &mut through, |b, weight| light[b] += weight * emitted[b]);
         }
+        // Lambertian ground: L = ρ·E/π at the end of the way.
         if let Some(mu_sun) = ground {
             let irradiance = match source {
                 Some(source) => source.on_ground(mu_sun),
@@ -292,10 +305,12 @@ impl Orders {
 
     /// The light that comes to a piece of a way, weighted by the phase functions of molecules and of aerosols.
     pub(super) fn arriving(&self, step: &Step, nu: f64) -> (Few, Few) {
+        // Recover azimuth from the three cosines to evaluate the harmonics.
         let sin_sun = (1.0 - step.mu_sun * step.mu_sun).max(0.0).sqrt();
         let sin = (1.0 - step.mu * step.mu).max(0.0).sqrt();
         let along = if sin_sun > 1e-6 { (nu - step.mu * step.mu_sun) / sin_sun } else { 0.0 };
         let y = self.harmonics.at(along.clamp(-sin, sin) as f32, step.mu as f32);
+        // Bilinear interpolation over height and the sun's angle.
         let x = (step.height / HIGHEST).clamp(0.0, 1.0).sqrt() * (HEIGHTS - 1) as f64;
         let i = (x as usize).min(HEIGHTS - 2);
         // Linear over height between two of them.
@@ -311,6 +326,7 @@ impl Orders {
         ];
         let (mut molecules, mut aerosols) = ([0.0; FEW], [0.0; FEW]);
         let is_dusty = self.harmonics.degree > 2 && step.amounts[1] > 1e-5;
+        // Convolve with the phase functions: multiply every moment by the factor of its degree.
         for (at, weight) in corners {
             let moments = &self.field.moments[at * self.harmonics.count..][..self.harmonics.count];
             for (k, m) in moments.iter().enumerate() {

@@ -29,17 +29,20 @@ pub(super) struct Way {
 impl Way {
     /// Length of the path, and true if it ends at the ground.
     pub(super) fn end(&self, radius: f64) -> (f64, bool) {
+        // Intersect with the ground sphere: r² sin² θ against R².
         let (r, mu) = (radius + self.height, self.mu);
         let above = r * r * mu * mu - self.height * (r + radius);
         if self.can_hit && mu < 0.0 && above >= 0.0 {
             return ((-r * mu - above.sqrt()).max(0.0), true);
         }
+        // Otherwise the way ends at the top of the atmosphere.
         let room = ((radius + TOP - r) * (radius + TOP + r)).max(0.0);
         ((-r * mu + (room + r * r * mu * mu).sqrt()).max(0.0), false)
     }
 
     /// Height and the two cosines after a length.
     pub(super) fn after(&self, radius: f64, t: f64) -> (f64, f64, f64) {
+        // Law of cosines for the distance from the globe's centre.
         let r = radius + self.height;
         let there = (r * r + 2.0 * r * self.mu * t + t * t).sqrt();
         // Without the loss of digits of `there − radius`.
@@ -53,6 +56,7 @@ impl Way {
         let radius = medium.radius;
         let (length, hits) = self.end(radius);
         let r = radius + self.height;
+        // The point nearest to the ground: sample densely on both sides of it.
         let nearest = (-r * self.mu).clamp(0.0, length);
         let mut ends = Vec::with_capacity(2 * count + 3);
         if nearest > 0.0 {
@@ -109,6 +113,7 @@ impl Sunward {
     pub(super) fn new(medium: &Medium) -> Self {
         let radius = medium.radius;
         let mut table = Vec::with_capacity(HEIGHTS * COSINES);
+        // Spacing by squares, dense at low heights and near the horizon.
         for i in 0..HEIGHTS {
             let height = TOP * (i as f64 / (HEIGHTS - 1) as f64).powi(2);
             let lowest = horizon(radius, height);
@@ -127,6 +132,7 @@ impl Sunward {
         if mu < lowest {
             return None;
         }
+        // Invert the spacing and interpolate bilinearly.
         let x = (height / TOP).clamp(0.0, 1.0).sqrt() * (HEIGHTS - 1) as f64;
         let y = ((mu - lowest) / (1.0 - lowest)).clamp(0.0, 1.0).sqrt() * (COSINES - 1) as f64;
         let (i, j) = ((x as usize).min(HEIGHTS - 2), (y as usize).min(COSINES - 2));

@@ -45,6 +45,7 @@ impl AirSun {
         let dip = -(horizon(medium.radius, height).asin() as f32);
         let disc = Disc::new(air.sun, aperture);
         let (middle, half) = (air.sun.dot(air.up).clamp(-1.0, 1.0).asin(), 0.5 * aperture.to_radians());
+        // Clip the disc at the horizon.
         let lowest = (middle - half).max(-dip);
         let range = (middle + half).min(std::f32::consts::FRAC_PI_2) - lowest;
         if range <= 0.0 {
@@ -53,9 +54,11 @@ impl AirSun {
         let solid_angle = disc.integral(1.0);
         let rows: Vec<Bands> = (0..ROWS)
             .map(|row| {
+                // Rows spaced by squares, dense where the air mass changes fastest.
                 let v = row as f32 / (ROWS - 1) as f32;
                 let mu = f64::from(lowest + range * v * v).sin();
                 let way = Way { height, mu, mu_sun: mu, nu: 1.0, can_hit: false };
+                // Extraterrestrial radiance times the transmittance along the way, by height on the disc.
                 let through = way.columns(&medium, 64).map_or([0.0; BANDS], |c| passed(&medium.optics, &c));
                 std::array::from_fn(|b| data::SUN[b] * through[b] / solid_angle)
             })
@@ -63,6 +66,7 @@ impl AirSun {
         let even: [f32; LIMB] = std::array::from_fn(|k| if k == 0 { 1.0 } else { 0.0 });
         let limb = if limb_darkening { data::limb() } else { [even; BANDS] };
         let to_rgb = data::rgb_of_bands();
+        // The colour of a row is a polynomial in the cosine: fold the bands into linear sRGB term by term.
         let colour =
             |row: &Bands| std::array::from_fn(|k| (0..BANDS).map(|b| to_rgb[b] * (row[b] * limb[b][k])).sum::<Vec3>());
         let rgb: Vec<[Vec3; LIMB]> = rows.iter().map(colour).collect();
@@ -79,6 +83,7 @@ impl AirSun {
     /// The luminance of all of the disc.
     fn light(&self) -> f32 {
         const EDGE: u32 = 64;
+        // Integrate the disc's luminance by stratified samples.
         let mut sum = 0.0_f64;
         for k in 0..EDGE * EDGE {
             let u = Vec2::new((k % EDGE) as f32 + 0.5, (k / EDGE) as f32 + 0.5) / EDGE as f32;
@@ -103,6 +108,7 @@ impl AirSun {
     }
 
     fn colour(&self, row: usize, t: f32, mu2: f32) -> Vec3 {
+        // Limb darkening: a polynomial in the cosine on the sun's surface.
         let mu = mu2.sqrt();
         let at = |row: usize| self.rgb[row].iter().rev().fold(Vec3::ZERO, |sum, c| sum * mu + *c);
         at(row) * (1.0 - t) + at(row + 1) * t
