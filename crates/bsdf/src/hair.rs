@@ -85,7 +85,9 @@ impl Hair {
     pub fn new(offset: Offset, sigma_a: Spectrum, eta: f32, beta_m: f32, beta_n: f32, alpha: f32) -> Self {
         let roughness = |b: f32| if b > 0.01 { b.min(1.0) } else { 0.01 };
         let (m, n) = (roughness(beta_m), roughness(beta_n));
+        // Variance of the first lobe from the roughness (Chiang et al. 2016, a fit).
         let sqrt_v0 = 0.726 * m + 0.812 * m * m + 3.7 * m.powi(20);
+        // Scale of the logistic distribution from the azimuthal roughness, a fit likewise.
         let s = (PI / 8.0).sqrt() * (0.265 * n + 1.194 * n * n + 5.372 * n.powi(22));
         let alpha = if alpha.is_finite() { alpha.clamp(-90.0, 90.0) } else { 0.0 };
         let offset = match offset {
@@ -98,6 +100,7 @@ impl Hair {
             eta: if eta > 1.0 { eta.min(100.0) } else { 1.0 },
             v0: sqrt_v0 * sqrt_v0,
             s,
+            // Normalise the logistic to (−π, π), outside of which it is cut off.
             within: logistic_cdf(PI, s) - logistic_cdf(-PI, s),
             tilt: alpha.to_radians().sin_cos().into(),
             offset,
@@ -108,6 +111,7 @@ impl Hair {
     /// a fit).
     pub fn sigma_a_of_color(albedo: Spectrum, beta_n: f32) -> Spectrum {
         let n = if beta_n > 0.01 { beta_n.min(1.0) } else { 0.01 };
+        // Horner's rule for the polynomial of the fit; σ_a = (ln albedo/fit)².
         let fit = [0.245, 5.574, -10.73, 2.532, -0.215, 5.969].into_iter().fold(0.0, |sum, c| sum * n + c);
         albedo.map(|c| (c.clamp(1e-6, 1.0).ln() / fit).powi(2))
     }
@@ -120,6 +124,7 @@ impl Hair {
 
     #[inline]
     fn outgoing(&self, wo: Vec3) -> Outgoing {
+        // Angle out of the normal plane, and the offset h at which the fibre is met.
         let cos = (wo.y * wo.y + wo.z * wo.z).sqrt();
         let h = match self.offset {
             Offset::Given(h) => h,
@@ -131,13 +136,17 @@ impl Hair {
         // keeps 0/0 out.
         let across = (self.eta * self.eta - wo.x * wo.x).max(0.0).sqrt().max(f32::MIN_POSITIVE);
         let sin_gamma_t = (h * cos / across).clamp(-1.0, 1.0);
+        // Length of the chord through the cylinder in radii: 2 cos γ_t/cos θ_t.
         let path = 2.0 * safe_cos(sin_gamma_t) / safe_cos(sin_t).max(1e-6);
         let t = (self.sigma_a * -path).exp();
+        // Fresnel reflectance by cos θ_o cos γ_o, the cosine with the normal of the cylinder.
         let f = fresnel::dielectric(cos * safe_cos(h), self.eta);
+        // Attenuations A_1 to A_3: two crossings, one inner reflection more, and the geometric series of the rest.
         let once = t * ((1.0 - f) * (1.0 - f));
         let twice = once * t * f;
         let rest = twice * t.map(|t| f * t / (1.0 - f * t).max(1e-10));
         let a = [Spectrum::splat(f), once, twice, rest];
+        // Choose lobes in proportion to their mean attenuation.
         let mut chance = a.map(Spectrum::mean);
         let sum: f32 = chance.iter().sum();
         if sum > 0.0 {
@@ -155,6 +164,7 @@ impl Hair {
     /// Sine and cosine of `θ_o` as a lobe sees it over the tilted scales.
     #[inline]
     fn tilted(&self, o: &Outgoing, p: usize) -> (f32, f32) {
+        // Tilts by multiples of α, by the formulae for double angles.
         let double = |(s, c): (f32, f32)| (2.0 * s * c, c * c - s * s);
         let alpha = (self.tilt[0], self.tilt[1]);
         let (s, c) = match p {
@@ -170,6 +180,7 @@ impl Hair {
     #[inline]
     fn lobes(&self, o: &Outgoing, wi: Vec3) -> [f32; ORDERS + 1] {
         let (sin_i, cos_i) = (wi.x, (wi.y * wi.y + wi.z * wi.z).sqrt());
+        // Azimuth relative to wo, against the deflection of each order by a smooth fibre.
         let turn = atan2(wi.z, wi.y) - o.phi;
         std::array::from_fn(|p| {
             let (sin_o, cos_o) = self.tilted(o, p);
@@ -182,6 +193,7 @@ impl Hair {
     fn eval_at(&self, o: &Outgoing, wi: Vec3) -> BsdfEval {
         let lobes = self.lobes(o, wi);
         let mut e = BsdfEval::ZERO;
+        // f·|cos θ_i| = Σ A_p M_p N_p; the density has the chances of the lobes in place of A_p.
         for ((lobe, a), chance) in lobes.into_iter().zip(o.a).zip(o.chance) {
             e.value += a * lobe;
             e.pdf += chance * lobe;
@@ -215,6 +227,7 @@ impl Scatter for Hair {
         let cos = (1.0 + v * ((u2.x + (1.0 - u2.x) * (-2.0 / v).exp()).max(1e-30)).ln()).clamp(-1.0, 1.0);
         let sin_i = (-cos * sin_o + safe_cos(cos) * sin_cos_turns(u).1 * cos_o).clamp(-1.0, 1.0);
         let cos_i = safe_cos(sin_i);
+        // Azimuth: the deflection of a smooth fibre, spread by the cut logistic; uniform for the last lobe.
         let turn = if p < ORDERS { specular_turn(p, &o) + sample_trimmed_logistic(u2.y, self.s) } else { TAU * u2.y };
         let (sin_phi, cos_phi) = sin_cos_turns((o.phi + turn) / TAU);
         let local = Vec3::new(sin_i, cos_i * cos_phi, cos_i * sin_phi);
@@ -305,6 +318,7 @@ fn logistic(x: f32, s: f32) -> f32 {
 
 #[inline]
 fn sample_trimmed_logistic(u: f32, s: f32) -> f32 {
+    // Invert the distribution function between its values at −π and π.
     let low = logistic_cdf(-PI, s);
     let c = low + u * (logistic_cdf(PI, s) - low);
     let x = -s * (1.0 / c - 1.0).ln();

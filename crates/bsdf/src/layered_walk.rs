@@ -25,12 +25,15 @@ impl Layers {
         let mode = TransportMode::Importance;
         let (interface, base) = (Bsdf::Dielectric(self.interface), Bsdf::Diffuse(self.base));
         let mut draw = || (rng.next_f32(), Vec2::new(rng.next_f32(), rng.next_f32()));
+        // Refract into the coat; what the interface reflects is its own lobe and not followed.
         let (u, u2) = draw();
         let entered = interface.sample(wo, u, u2, mode).filter(|s| s.lobe.is_transmission())?;
         let (mut w, mut weight) = (entered.wi, entered.weight[0]);
         for depth in 0..self.max_depth {
+            // Beer–Lambert attenuation over the slanted way through the coat.
             weight *= (-self.thickness / w.z.abs()).exp();
             let (u, u2) = draw();
+            // Base and interface take turns, until the interface lets the light out or the depth is reached.
             let s = if depth % 2 == 0 { base.sample(-w, u, u2, mode) } else { interface.sample(-w, u, u2, mode) }?;
             weight *= s.weight[0];
             w = s.wi;
@@ -45,6 +48,7 @@ impl Layers {
     fn bands(&self, wo: Vec3, seed: u64) -> [Moments; BANDS] {
         let mut rng = HashRng::new(seed);
         let mut bands = [Moments::default(); BANDS];
+        // Bin the energy of each walk by the cosine at which it leaves.
         for _ in 0..PATHS {
             let left = self.walk(wo, &mut rng);
             for (i, m) in bands.iter_mut().enumerate() {
@@ -74,6 +78,7 @@ fn compare(
         max_depth,
     };
     let series = CoatSeries::Layered { thickness, max_depth };
+    // Tabulate this roughness alone: both ends of the range are the same.
     let table = CoatTable::new(distribution, shadowing, eta, (alpha, alpha), series);
     // Without its tint the interface reflects nothing and only the base is seen.
     let coated = Bsdf::Coated(Coated::new(&table, Spectrum::splat(rho), Spectrum::ZERO, alpha, alpha));
@@ -81,6 +86,7 @@ fn compare(
     for cos in [0.95f32, 0.5, 0.15] {
         let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
         let walked = layers.bands(wo, u64::from(cos.to_bits()));
+        // Integrate the closed form over the same bands; z-test each against the mean of the walks.
         let integral = grid.integrate(|wi| f64::from(coated.eval(wo, wi, TransportMode::Radiance).value[0]), 1e-7);
         for (i, m) in walked.iter().enumerate() {
             let closed = integral[BANDS + i];
@@ -137,6 +143,7 @@ fn textured_roughness_interpolates_the_rows() {
     let series = CoatSeries::Layered { thickness: 0.01, max_depth: 10 };
     let ranged = CoatTable::new(Ggx, HeightCorrelated, 1.5, (0.0, 0.8), series);
     for alpha in [0.0, 0.02, 0.15, 0.5, 0.8] {
+        // One table interpolates over roughness, the other has exactly this one.
         let exact = CoatTable::new(Ggx, HeightCorrelated, 1.5, (alpha, alpha), series);
         let value = |t| Coated::new(t, Spectrum::splat(0.7), Spectrum::ZERO, alpha, alpha);
         let (a, b) = (value(&ranged), value(&exact));

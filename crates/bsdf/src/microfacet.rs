@@ -97,6 +97,7 @@ impl Normal {
     /// The direction that is mirrored into `wo`.
     #[inline(always)]
     pub fn mirrored(&self, wo: Vec3) -> Vec3 {
+        // Reflection: wi = 2 (wo·m) m − wo, with m of any length.
         (2.0 * self.projected * self.inverse2) * self.direction - wo
     }
 
@@ -109,6 +110,7 @@ impl Normal {
     /// Fresnel terms at the facet, if the medium below it has the index `eta` relative to the one above.
     #[inline(always)]
     pub fn crossing(&self, eta: f32) -> fresnel::Crossing {
+        // From below the interface is crossed the other way, by the inverse of the index.
         fresnel::Crossing::by_square(self.cos2(), if self.projected < 0.0 { 1.0 / eta } else { eta })
     }
 
@@ -207,6 +209,7 @@ impl Microfacet {
     pub fn g2(&self, wo: Vec3, wi: Vec3, m: Vec3) -> f32 {
         match self.shadowing {
             Shadowing::VGroove => {
+                // V-grooves: the lesser of both on one side, the overlap of both on different sides.
                 let (o, i) = (v_groove(wo, m), v_groove(wi, m));
                 if wo.z * wi.z >= 0.0 { o.min(i) } else { (o + i - 1.0).max(0.0) }
             }
@@ -247,6 +250,7 @@ impl Microfacet {
             return 0.0;
         }
         if self.is_stretched() {
+            // Visible normals: D_ω(m) = G₁ |w·m| D(m)/|cos θ|, with the area in place of |cos θ|/G₁.
             return w.dot(m).abs() * self.d(m) / self.area(w);
         }
         self.visible(w, m, self.d(m))
@@ -256,6 +260,7 @@ impl Microfacet {
     #[inline]
     fn visible(&self, w: Vec3, m: Vec3, d: f32) -> f32 {
         let drawn = self.distribution.sampled_density(self.alpha(), m, d);
+        // The facet and its mirror image across the groove share the density by the area that w sees of each.
         match self.shadowing {
             Shadowing::VGroove => {
                 let (here, across) = faces_of_groove(if w.z < 0.0 { -w } else { w }, m);
@@ -276,6 +281,7 @@ impl Microfacet {
     /// The same, with what else is asked of a facet.
     #[inline(always)]
     pub(super) fn draw(&self, w: Vec3, u: Vec2) -> Normal {
+        // Sample for the direction above the surface; normals are the same seen from below.
         let above = w * 1f32.copysign(w.z);
         let mut spread = Spread::default();
         let direction = if self.is_ggx() {
@@ -288,6 +294,7 @@ impl Microfacet {
             let least = 1e-6 * length;
             let m = Vec3::new(m.x, m.y, if m.z > least { m.z } else { least });
             let direction = Vec3::new(self.alpha_x * m.x, self.alpha_y * m.y, m.z);
+            // D and the projected area come with the stretching: D = α_x α_y root²/π, A = (cos θ + length)/2.
             spread.root = direction.length_squared() / (self.alpha_x * self.alpha_y * m.length_squared());
             spread.area = 0.5 * (above.z + length);
             direction
@@ -303,9 +310,11 @@ impl Microfacet {
     fn sample_slopes(&self, w: Vec3, u: Vec2) -> Vec2 {
         let alpha = self.alpha();
         if self.is_stretched() {
+            // Beckmann under Smith's masking: stretch, sample slopes at unit roughness, scale them back.
             let stretched = unit(Vec3::new(alpha.x * w.x, alpha.y * w.y, w.z)).unwrap_or(Vec3::Z);
             return alpha * visible_normals::sample_beckmann(stretched, u);
         }
+        // Other distributions are sampled by D alone.
         let slopes = self.distribution.sample(alpha, u);
         if self.shadowing != Shadowing::VGroove {
             return slopes;
@@ -322,6 +331,7 @@ impl Microfacet {
     pub(super) fn sampled_weight(&self, wo: Vec3, wi: Vec3, m: Vec3) -> f32 {
         let g2 = self.g2(wo, wi, m);
         if self.is_stretched() {
+            // D and the Jacobian cancel: the weight is G₂/G₁.
             return g2 / self.g1(wo, m);
         }
         let density = self.d_visible(wo, m) * wo.z.abs();
@@ -355,9 +365,11 @@ impl Microfacet {
     /// The same, where what mirrors is known: `f cosθ_i = F D G₂ / (4 |cosθ_o|)`.
     #[inline(always)]
     pub(super) fn reflecting_by(&self, mirror: &Mirror, wo: Vec3, wi: Vec3) -> Option<Facet> {
+        // Reflection needs both directions on one side and a half vector of some length.
         if wo.z * wi.z <= 0.0 || 4.0 * mirror.cos2 < f32::MIN_POSITIVE {
             return None;
         }
+        // Jacobian of the half vector: dω_m/dω_i = 1/(4 |wo·m|).
         let cos_o = mirror.cos2.sqrt().copysign(wo.z);
         self.facet(wo + wi, mirror.spread, wo, wi, Turn { cos_o, jacobian: 0.25 / cos_o.abs(), seen: 0.25 })
     }
@@ -366,12 +378,14 @@ impl Microfacet {
     /// to the side of `wi`.
     #[inline(always)]
     pub(super) fn refracting(&self, wo: Vec3, wi: Vec3, eta: f32) -> Option<Facet> {
+        // Generalised half vector: m ∝ wo + η wi, turned upwards.
         let m = upper(wo + eta * wi)?;
         let (cos_o, cos_i) = (wo.dot(m), wi.dot(m));
         // A facet cannot be seen from behind.
         if wo.z * wi.z >= 0.0 || cos_o * wo.z <= 0.0 || cos_i * wi.z <= 0.0 {
             return None;
         }
+        // Jacobian of refraction: |wi·m|/(wi·m + wo·m/η)² (Walter et al. 2007).
         let denominator = cos_i + cos_o / eta;
         let jacobian = cos_i.abs() / (denominator * denominator);
         self.facet(m, self.spread(m, 1.0, wo), wo, wi, Turn { cos_o, jacobian, seen: cos_o.abs() * jacobian })
@@ -402,6 +416,7 @@ impl Microfacet {
     #[inline(always)]
     fn facet(&self, h: Vec3, spread: Spread, wo: Vec3, wi: Vec3, turn: Turn) -> Option<Facet> {
         let Turn { cos_o, jacobian, seen } = turn;
+        // GGX: value D G₂ and density D/A share their factors; the weight is their quotient.
         let (value, pdf, weight) = if self.is_ggx() {
             let d = FRAC_1_PI * self.alpha_x * self.alpha_y * (spread.root * spread.root);
             let g2 = self.smith_g2(wo, wi, spread.area);
@@ -429,6 +444,7 @@ impl Microfacet {
 /// The areas of a facet `m` and of the one across its groove as `w` sees them.
 #[inline]
 fn faces_of_groove(w: Vec3, m: Vec3) -> (f32, f32) {
+    // Areas of both faces of the groove, as products with w; a face seen from behind has none.
     let (up, aside) = (w.z * m.z, w.x * m.x + w.y * m.y);
     ((up + aside).max(0.0), (up - aside).max(0.0))
 }

@@ -43,12 +43,14 @@ impl AngleTable {
                 continue;
             }
             let fault = |what: &str| MeasuredError::Fault(format!("line {}: {what}", number + 1));
+            // Cut the row at blanks, commas and semicolons; anything but numbers is an error.
             let cells = line.split(|c: char| c.is_whitespace() || c == ',' || c == ';').filter(|c| !c.is_empty());
             let numbers: Result<Vec<f32>, _> = cells.take(8).map(str::parse).collect();
             let numbers = numbers.map_err(|_| fault("not a row of numbers"))?;
             if numbers.iter().any(|v| !v.is_finite()) {
                 return Err(fault("a number is not finite"));
             }
+            // Four angles, then one value or a colour.
             let (angles, value) = match numbers[..] {
                 [a, b, c, d, v] => ([a, b, c, d], Vec3::splat(v)),
                 [a, b, c, d, red, green, blue] => ([a, b, c, d], Vec3::new(red, green, blue)),
@@ -68,18 +70,21 @@ impl AngleTable {
     fn new(mut rows: Vec<([f32; 4], Vec3)>) -> Result<Self, MeasuredError> {
         let Some(first) = rows.first() else { return Err(MeasuredError::Fault("it has no rows".into())) };
         let first_azimuth = key(first.0[1]);
+        // One incident azimuth means an isotropic material: only the difference of azimuths counts.
         let isotropic = rows.iter().all(|r| key(r.0[1]) == first_azimuth);
         for (angles, _) in &mut rows {
             let phi = if isotropic { angles[3] - angles[1] } else { angles[3] };
             angles[3] = phi.rem_euclid(360.0);
             angles[1] = if isotropic { 0.0 } else { angles[1].rem_euclid(360.0) };
         }
+        // Collect the distinct angles along each axis of the grid.
         let axes: [Vec<f32>; 4] = std::array::from_fn(|i| {
             let mut axis: Vec<f32> = rows.iter().map(|r| r.0[i]).collect();
             axis.sort_by(f32::total_cmp);
             axis.dedup_by_key(|a| key(*a));
             axis
         });
+        // The rows must fill the grid, each place once.
         let cells = axes.iter().try_fold(1usize, |n, a| n.checked_mul(a.len()));
         if cells != Some(rows.len()) {
             let sizes = axes.iter().map(|a| a.len().to_string()).collect::<Vec<_>>().join(" × ");
@@ -90,6 +95,7 @@ impl AngleTable {
         }
         let mut values = vec![None; rows.len()];
         for (angles, value) in rows {
+            // Flat index of the row, with the last axis fastest.
             let index = (0..4).fold(0, |n, i| {
                 n * axes[i].len() + axes[i].partition_point(|a| key(*a) < key(angles[i])).min(axes[i].len() - 1)
             });
@@ -97,19 +103,23 @@ impl AngleTable {
                 return Err(MeasuredError::Fault(format!("the angles {angles:?} occur twice")));
             }
         }
+        // Differences up to half a circle are completed by mirror symmetry.
         let mirrored = isotropic && axes[3].last().is_some_and(|a| *a <= 180.0);
         Ok(Self { axes, isotropic, mirrored, values: values.into_iter().map(Option::unwrap_or_default).collect() })
     }
 
     /// `f` (sr⁻¹) in linear RGB for light from `wi` seen from `wo`, both above the surface.
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> Vec3 {
+        // Spherical angles of both directions, by the arc tangent that keeps digits near the normal.
         let theta = |w: Vec3| atan2((w.x * w.x + w.y * w.y).sqrt(), w.z).to_degrees();
         let phi = |w: Vec3| atan2(w.y, w.x);
         let mut azimuth = phi(wo) - if self.isotropic { phi(wi) } else { 0.0 };
+        // Fold the difference into [0, π].
         if self.mirrored {
             azimuth = (azimuth + PI).rem_euclid(2.0 * PI) - PI;
             azimuth = azimuth.abs();
         }
+        // Neighbours along each of the four axes; azimuths wrap around where the circle is whole.
         let places = [
             neighbours(&self.axes[0], theta(wi)),
             around(&self.axes[1], phi(wi).to_degrees()),
@@ -120,6 +130,7 @@ impl AngleTable {
                 around(&self.axes[3], azimuth.to_degrees())
             },
         ];
+        // Quadrilinear interpolation over the 16 corners of the cell.
         let mut value = Vec3::ZERO;
         for corner in 0..16 {
             let (mut weight, mut index) = (1.0, 0);
@@ -146,6 +157,7 @@ fn around(axis: &[f32], x: f32) -> (usize, usize, f32) {
     if x >= axis[0] && x < axis[n - 1] {
         return neighbours(axis, x);
     }
+    // Beyond the last angle interpolate across the gap to the first of the next turn.
     let gap = axis[0] + 360.0 - axis[n - 1];
     let past = if x < axis[0] { x + 360.0 } else { x } - axis[n - 1];
     (n - 1, 0, (past / gap).clamp(0.0, 1.0))

@@ -49,6 +49,7 @@ pub fn index(text: &str) -> Result<Vec<Line>, MeasuredError> {
         }
         let fault = || MeasuredError::Fault(format!("line {number}: wanted is theta_i phi_i theta_o phi_o FILE"));
         let mut rest = line;
+        // Four angles, then the rest of the line as the name of the file.
         let mut angles = [0.0f32; 4];
         for a in &mut angles {
             let (cell, tail) = rest.split_once(char::is_whitespace).ok_or_else(fault)?;
@@ -61,6 +62,7 @@ pub fn index(text: &str) -> Result<Vec<Line>, MeasuredError> {
         if lines.len() >= MAX_PICTURES {
             return Err(MeasuredError::Fault(format!("it has more than {MAX_PICTURES} pictures")));
         }
+        // Direction from polar angle and azimuth.
         let direction = |theta: f32, phi: f32| {
             let ((s, c), (y, x)) = (theta.to_radians().sin_cos(), phi.to_radians().sin_cos());
             Vec3::new(s * x, s * y, c)
@@ -81,6 +83,7 @@ impl Btf {
     pub fn new(lines: &[Line], mut open: impl FnMut(&PathBuf) -> Result<Slice, String>) -> Result<Self, MeasuredError> {
         let mut lights: Vec<Vec3> = Vec::new();
         let mut views: Vec<Vec3> = Vec::new();
+        // Number the distinct directions; nearly equal ones are the same.
         let place = |list: &mut Vec<Vec3>, w: Vec3| {
             list.iter().position(|v| v.distance_squared(w) < 1e-8).unwrap_or_else(|| {
                 list.push(w);
@@ -88,6 +91,7 @@ impl Btf {
             })
         };
         let pairs: Vec<_> = lines.iter().map(|l| (place(&mut lights, l.0), place(&mut views, l.1))).collect();
+        // The pictures must be all pairs of lights and views.
         if lights.len() * views.len() != lines.len() {
             return Err(MeasuredError::Fault(format!(
                 "its {} pictures are not those of {} lights from {} views",
@@ -110,6 +114,7 @@ impl Btf {
                 return Err(MeasuredError::Fault(format!("{} pictures of {w} × {h} are too much", lines.len())));
             }
             texels.resize(count * lines.len(), [0.0; 3]);
+            // Pictures are stored by light, then by view.
             let at = light * views.len() + view;
             if std::mem::replace(&mut seen[at], true) {
                 return Err(MeasuredError::Fault(format!(
@@ -117,6 +122,7 @@ impl Btf {
                     line.2.display()
                 )));
             }
+            // Texels are π f: divide by π.
             for (to, from) in texels[at * count..][..count].iter_mut().zip(slice.texels) {
                 let f = from / std::f32::consts::PI;
                 *to = if f.is_finite() { f.max(Vec3::ZERO).to_array() } else { [0.0; 3] };
@@ -127,6 +133,7 @@ impl Btf {
 
     /// `f` (sr⁻¹) in linear RGB at a place of the texture.
     pub fn eval(&self, wo: Vec3, wi: Vec3, uv: Vec2) -> Vec3 {
+        // Mix the three nearest lights with the three nearest views.
         let (lights, views) = (nearest(&self.lights, wi), nearest(&self.views, wo));
         let mut value = Vec3::ZERO;
         for (l, wl) in lights {
@@ -141,6 +148,7 @@ impl Btf {
 
     /// Mean over the texture: for fitting the density of directions.
     pub fn mean(&self, wo: Vec3, wi: Vec3) -> Vec3 {
+        // Average over a coarse grid of places, enough to fit a density.
         let n = 4;
         (0..n * n)
             .map(|i| Vec2::new((i % n) as f32 + 0.5, (i / n) as f32 + 0.5) / n as f32)
@@ -153,6 +161,7 @@ impl Btf {
     fn texel(&self, picture: usize, uv: Vec2) -> Vec3 {
         let [w, h] = self.size;
         let place = |x: f32, n: usize| {
+            // Centres of texels at half-integer places; the texture repeats.
             let x = (x - x.floor()) * n as f32 - 0.5;
             let low = x.floor();
             (
@@ -170,6 +179,7 @@ impl Btf {
 /// The nearest directions and their weights, which add up to one.
 fn nearest(list: &[Vec3], w: Vec3) -> [(usize, f32); NEAREST] {
     let mut best = [(0, f32::INFINITY); NEAREST];
+    // Insert each direction into the sorted list of the nearest so far.
     for (i, v) in list.iter().enumerate() {
         let d = v.distance_squared(w);
         let mut entry = (i, d);
@@ -179,6 +189,7 @@ fn nearest(list: &[Vec3], w: Vec3) -> [(usize, f32); NEAREST] {
             }
         }
     }
+    // Shepard's weights: the inverse of the squared distance, normalised.
     let weights = best.map(|b| if b.1.is_finite() { 1.0 / (b.1 + 1e-6) } else { 0.0 });
     let sum: f32 = weights.iter().sum();
     std::array::from_fn(|i| (best[i].0, weights[i] / sum))

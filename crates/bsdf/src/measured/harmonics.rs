@@ -31,6 +31,7 @@ impl Harmonics {
         let count = (degree + 1) * (degree + 2) / 2;
         let mut coefficients = vec![Vec3::ZERO; VIEWS * count];
         let nodes = steradian_math::quadrature::gauss_legendre(COSINES);
+        // Project the slice of each view: c_lm = ∫ f cos θ_i y_lm dω, by Gauss–Legendre nodes in the cosine.
         for (view, sums) in coefficients.chunks_exact_mut(count).enumerate() {
             let mu = (view as f32 + 0.5) / VIEWS as f32;
             let wo = Vec3::new((1.0 - mu * mu).sqrt(), 0.0, mu);
@@ -40,9 +41,11 @@ impl Harmonics {
                     let phi = (a as f32 + 0.5) / AZIMUTHS as f32 * std::f32::consts::TAU;
                     let sin = (1.0 - z * z).sqrt();
                     let wi = Vec3::new(sin * phi.cos(), sin * phi.sin(), z);
+                    // Solid angle of the node.
                     let area = (0.5 * w * std::f64::consts::TAU / AZIMUTHS as f64) as f32;
                     let value = f(wo, wi) * (z * area);
                     harmonics::visit(degree, wi, |l, m, y| {
+                        // Orders below zero vanish by mirror symmetry.
                         if let Ok(m) = usize::try_from(m) {
                             sums[l * (l + 1) / 2 + m] += value * y;
                         }
@@ -56,6 +59,7 @@ impl Harmonics {
     /// `f·cosθ_i` in linear RGB; both directions above the surface.
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> Vec3 {
         let count = (self.degree + 1) * (self.degree + 2) / 2;
+        // Interpolate linearly between the views on either side.
         let x = (wo.z.clamp(0.0, 1.0) * VIEWS as f32 - 0.5).clamp(0.0, (VIEWS - 1) as f32);
         let low = (x as usize).min(VIEWS - 2);
         let (a, b) = (&self.coefficients[low * count..][..count], &self.coefficients[(low + 1) * count..][..count]);
@@ -64,6 +68,7 @@ impl Harmonics {
         let r = wo.x.hypot(wo.y);
         let (c, s) = if r > 0.0 { (wo.x / r, wo.y / r) } else { (1.0, 0.0) };
         let w = Vec3::new(c * wi.x + s * wi.y, c * wi.y - s * wi.x, wi.z);
+        // Sum of c_lm y_lm at the turned direction, held at zero where the truncated series rings.
         let mut sum = Vec3::ZERO;
         harmonics::visit(self.degree, w, |l, m, y| {
             if let Ok(m) = usize::try_from(m) {

@@ -49,6 +49,7 @@ impl<const N: usize> Interpolant<N> {
         if nx < 2 || ny < 2 || size != Some(data.len()) {
             return Err(MeasuredError::Fault(format!("the sizes of '{name}' do not fit together")));
         }
+        // Strides of the slices along each parameter, the last fastest.
         let mut strides = [0; N];
         let mut stride = 1;
         for i in (0..N).rev() {
@@ -62,6 +63,7 @@ impl<const N: usize> Interpolant<N> {
             }
             let mut total = 0.0;
             let mut above = 0.0;
+            // Integrate each row along x by trapezoids, which is exact for linear interpolants.
             let integrals: Vec<Vec<f64>> = slice
                 .chunks_exact(nx)
                 .map(|row| {
@@ -75,6 +77,7 @@ impl<const N: usize> Interpolant<N> {
                         .collect()
                 })
                 .collect();
+            // Integrate the rows' totals along y to the marginal distribution.
             let mut marginal = vec![0.0];
             for (y, row) in integrals.iter().enumerate() {
                 let end = row[nx - 1];
@@ -87,6 +90,7 @@ impl<const N: usize> Interpolant<N> {
             if total <= 0.0 {
                 return Err(MeasuredError::Fault(format!("a part of '{name}' is zero everywhere")));
             }
+            // Scale values and integrals so that the slice integrates to one.
             slice.iter_mut().for_each(|v| *v = (f64::from(*v) / total) as f32);
             rows.extend(integrals.iter().flatten().map(|v| (v / total) as f32));
             columns.extend(marginal.iter().map(|v| (v / total) as f32));
@@ -102,8 +106,10 @@ impl<const N: usize> Interpolant<N> {
             if axis.len() < 2 {
                 continue;
             }
+            // The interval of the parameter, and the place within it.
             let j = axis.partition_point(|a| *a <= x).clamp(1, axis.len() - 1) - 1;
             let w = ((x - axis[j]) / (axis[j + 1] - axis[j])).clamp(0.0, 1.0);
+            // Each parameter doubles the slices that are mixed.
             for k in 0..m.count {
                 let (slice, weight) = m.slices[k];
                 let low = slice + j * stride;
@@ -117,6 +123,7 @@ impl<const N: usize> Interpolant<N> {
 
     #[inline]
     fn mix(&self, m: &Mixture, table: &[f32], size: usize, offset: usize) -> f32 {
+        // Values and integrals mix by the same weights, since integration is linear.
         m.slices[..m.count].iter().map(|(s, w)| w * table[s * size + offset]).sum()
     }
 
@@ -138,6 +145,7 @@ impl<const N: usize> Interpolant<N> {
     /// The patch of a point and the place in it.
     #[inline]
     fn patch(&self, [u, v]: [f32; 2]) -> (usize, usize, f32, f32) {
+        // Grid points lie at the corners of patches.
         let (sx, sy) = (u.clamp(0.0, 1.0) * (self.nx - 1) as f32, v.clamp(0.0, 1.0) * (self.ny - 1) as f32);
         let (x, y) = ((sx as usize).min(self.nx - 2), (sy as usize).min(self.ny - 2));
         (x, y, sx - x as f32, sy - y as f32)
@@ -151,6 +159,7 @@ impl<const N: usize> Interpolant<N> {
     /// The function as it was given: not for what is sampled.
     #[inline]
     pub fn eval(&self, p: [f32; 2], m: &Mixture) -> f32 {
+        // Bilinear interpolation in the mixed slice.
         let (x, y, fx, fy) = self.patch(p);
         let below = lerp(fx, self.value(m, x, y), self.value(m, x + 1, y));
         let above = lerp(fx, self.value(m, x, y + 1), self.value(m, x + 1, y + 1));
@@ -165,10 +174,12 @@ impl<const N: usize> Interpolant<N> {
 
     /// A point distributed as the function, and its density.
     pub fn sample(&self, [u, v]: [f32; 2], m: &Mixture) -> ([f32; 2], f32) {
+        // Sample y by the marginal: find the row whose integral passes v, then invert the linear density within.
         let v = v.clamp(0.0, 1.0 - f32::EPSILON) * self.column(m, self.ny - 1);
         let y = last_not_above(self.ny - 1, |y| self.column(m, y) <= v);
         let (r0, r1) = (self.row(m, self.nx - 1, y), self.row(m, self.nx - 1, y + 1));
         let fy = inverse_linear(v - self.column(m, y), r0, r1);
+        // Sample x by the conditional distribution at that height, likewise.
         let u = u.clamp(0.0, 1.0 - f32::EPSILON) * lerp(fy, r0, r1);
         let along = |x| lerp(fy, self.row(m, x, y), self.row(m, x, y + 1));
         let x = last_not_above(self.nx - 1, |x| along(x) <= u);
@@ -181,6 +192,7 @@ impl<const N: usize> Interpolant<N> {
     /// The random numbers that [`Interpolant::sample`] maps to a point, and the density there.
     pub fn invert(&self, p: [f32; 2], m: &Mixture) -> ([f32; 2], f32) {
         let (x, y, fx, fy) = self.patch(p);
+        // Integrate the linear densities from the patch's corner to the point: the inverse of sampling.
         let [c0, c1] = [x, x + 1].map(|x| lerp(fy, self.value(m, x, y), self.value(m, x, y + 1)));
         let (r0, r1) = (self.row(m, self.nx - 1, y), self.row(m, self.nx - 1, y + 1));
         let before = lerp(fy, self.row(m, x, y), self.row(m, x, y + 1));

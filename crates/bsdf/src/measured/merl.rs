@@ -43,6 +43,7 @@ impl Merl {
             )));
         }
         let count = size.iter().product::<usize>();
+        // Blocks of doubles by channel; scale each and hold what was not measured at zero.
         let (numbers, _) = bytes[12..].as_chunks::<8>();
         let mut values = vec![[0.0; 3]; count];
         for (i, raw) in numbers.iter().enumerate() {
@@ -59,11 +60,13 @@ impl Merl {
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> Vec3 {
         let Some(a) = HalfDifference::new(wi, wo) else { return Vec3::ZERO };
         let [nh, nd, np] = self.size;
+        // Neighbouring centres of bins, clamped at the ends.
         let place = |x: f32, n: usize| {
             let x = (x * n as f32 - 0.5).clamp(0.0, (n - 1) as f32);
             let i = (x as usize).min(n.saturating_sub(2));
             (i, (i + 1).min(n - 1), x - i as f32)
         };
+        // Half angles are spaced by squares: the index goes with the root.
         let (h0, h1, fh) = place((a.theta_h / FRAC_PI_2).max(0.0).sqrt(), nh);
         let (d0, d1, fd) = place(a.theta_d / FRAC_PI_2, nd);
         // By reciprocity the azimuth has the period π.
@@ -71,6 +74,7 @@ impl Merl {
         let x = (turns - turns.floor()) * np as f32 - 0.5 + np as f32;
         let p0 = x as usize % np;
         let (p1, fp) = ((p0 + 1) % np, x.fract());
+        // Trilinear interpolation over azimuth, difference angle and half angle.
         let at = |h: usize, d: usize, p: usize| Vec3::from(self.values[(h * nd + d) * np + p]);
         let along = |h, d| at(h, d, p0).lerp(at(h, d, p1), fp);
         let across = |h| along(h, d0).lerp(along(h, d1), fd);
@@ -96,6 +100,7 @@ pub fn write(size: [usize; 3], f: impl Fn(f64, f64, f64) -> [f64; 3]) -> Vec<u8>
     for (channel, scale) in SCALES.iter().enumerate() {
         for i in 0..nh * nd * np {
             let (h, d, p) = (i / (nd * np), i / np % nd, i % np);
+            // Centres of bins, the half angle by the square of the index.
             let centre = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
             let theta_h = centre(h, nh).powi(2) * half_pi;
             let v = f(theta_h, centre(d, nd) * half_pi, centre(p, np) * 2.0 * half_pi)[channel];

@@ -74,6 +74,7 @@ impl MeasuredData {
     /// # Errors
     /// What is wrong with it.
     pub fn read(bytes: &[u8], wanted: Wanted) -> Result<Self, MeasuredError> {
+        // Tensor files tell their kind by their fields: Mueller matrices, or the adaptive parameterisation.
         if TensorFile::is(bytes) {
             let file = TensorFile::read(bytes)?;
             return Ok(if file.get("M").is_some() {
@@ -99,12 +100,14 @@ impl MeasuredData {
     /// The same material projected onto spherical harmonics up to a degree.
     #[must_use]
     pub fn projected(&self, degree: usize) -> Self {
+        // Undo the cosine, which the projection applies again.
         let f = |wo: Vec3, wi: Vec3| self.rgb(wo, wi) / wi.z.max(1e-6);
         Self::new(Table::Harmonics(Harmonics::project(degree, f)))
     }
 
     fn new(table: Table) -> Self {
         let mut data = Self { table, directions: None };
+        // Fit the density of half vectors to the luminance of the table.
         data.directions = Some(Box::new(HalfVectors::fit(|wo, wi| luminance(data.rgb(wo, wi)))));
         data
     }
@@ -128,6 +131,7 @@ impl MeasuredData {
         match &self.table {
             Table::Btf(t) => t.mean(wo, wi) * wi.z,
             _ => {
+                // Three wavelengths stand for the channels of spectral tables.
                 let lambda = if self.spectral() { [610.0, 550.0, 460.0, 550.0] } else { [0.0, 1.0, 2.0, 2.0] };
                 Vec3::from(self.lanes(wo, wi, Vec2::ZERO, lambda).0.to_rgb())
             }
@@ -138,6 +142,7 @@ impl MeasuredData {
     #[inline]
     fn lanes(&self, wo: Vec3, wi: Vec3, uv: Vec2, lambda: [f32; 4]) -> (Spectrum, f32) {
         let rgb = |v: Vec3| Spectrum::rgb(v.x, v.y, v.z);
+        // Every table but the adaptive one and the projection gives f: multiply by the cosine.
         match &self.table {
             Table::Rgl(t) => t.eval(wo, wi, lambda),
             Table::Polarimetric(t) => (t.eval(wo, wi, lambda) * wi.z, 0.0),
@@ -173,6 +178,7 @@ impl Scatter for Measured<'_> {
     ];
 
     fn eval(&self, wo: Vec3, wi: Vec3, _: TransportMode) -> BsdfEval {
+        // Opaque: light from below meets nothing.
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return BsdfEval::ZERO;
         }
@@ -184,6 +190,7 @@ impl Scatter for Measured<'_> {
             let at = Wavelengths::at(self.lambda);
             value = role::texel(Vec3::from(value.to_rgb()), Role::Unbounded, &at, ColorMode::Spectral);
         }
+        // Tables without their own sampling take the density of half vectors.
         let pdf = self.data.directions.as_ref().map_or(pdf, |d| d.pdf(wo, wi));
         if !value.is_finite() || !pdf.is_finite() {
             return BsdfEval::ZERO;
@@ -195,6 +202,7 @@ impl Scatter for Measured<'_> {
         if wo.z <= 0.0 {
             return None;
         }
+        // Half vectors by histogram, or the table's own warp.
         let wi = match (&self.data.table, &self.data.directions) {
             (_, Some(d)) => d.sample(wo, u, u2)?,
             (Table::Rgl(t), _) => t.sample(wo, u2)?,
@@ -217,6 +225,7 @@ impl Scatter for Measured<'_> {
             [0.95, 0.95, 0.45],
         ];
         let wo = Vec3::new(wo.x, wo.y, wo.z.abs());
+        // Eight fixed points estimate the albedo by importance sampling.
         let draw = |[u, x, y]: [f32; 3]| {
             self.sample(wo, u, Vec2::new(x, y), TransportMode::Radiance).map_or(Spectrum::ZERO, |s| s.weight)
         };

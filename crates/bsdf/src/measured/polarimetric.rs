@@ -33,6 +33,7 @@ pub(super) fn neighbours(axis: &[f32], x: f32) -> (usize, usize, f32) {
     if axis.len() < 2 {
         return (0, 0, 0.0);
     }
+    // Binary search for the interval; values outside are held at the ends.
     let j = axis.partition_point(|a| *a <= x).clamp(1, axis.len() - 1);
     (j - 1, j, ((x - axis[j - 1]) / (axis[j] - axis[j - 1])).clamp(0.0, 1.0))
 }
@@ -43,6 +44,7 @@ impl Polarimetric {
     /// # Errors
     /// What is missing or does not fit.
     pub fn read(file: &TensorFile<'_>, wanted: Wanted) -> Result<Self, MeasuredError> {
+        // An axis may be a list, a matrix of one row, or, without rows, even steps over its range.
         let axis = |name: &str, from: f32, to: f32| {
             let field = file.get(name).ok_or_else(|| MeasuredError::Fault(format!("it lacks the field '{name}'")))?;
             match field.shape[..] {
@@ -64,11 +66,14 @@ impl Polarimetric {
         if m.shape != [phi_d.len(), theta_d.len(), theta_h.len(), lambda.len(), 4, 4] {
             return Err(MeasuredError::Fault(format!("'M' has the shape {:?}", m.shape)));
         }
+        // Values that were not measured are NaN and count as black.
         let measured = |v: f32| if v.is_finite() { v.max(0.0) } else { 0.0 };
+        // Keep the first element of each Mueller matrix: the intensity of unpolarised light.
         let intensities: Vec<f32> = m.numbers("M")?.chunks_exact(16).map(|m| measured(m[0])).collect();
         if wanted == Wanted::Spectral {
             return Ok(Self { phi_d, theta_d, theta_h, lambda, values: intensities });
         }
+        // For RGB integrate over wavelengths once, at reading.
         let weights = rgb_weights(&lambda);
         let rgb = |f: &[f32]| f.iter().zip(&weights).map(|(f, w)| *w * *f).sum::<Vec3>().max(Vec3::ZERO);
         let values = intensities.chunks_exact(lambda.len()).flat_map(|f| rgb(f).to_array()).collect();
@@ -86,11 +91,14 @@ impl Polarimetric {
         // Azimuths are stored over a whole turn from their first value on.
         let first = self.phi_d.first().copied().unwrap_or(-PI);
         let phi = first + (a.phi_d - first).rem_euclid(TAU);
+        // Neighbours along the half–difference angles.
         let axes =
             [neighbours(&self.phi_d, phi), neighbours(&self.theta_d, a.theta_d), neighbours(&self.theta_h, a.theta_h)];
         let lanes = if self.spectral() { self.lambda.len() } else { 3 };
         let mut value = [0.0f32; 4];
+        // Neighbouring wavelengths of each lane.
         let channels = lambda.map(|l| neighbours(&self.lambda, l));
+        // Trilinear interpolation over the angles, and linear over the wavelength.
         for corner in 0..8 {
             let mut weight = 1.0;
             let index = [0, 1, 2].map(|i| {

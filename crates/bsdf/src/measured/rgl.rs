@@ -54,6 +54,7 @@ impl Rgl {
     pub fn read(file: &TensorFile<'_>, wanted: Wanted) -> Result<Self, MeasuredError> {
         let phi = file.need("phi_i", 1)?.axis("phi_i")?;
         let theta = file.need("theta_i", 1)?.axis("theta_i")?;
+        // One or two azimuths mark an isotropic material; else the span of the azimuths tells the symmetry.
         let isotropic = phi.len() <= 2;
         let span = phi[phi.len() - 1] - phi[0];
         let symmetry = if isotropic { 1 } else { (TAU / span.max(1e-3)).round().max(1.0) as u32 };
@@ -69,6 +70,7 @@ impl Rgl {
             let t = file.need(name, 4)?;
             Interpolant::new(name, t.floats(name)?, [t.shape[2], t.shape[3]], axes(), true)
         };
+        // The normal and area tables have no parameters, the two warps those of incidence.
         let (values, spectral) = colours(file, wanted, &phi, &theta)?;
         let jacobian = file.need("jacobian", 1)?.floats("jacobian")?[0] != 0.0;
         Ok(Self {
@@ -96,18 +98,22 @@ impl Rgl {
 
     /// `f·cosθ_i` at the wavelengths (or of the three channels), and the density of sampling.
     pub fn eval(&self, wo: Vec3, wi: Vec3, lambda: [f32; 4]) -> (Spectrum, f32) {
+        // Fold into the measured part of the circle by the material's symmetry.
         let fold = self.fold(wo);
         let turn = |w: Vec3| Vec3::new(w.x * fold.x, w.y * fold.y, w.z);
         let (wo, wi) = (turn(wo), turn(wi));
+        // The half vector, in the coordinates of the unit square of normals.
         let Some(m) = (wo + wi).try_normalize().filter(|m| m.z > 0.0) else { return (Spectrum::ZERO, 0.0) };
         let o = Angles::of(wo);
         let normal = Angles::of(m);
         let azimuth = if self.isotropic { normal.phi - o.phi } else { normal.phi };
         let u_m = [theta_to_u(normal.theta), wrap(phi_to_u(azimuth))];
+        // Invert the warp of visible normals: which numbers map to this half vector.
         let at = self.vndf.at([o.phi, o.theta]);
         let (s, vndf_pdf) = self.vndf.invert(u_m, &at);
         let value = self.value(s, u_m, o, lambda);
         let lum = self.luminance.at([o.phi, o.theta]);
+        // Density: that of the numbers, times that of the warp, over the Jacobian of square and reflection.
         let pdf = self.luminance.pdf(s, &lum) * vndf_pdf / jacobian(u_m[0], normal.theta, wo.dot(m));
         (value, pdf)
     }
@@ -120,20 +126,24 @@ impl Rgl {
         // The first axis of the unit square is the angle, the second the azimuth; drawn first is the second.
         let (s, _) = self.luminance.sample([u.y, u.x], &self.luminance.at([o.phi, o.theta]));
         let (u_m, _) = self.vndf.sample(s, &self.vndf.at([o.phi, o.theta]));
+        // Normal from the unit square: θ = u²·π/2, φ = (2v − 1) π.
         let mut phi = (2.0 * u_m[1] - 1.0) * PI;
         if self.isotropic {
             phi += o.phi;
         }
         let (sin, cos) = (u_m[0] * u_m[0] * FRAC_PI_2).sin_cos();
         let m = Vec3::new(phi.cos() * sin, phi.sin() * sin, cos);
+        // Reflect about the normal and unfold.
         let wi = 2.0 * wo.dot(m) * m - wo;
         (wi.z > 0.0).then(|| Vec3::new(wi.x * fold.x, wi.y * fold.y, wi.z))
     }
 
     #[inline]
     fn value(&self, s: [f32; 2], u_m: [f32; 2], o: Angles, lambda: [f32; 4]) -> Spectrum {
+        // The spectrum is stored on the warped square, one slice for each wavelength.
         let lane = |l: f32| self.values.eval(s, &self.values.at([o.phi, o.theta, l])).max(0.0);
         let mut value = Spectrum::new(lambda.map(lane));
+        // f cos θ' = S·D(m)/(4 σ(ω)).
         if self.jacobian {
             let alone = self.ndf.at([]);
             let u_o = [theta_to_u(o.theta), wrap(phi_to_u(o.phi))];
@@ -155,6 +165,7 @@ fn colours(
     let t = file.need(name, 5)?;
     let size = [t.shape[3], t.shape[4]];
     let axes = |last: Vec<f32>| [phi.to_vec(), theta.to_vec(), last];
+    // Colours come by channel.
     if !spectral {
         if t.shape[2] != 3 {
             return Err(MeasuredError::Fault(format!("'rgb' has {} channels", t.shape[2])));
@@ -170,6 +181,7 @@ fn colours(
     if wanted == Wanted::Spectral {
         return Ok((Interpolant::new(name, data, size, axes(lambda), false)?, true));
     }
+    // From wavelengths to linear Rec.709 under D65, texel by texel.
     let weights = rgb_weights(&lambda);
     let patch = size[0].saturating_mul(size[1]).max(1);
     let mut rgb = Vec::with_capacity(data.len() / lambda.len() * 3);
@@ -200,6 +212,7 @@ pub(super) fn rgb_weights(lambda: &[f32]) -> Vec<Vec3> {
                     _ => 0.0,
                 }
             };
+            // Integrate the hat function of the sample under D65 against the matching functions.
             (REC709.rgb_from_xyz() * cie::to_xyz(|l| hat(l) * d65().eval(l))).as_vec3()
         })
         .collect()
@@ -216,6 +229,7 @@ impl Angles {
     /// Accurate also near the pole.
     #[inline]
     fn of(w: Vec3) -> Self {
+        // |w − z| = 2 sin(θ/2).
         Self { theta: 2.0 * (0.5 * (w - Vec3::Z).length()).min(1.0).asin(), phi: w.y.atan2(w.x) }
     }
 }
@@ -238,5 +252,6 @@ fn wrap(u: f32) -> f32 {
 /// Solid angle of `wi` per area of the unit square of normals.
 #[inline]
 fn jacobian(u_theta: f32, theta_m: f32, wo_dot_m: f32) -> f32 {
+    // dω_m = sin θ_m dθ dφ over du dv is 2π² u sin θ_m; reflection adds 4 (wo·m).
     (2.0 * PI * PI * u_theta * theta_m.sin()).max(1e-6) * 4.0 * wo_dot_m.max(1e-6)
 }

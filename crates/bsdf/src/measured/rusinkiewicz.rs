@@ -19,8 +19,10 @@ impl HalfDifference {
     #[inline]
     pub fn new(w: Vec3, other: Vec3) -> Option<Self> {
         let h = (w + other).try_normalize()?;
+        // Rotate the half vector onto the normal: by its azimuth, then by its angle.
         let sin_h = (h.x * h.x + h.y * h.y).sqrt();
         let (cos_phi, sin_phi) = if sin_h > 0.0 { (h.x / sin_h, h.y / sin_h) } else { (1.0, 0.0) };
+        // Components of w in the frame around the half vector.
         let x = w.dot(Vec3::new(h.z * cos_phi, h.z * sin_phi, -sin_h));
         let y = w.dot(Vec3::new(-sin_phi, cos_phi, 0.0));
         Some(Self { theta_h: atan2(sin_h, h.z), theta_d: atan2((x * x + y * y).sqrt(), w.dot(h)), phi_d: atan2(y, x) })

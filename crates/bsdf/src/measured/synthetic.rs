@@ -25,12 +25,14 @@ pub const METAL: Metal = Metal { alpha: 0.35, facets: [0.7, 0.5, 0.3], diffuse: 
 impl Metal {
     /// Distribution of normals (Walter et al. 2007).
     fn d(&self, cos: f64) -> f64 {
+        // GGX: D = α²/(π (cos²θ (α² − 1) + 1)²).
         let a2 = self.alpha * self.alpha;
         let t = cos * cos * (a2 - 1.0) + 1.0;
         if cos > 0.0 { a2 / (PI * t * t) } else { 0.0 }
     }
 
     fn lambda(&self, cos: f64) -> f64 {
+        // Smith's Λ = (√(1 + α² tan²θ) − 1)/2.
         let tan2 = (1.0 - cos * cos).max(0.0) / (cos * cos).max(1e-12);
         0.5 * ((1.0 + self.alpha * self.alpha * tan2).sqrt() - 1.0)
     }
@@ -38,6 +40,7 @@ impl Metal {
     /// `f` (sr⁻¹) of two directions above the surface.
     pub fn f(&self, wo: DVec3, wi: DVec3) -> [f64; 3] {
         let h = (wo + wi).normalize_or(DVec3::Z);
+        // Height-correlated masking; specular D·G₂/(4 cos θ_o cos θ_i) over a Lambertian base.
         let g = 1.0 / (1.0 + self.lambda(wo.z) + self.lambda(wi.z));
         let specular = self.d(h.z) * g / (4.0 * wo.z * wi.z).max(1e-9);
         self.facets.map(|c| c * specular + self.diffuse / PI)
@@ -71,6 +74,7 @@ impl Metal {
     pub fn rgl(&self, n: usize, angles: usize) -> Result<Vec<u8>, MeasuredError> {
         let theta_i: Vec<f32> = (0..angles).map(|i| (1.5 * i as f64 / (angles - 1) as f64) as f32).collect();
         let unit = |i: usize, n: usize| i as f64 / (n - 1) as f64;
+        // Normal of a place on the unit square, as the parameterisation maps it.
         let normal = |u: f64, v: f64| {
             let ((s, c), phi) = ((u * u * FRAC_PI_2).sin_cos(), (2.0 * v - 1.0) * PI);
             DVec3::new(s * phi.cos(), s * phi.sin(), c)
@@ -90,6 +94,7 @@ impl Metal {
                 let (u, v) = (unit(i % n, n), unit(i / n, n));
                 let h = normal(u, v);
                 let sin = (u * u * FRAC_PI_2).sin();
+                // Density of visible normals over the square: D (wo·m) times the Jacobian u sin θ.
                 (self.d(h.z) * wo.dot(h).max(0.0) * u * sin) as f32
             }));
         }
@@ -101,6 +106,7 @@ impl Metal {
             let at = warp.at([0.0, *theta]);
             let values: Vec<[f64; 3]> = (0..n * n)
                 .map(|i| {
+                    // Warp even numbers to normals, and store f·cos θ_i without the factor D/(4 σ).
                     let ([u, v], _) = warp.sample([unit(i % n, n) as f32, unit(i / n, n) as f32], &at);
                     let h = normal(f64::from(u), f64::from(v));
                     let wi = 2.0 * wo.dot(h) * h - wo;

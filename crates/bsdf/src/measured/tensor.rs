@@ -39,6 +39,7 @@ impl<'a> Cursor<'a> {
     }
 
     fn number<const N: usize>(&mut self) -> Result<u64, MeasuredError> {
+        // Little endian, folded from the highest byte down.
         Ok(self.take(N)?.iter().rev().fold(0, |v, b| v << 8 | u64::from(*b)))
     }
 }
@@ -63,6 +64,7 @@ impl<'a> TensorFile<'a> {
         if !Self::is(bytes) {
             return Err(MeasuredError::NotThis("a tensor file"));
         }
+        // The header: version and number of fields.
         let mut c = Cursor(&bytes[12..]);
         if c.take(2)? != [1, 0] {
             return Err(MeasuredError::Fault("its version is not 1.0".into()));
@@ -73,6 +75,7 @@ impl<'a> TensorFile<'a> {
         }
         let mut fields = HashMap::new();
         for _ in 0..count {
+            // A field's name, dimensions, type and place in the file.
             let n = c.number::<2>()? as usize;
             let name = String::from_utf8_lossy(c.take(n)?).into_owned();
             let dimensions = c.number::<2>()? as u16;
@@ -85,6 +88,7 @@ impl<'a> TensorFile<'a> {
             let shape = shape?;
             let width =
                 width(kind).ok_or_else(|| MeasuredError::Fault(format!("field '{name}' has an unknown type")))?;
+            // Size in bytes, against overflow and the end of the file.
             let size = shape.iter().try_fold(width as u64, |n, s| n.checked_mul(*s));
             let end = size.and_then(|n| n.checked_add(offset)).filter(|e| *e <= bytes.len() as u64);
             let Some(end) = end else {
@@ -120,6 +124,7 @@ impl Tensor<'_> {
     /// # Errors
     /// Another type.
     pub fn numbers(&self, name: &str) -> Result<Vec<f32>, MeasuredError> {
+        // Convert the types that occur to single precision.
         Ok(match self.kind {
             10 => self.bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect(),
             11 => self.bytes.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b) as f32).collect(),
@@ -163,6 +168,7 @@ pub mod write {
     pub fn file(fields: &[Field<'_>]) -> Vec<u8> {
         let mut out = b"tensor_file\0\x01\x00".to_vec();
         out.extend((fields.len() as u32).to_le_bytes());
+        // Data follow the directory, whose size is known beforehand.
         let head: usize = fields.iter().map(|f| 2 + f.0.len() + 2 + 1 + 8 + 8 * f.1.len()).sum();
         let mut offset = out.len() + head;
         for (name, shape, values, byte) in fields {

@@ -7,14 +7,17 @@ use super::profile::{ProfileTable, internal_moment};
 /// The distance of the image from the boundary, in units of that of the source: `A = (1 + F)/(1 − F)` with the mean
 /// reflectance of diffuse light from within.
 fn mismatch(eta: f64) -> f64 {
+    // Diffuse reflectance from within: F_dr = 2 ∫ F μ dμ.
     let reflected = 2.0 * internal_moment(eta, 1);
     (1.0 + reflected) / (1.0 - reflected)
 }
 
 /// `2π r R_d(r)` for the reduced albedo α′ and lengths in reduced mean free paths (eq. 4).
 fn ring(albedo: f64, r: f64, mismatch: f64) -> f64 {
+    // Effective transport coefficient √(3 σ_a σ_t'), in units of the reduced extinction.
     let transport = (3.0 * (1.0 - albedo)).sqrt();
     let source = 1.0;
+    // Source one mean free path deep; its image above mirrors it at the extrapolated boundary.
     let image = source + 4.0 * mismatch / 3.0;
     let of = |z: f64| {
         let d = (r * r + z * z).sqrt();

@@ -24,6 +24,7 @@ impl Emergence {
     /// At the surface of a medium of this index relative to the one above, held in [0.05, 20]; 1 where it is none.
     pub fn new(eta: f32) -> Self {
         let eta = if eta > 0.0 { eta.clamp(0.05, 20.0) } else { 1.0 };
+        // c = 1 − 2 ∫ F μ dμ, so that all of the light leaves.
         Self { eta, scale: (1.0 / (1.0 - 2.0 * moment(f64::from(eta), 1))) as f32 }
     }
 
@@ -35,6 +36,7 @@ impl Emergence {
     /// The part of diffuse light from within that is reflected at the surface: what passes from within is what passes
     /// from outside, over η².
     pub fn diffuse_reflected_within(&self) -> f32 {
+        // Reciprocity of the interface: (1 − F_within) η² = 1 − F_outside, for diffuse light.
         1.0 - 1.0 / (self.scale * self.eta * self.eta)
     }
 
@@ -48,6 +50,7 @@ impl Emergence {
     /// surface.
     #[inline]
     pub fn refracted(&self, w: Vec3) -> Option<Vec3> {
+        // At a matched index light goes straight on.
         if (self.eta - 1.0).abs() < 1e-4 { Some(-w) } else { Some(fresnel::refract(w, Vec3::Z, self.eta)?.0) }
     }
 
@@ -71,6 +74,7 @@ impl Scatter for Emergence {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return BsdfEval::ZERO;
         }
+        // Lambertian lobe times the Fresnel transmittance, drawn by the cosine.
         let pdf = wi.z * FRAC_1_PI;
         BsdfEval { value: Spectrum::splat(self.passed(wi.z) * pdf), pdf }
     }

@@ -18,6 +18,7 @@ pub struct Entry {
 impl Entry {
     /// Sample of the light that enters: the part `passed`, which is not reflected, drawn with a probability.
     fn entering(&self, passed: f32, probability: f32) -> Option<BsdfSample> {
+        // The light that enters is a lobe without direction: its weight is the transmittance over its probability.
         (probability > 0.0)
             .then(|| BsdfSample::entering(self.interface.transmittance * (passed / probability), probability))
     }
@@ -47,6 +48,7 @@ impl Scatter for Entry {
             return self.entering(1.0, 1.0);
         }
         let drawn = self.interface.sample(wo, u, u2, mode)?;
+        // A smooth interface chooses between reflection and entry by its Fresnel reflectance.
         if drawn.lobe.is_transmission() {
             return self.entering(1.0 - fresnel::dielectric(wo.z, self.interface.eta), drawn.pdf);
         }

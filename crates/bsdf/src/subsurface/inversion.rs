@@ -56,6 +56,7 @@ impl WalkAlbedo {
                 counts[n] += 1;
             }
         }
+        // Σ aⁿ count(n): the walks once simulated serve every albedo.
         let row = |i: usize| {
             let a = Self::single(i);
             let mut power = 1.0f64;
@@ -107,6 +108,7 @@ fn events_below(boundary: &Emergence, g: f32, rng: &mut HashRng) -> Option<usize
     };
     let (mut z, mut n) = (0.0, 0);
     loop {
+        // Free flight by the exponential distribution, in mean free paths.
         z += inwards.z * exponential(rng.next_f32(), 1.0);
         if z >= 0.0 {
             // How far it went beyond the surface says how far it had to go on from there.

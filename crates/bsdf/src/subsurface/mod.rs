@@ -5,7 +5,7 @@
 //! S(x_o, ω_o, x_i, ω_i) = (1 − F(ω_o)) S_p(x_o, x_i) (1 − F(ω_i))/(c π),   c = 1 − 2 ∫ F(μ) μ dμ
 //! ```
 //!
-//! (pbrt-v4, 11.4.2). `S_p` is a diffusion [`Profile`] of the distance between the two, or what walks at random below
+//! (PBR 3rd ed., 11.4). `S_p` is a diffusion [`Profile`] of the distance between the two, or what walks at random below
 //! the surface bring. Who follows paths finds the second point.
 
 mod dipole;

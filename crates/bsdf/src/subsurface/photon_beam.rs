@@ -20,9 +20,11 @@ struct Boundary {
 /// Light that scattered more than once, per area (eqs. 8 and 11, diffusion by Grosjean with the Fresnel boundary of
 /// d'Eon and Irving 2011).
 fn multiple(boundary: &Boundary, sigma_a: f64, sigma_s: f64, g: f64, r: f64) -> f64 {
+    // Similarity: reduced coefficients turn anisotropic scattering into isotropic.
     let reduced_s = sigma_s * (1.0 - g);
     let reduced_t = sigma_a + reduced_s;
     let albedo = reduced_s / reduced_t;
+    // Grosjean's diffusion coefficient keeps the single scattering apart.
     let diffusion = (2.0 * sigma_a + reduced_s) / (3.0 * reduced_t * reduced_t);
     let transport = (sigma_a / diffusion).sqrt();
     let [first, second] = boundary.moments;
@@ -33,6 +35,7 @@ fn multiple(boundary: &Boundary, sigma_a: f64, sigma_s: f64, g: f64, r: f64) -> 
         let image = depth + 2.0 * extrapolated;
         let (d, e) = ((r * r + depth * depth).sqrt(), (r * r + image * image).sqrt());
         let (decay_d, decay_e) = ((-transport * d).exp(), (-transport * e).exp());
+        // Fluence and flux of the source and its negative image, combined to the radiant exitance.
         let fluence = (decay_d / d - decay_e / e) / (4.0 * PI * diffusion);
         let flux = (depth * (1.0 + transport * d) * decay_d / (d * d * d)
             + image * (1.0 + transport * e) * decay_e / (e * e * e))
@@ -41,6 +44,7 @@ fn multiple(boundary: &Boundary, sigma_a: f64, sigma_s: f64, g: f64, r: f64) -> 
         let near = 1.0 - (-2.0 * reduced_t * (d + depth)).exp();
         near * albedo * albedo * (fluence * of_fluence + flux * of_flux)
     };
+    // Average over the depths, which are distributed as the extinction along the beam.
     boundary.depths.iter().map(|depth| at(depth / reduced_t)).sum::<f64>() / f64::from(POINTS)
 }
 
@@ -57,6 +61,7 @@ fn single(boundary: &Boundary, sigma_a: f64, sigma_s: f64, g: f64, r: f64) -> f6
         let x = 1.0 + g * g + 2.0 * g * cos;
         let phase = (1.0 - g * g) / (4.0 * PI * x * x.sqrt());
         let passed = 1.0 - f64::from(fresnel::dielectric(-cos as f32, boundary.eta as f32));
+        // Attenuation down and back up, over the squared distance, times phase function and transmittance.
         sigma_s / sigma_t * (-sigma_t * (d + critical)).exp() / (d * d) * phase * passed * cos
     };
     boundary.depths.iter().map(|depth| at(depth / sigma_t)).sum::<f64>() / f64::from(POINTS)
@@ -65,6 +70,7 @@ fn single(boundary: &Boundary, sigma_a: f64, sigma_s: f64, g: f64, r: f64) -> f6
 /// Its table for a medium of this index and mean cosine of the phase function, by the albedo of single scattering.
 pub fn photon_beam_diffusion(g: f32, eta: f32) -> ProfileTable {
     let (g, eta) = (f64::from(g), f64::from(eta));
+    // Quantiles of the exponential distribution, in the middle of equal shares.
     let depth = |i| -(1.0 - (f64::from(i) + 0.5) / f64::from(POINTS)).ln();
     let moments = [1, 2].map(|n| internal_moment(eta, n));
     let boundary = Boundary { eta, moments, depths: (0..POINTS).map(depth).collect() };

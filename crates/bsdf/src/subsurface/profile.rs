@@ -57,6 +57,7 @@ impl ProfileTable {
                 is_dark |= r > 1.0 && value * f64::from(r) <= DARK * sum;
                 rings.push(if value.is_finite() { value.max(0.0) as f32 } else { 0.0 });
                 if j > 0 {
+                    // Trapezoids between radii: the integral of the piecewise linear ring.
                     let [a, b] = [rings[rings.len() - 2], rings[rings.len() - 1]];
                     sum += f64::from(a + b) * 0.5 * f64::from(r - radii[j - 1]);
                 }
@@ -108,6 +109,7 @@ impl ProfileTable {
         if r >= self.end() {
             return 0.0;
         }
+        // The ring of the radius, and linear interpolation in both radius and albedo.
         let j = self.radii.partition_point(|x| *x <= r).clamp(1, RADII - 1) - 1;
         let t = (r - self.radii[j]) / (self.radii[j + 1] - self.radii[j]);
         Self::between(row, |row| {
@@ -122,6 +124,7 @@ impl ProfileTable {
         let [a, b] = [(1.0 - row.t) * self.total(row.low), row.t * self.total(row.low + 1)];
         let p = if a + b > 0.0 { a / (a + b) } else { 1.0 };
         let (row, u) = if u < p { (row.low, u / p) } else { (row.low + 1, (u - p) / (1.0 - p)) };
+        // Invert the cumulative ring: find the piece, then the place within it.
         let sums = &self.sums[row * RADII..][..RADII];
         let target = u * sums[RADII - 1];
         let j = sums.partition_point(|s| *s <= target).clamp(1, RADII - 1) - 1;
@@ -171,6 +174,7 @@ impl<'a> Profile<'a> {
     pub fn pdf(&self, r: f32) -> f32 {
         let of = |lane: usize| {
             let total = ProfileTable::between(self.rows[lane], |row| self.table.total(row));
+            // Density averages over the lanes, since a lane is drawn evenly.
             if total > 0.0 { self.per_area(lane, r) / total } else { 0.0 }
         };
         (0..self.lanes).map(of).sum::<f32>() / self.lanes as f32
@@ -178,6 +182,7 @@ impl<'a> Profile<'a> {
 
     /// `R(r)` of a lane, from the ring's light; towards r = 0 it is that at the least radius.
     fn per_area(&self, lane: usize, r: f32) -> f32 {
+        // From lengths in mean free paths to the world: per area goes with the square of the extinction.
         let rate = self.sigma_t[lane];
         let r = (r * rate).max(LEAST);
         self.table.ring(self.rows[lane], r) * rate * rate / (std::f32::consts::TAU * r)
@@ -185,6 +190,7 @@ impl<'a> Profile<'a> {
 
     /// A distance, by a number for the lane and one for the distance; none where that lane lets no light out.
     pub fn sample(&self, u: f32, v: f32) -> Option<f32> {
+        // Draw a lane, then a radius by its profile.
         let lane = ((u * self.lanes as f32) as usize).min(self.lanes - 1);
         let (row, rate) = (self.rows[lane], self.sigma_t[lane]);
         let total = ProfileTable::between(row, |row| self.table.total(row));
@@ -195,6 +201,7 @@ impl<'a> Profile<'a> {
     pub fn reach(&self) -> f32 {
         let of = |lane: usize| {
             if self.sigma_t[lane] > 0.0 {
+                // The distance within which nearly all of the lane's light leaves.
                 self.table.quantile(self.rows[lane], LEFT_OUT) / self.sigma_t[lane]
             } else {
                 0.0
