@@ -54,6 +54,7 @@ pub fn denoise(picture: &Picture<'_>, settings: &Settings) -> Result<Denoised> {
     picture.check()?;
     let [width, height] = picture.radiance.size();
     let place = |x: u32, y: u32| y as usize * width as usize + x as usize;
+    // Demodulate: filter irradiance, so that textures stay sharp, and multiply the albedo back at the end.
     let factors = Image::by_rows(width, height, |x, y| picture.factor(place(x, y)));
     let surfaces = Image::by_rows(width, height, |x, y| surface(picture, [x, y]));
     let colors = Image::by_rows(width, height, |x, y| {
@@ -68,6 +69,7 @@ pub fn denoise(picture: &Picture<'_>, settings: &Settings) -> Result<Denoised> {
             let deviation = weights.dot(deviation(variance.at(x, y)) / factors.at(x, y));
             (deviation * deviation).min(MOST_VARIANCE)
         }),
+        // Without a variance take that of the calmest window around, which an edge does not raise.
         None => {
             let held = |color: Vec3| if color.is_finite() { weights.dot(color) } else { 0.0 };
             let luminance: Vec<f32> = colors.values().iter().map(|color| held(*color)).collect();
@@ -75,7 +77,9 @@ pub fn denoise(picture: &Picture<'_>, settings: &Settings) -> Result<Denoised> {
             Image::new(width, height, variance.collect())?
         }
     };
+    // The wavelet passes, guided by depth, normal and the luminance's standard deviation.
     let filtered = filter_spatially(&surfaces, &colors, &variance, (Lanes::best(), settings));
+    // Keep the bits of pixels without a surface, and of those whose samples all agree.
     let is_kept = |place: usize| {
         let radiance = picture.radiance.values()[place];
         let is_sure = picture.variance.is_some_and(|variance| is_sure(radiance, variance.values()[place]));
@@ -85,6 +89,7 @@ pub fn denoise(picture: &Picture<'_>, settings: &Settings) -> Result<Denoised> {
         true => picture.radiance.at(x, y),
         false => filtered.at(x, y) * factors.at(x, y),
     });
+    // Give back the light that the weights lost, to the pixels that were filtered.
     let counts = |place: usize| picture.radiance.values()[place].is_finite() && !is_kept(place);
     let held = picture.radiance_held();
     give_back(&mut radiance, &held, picture.variance, counts);
@@ -100,6 +105,7 @@ fn deviation(variance: Vec3) -> Vec3 {
 
 /// True if all samples found the same light, and not none.
 fn is_sure(radiance: Vec3, variance: Vec3) -> bool {
+    // Sure is a standard deviation that rounding alone would leave.
     let (most, noise) = (radiance.max_element(), deviation(variance).max_element());
     variance.is_finite() && most > 0.0 && noise <= ROUNDING * most
 }
@@ -110,6 +116,7 @@ fn surface(picture: &Picture<'_>, [x, y]: [u32; 2]) -> Surface {
     let id = u32::from(picture.has_surface(y as usize * picture.size()[0] + x as usize));
     let Some(depths) = picture.depth else { return Surface { depth: 1.0, gradient: Vec2::ZERO, normal, id } };
     let depth = depths.at(x, y);
+    // Gradient of depth from the neighbour on the side where it changes less, which an edge does not cross.
     let at = |x: u32, y: u32| depths.get(x, y).copied().unwrap_or(f32::NAN);
     let across = smaller(depth - at(x.wrapping_sub(1), y), at(x + 1, y) - depth);
     let down = smaller(depth - at(x, y.wrapping_sub(1)), at(x, y + 1) - depth);

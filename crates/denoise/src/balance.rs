@@ -56,9 +56,11 @@ pub(crate) fn give_back(
 ) {
     let nodes = Nodes::over(filtered.size());
     let before = &*filtered;
+    // Each channel is balanced by itself: losses of channels differ.
     let of_channel = |c: usize| {
         let at = |image: &Image<Vec3>, place: usize| f64::from(image.values()[place][c]);
         let known = |place: usize| variance.map(|v| at(v, place)).filter(|v| v.is_finite() && *v >= 0.0);
+        // r = noisy − filtered for pixels that count; the others neither lose nor take.
         let pixel = |place: usize| {
             let left = at(before, place);
             if counts(place) { Pixel::new(at(noisy, place), left, known(place)) } else { Pixel::default() }
@@ -104,6 +106,7 @@ fn with_detail(pixels: &[Pixel], size: [u32; 2]) -> Vec<Pixel> {
     let found = |place: usize| {
         let pixel = pixels[place];
         let (Some(variance), true) = (pixel.variance, pixel.lost > FACTORS[0] * pixel.most) else { return pixel };
+        // Losses of the 3×3 pixels around that are alike, and the variance of their sum.
         let ([x, y], mut lost, mut of_all) = ([place % width, place / width], 0.0, 0.0);
         for row in y.saturating_sub(1)..(y + 2).min(height) {
             let near = &pixels[row * width + x.saturating_sub(1)..row * width + (x + 2).min(width)];
@@ -112,8 +115,10 @@ fn with_detail(pixels: &[Pixel], size: [u32; 2]) -> Vec<Pixel> {
                 of_all += near.variance.unwrap_or(0.0);
             }
         }
+        // In standard deviations: of the pixel alone, and of those around together.
         let alone = part(noises(pixel.lost, variance), NOISES);
         let together = part(noises(lost, of_all), NOISES_AROUND);
+        // Detail is what is beyond the noise and beyond what is left as well.
         let detail = pixel.lost * alone.max(together) * part(pixel.lost / pixel.most.max(TINY), FACTORS);
         Pixel { detail, lost: pixel.lost - detail, ..pixel }
     };
@@ -135,6 +140,7 @@ impl Nodes {
             (at as usize, at.fract())
         };
         Self {
+            // A node more than cells, so that every pixel lies between two.
             count: size.map(|n| (n as usize).div_ceil(SPACING) + 1),
             along: size.map(|n| (0..n).map(place).collect()),
         }
@@ -143,6 +149,7 @@ impl Nodes {
     /// Sums of values of pixels at nodes: Pᵀ.
     fn collect(&self, of: impl Fn(usize) -> f64 + Sync) -> Vec<f64> {
         let [columns, rows] = &self.along;
+        // Rows in parallel, each onto the nodes of its row; then all rows onto the rows of nodes.
         let (width, across) = (columns.len(), self.count[0]);
         let along_row = |y: usize| {
             let mut sums = vec![0.0; across];
@@ -169,6 +176,7 @@ impl Nodes {
         let [columns, rows] = &self.along;
         let (width, across) = (columns.len(), self.count[0]);
         let mut values = vec![0.0; width * rows.len()];
+        // Interpolate the two rows of nodes once for the line of pixels, then along it.
         values.par_chunks_mut(width.max(1)).zip(rows).enumerate().for_each(|(y, (values, (node, below)))| {
             let between = |x: usize| {
                 let node = node * across + x;
@@ -184,6 +192,7 @@ impl Nodes {
 
     /// The tent over nodes, K: along rows, then along columns.
     fn spread(&self, nodes: &[f64]) -> Vec<f64> {
+        // The tent is separable: weights REACH − |distance| along one axis, then the other.
         let along = |from: &[f64], length: usize, stride: usize| -> Vec<f64> {
             let tent = |node: usize| {
                 let at = node / stride % length;
@@ -200,6 +209,7 @@ impl Nodes {
     /// Light that pixels may take: no more than they have, and than the standard deviation from the mean of the
     /// variances around, where one is known.
     fn shares(&self, pixels: &[Pixel]) -> Vec<f64> {
+        // Mean variance at the nodes, of the pixels of which it is known; the root is what noise may hide.
         let sums = self.collect(|place| pixels[place].variance.unwrap_or(0.0));
         let counts = self.collect(|place| f64::from(u8::from(pixels[place].variance.is_some())));
         let mean = |(sum, count): (&f64, f64)| if count > 0.0 { sum / count } else { f64::MAX };
@@ -210,6 +220,7 @@ impl Nodes {
     /// Pixels of which what is too bright for those around is kept as well.
     fn too_bright(&self, pixels: &[Pixel], capacity: &[f64]) -> Vec<Pixel> {
         let peak = (REACH * REACH) as f64;
+        // The loss against all that those within reach of its tent may take.
         let parts = self
             .at_pixels(capacity, |capacity, place| part(pixels[place].lost * peak / capacity.max(TINY), CAPACITIES));
         let kept = |(pixel, part): (&Pixel, f64)| {
@@ -221,14 +232,17 @@ impl Nodes {
 
     /// Light given to each pixel of a channel.
     fn gains(&self, pixels: &[Pixel]) -> Vec<f64> {
+        // W = K Pᵀ w: what may be taken around each node.
         let shares = self.shares(pixels);
         let capacity = self.spread(&self.collect(|place| shares[place]));
         let pixels = &self.too_bright(pixels, &capacity);
+        // g = K (R/W): the gain of nodes, bounded.
         let lost = self.collect(|place| pixels[place].lost).into_iter();
         let quotient = |(lost, shares): (f64, f64)| if shares > 0.0 { lost / shares } else { 0.0 };
         let mut nodes = self.spread(&lost.zip(capacity).map(quotient).collect::<Vec<_>>());
         nodes.iter_mut().for_each(|gain| *gain = gain.clamp(-MOST_GAIN, MOST_GAIN));
         let mut gains = self.at_pixels(&nodes, |gain, place| shares[place] * gain);
+        // What the bound left out goes to the pixels that lost most, down to a common level.
         let left: f64 = pixels.iter().zip(&gains).map(|(pixel, gain)| pixel.lost - gain).sum();
         let all: f64 = pixels.iter().map(|pixel| pixel.lost.abs()).sum();
         // Where more was given than lost, the pixels that won most pay.
@@ -245,6 +259,7 @@ impl Nodes {
 /// The level above which numbers have a sum; 0 where all that are positive have less.
 fn level(values: &[f64], sum: f64) -> f64 {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|value| *value > 0.0).collect();
+    // From the largest down until the sum above the next value suffices; the level lies between the two.
     sorted.par_sort_unstable_by(|a, b| b.total_cmp(a));
     let (mut total, mut count) = (0.0, 0.0);
     for (k, value) in sorted.iter().enumerate() {

@@ -34,13 +34,16 @@ impl Features {
         let vectors = [(picture.albedo, settings.sigma_albedo), (picture.normal, settings.sigma_normal)];
         let vectors = vectors.into_iter().filter_map(|(image, scale)| {
             let image = image?;
+            // Scale features by what they may differ by, so that one is the unit of all.
             let channels = [0, 1, 2].map(|c| map(size, |x, y| held(image.values()[y * size[0] + x][c], scale)));
+            // Their noise: the variance on the calm side of an edge, summed over the channels.
             let variances = channels.each_ref().map(|values| calm_variance(size, values));
             let variance = map(size, |x, y| variances.iter().map(|v| v[y * size[0] + x]).sum());
             Some((channels.each_ref().map(|values| plane(values)), plane(&variance)))
         });
         let depth = picture.depth.map(|image| {
             let values = map(size, |x, y| held(image.values()[y * size[0] + x], 1.0));
+            // Slope of depth: the lesser of both differences, which does not cross an edge.
             let slope = |dx: usize, dy: usize| {
                 map(size, |x, y| {
                     let at = |x: usize, y: usize| values[y.min(size[1] - 1) * size[0] + x.min(size[0] - 1)];
@@ -51,6 +54,7 @@ impl Features {
                     if is_edge { ahead.max(behind) } else { ahead.min(behind) }
                 })
             };
+            // Tolerance of depth in proportion to the distance.
             let sigma: Vec<f32> = values.iter().map(|z| (settings.sigma_depth * z.abs()).max(1e-9)).collect();
             [plane(&values), plane(&sigma), plane(&slope(1, 0)), plane(&slope(0, 1))]
         });
@@ -61,6 +65,7 @@ impl Features {
     /// The squares of the means of roots over the 5×5 pixels around, those that show the same surface: at the foot of a
     /// highlight, the mean of variances would be that of its top.
     pub fn smooth(&self, [width, height]: [usize; 2], values: &[f32], margin: usize, lanes: Lanes) -> Vec<f32> {
+        // Roots first: the mean of standard deviations is robust against single bright pixels.
         let values = Plane::new([width, height], margin, |place| values[place].sqrt());
         let mut means = vec![0.0; width * height];
         means.par_chunks_mut(width).enumerate().for_each(|(y, means)| {
@@ -78,6 +83,7 @@ impl Features {
     #[inline(always)]
     pub fn likeness<'a>(&'a self, [x, y]: [i64; 2], [dx, dy]: [i64; 2]) -> Block {
         let both = |plane: &'a Plane| [plane.block([x, y]), plane.block([x + dx, y + dy])];
+        // Distance 0 within surfaces; between a surface and none a distance that leaves no weight.
         let mut distances = [0.0; BLOCK];
         let [p, q] = both(&self.surface);
         for k in 0..BLOCK {
@@ -87,6 +93,8 @@ impl Features {
             let [[px, qx], [py, qy], [pz, qz]] = [both(&channels[0]), both(&channels[1]), both(&channels[2])];
             let [vp, vq] = both(variance);
             for k in 0..BLOCK {
+                // Squared distance beyond what noise explains: d² − (Var_p + min(Var_p, Var_q)) (Rousselle et al.
+                // 2013).
                 let d = [px[k] - qx[k], py[k] - qy[k], pz[k] - qz[k]];
                 let squares = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
                 let beyond = (squares - vp[k] - vp[k].min(vq[k])).max(0.0);
@@ -96,12 +104,14 @@ impl Features {
         if let Some([depth, sigma, across, down]) = &self.depth {
             let [p, q] = both(depth);
             let [sigma, across, down] = [sigma, across, down].map(|plane| plane.block([x, y]));
+            // Depth may differ by its slope times the offset; what is beyond counts in units of the tolerance.
             let (columns, rows) = (dx.abs() as f32, dy.abs() as f32);
             for k in 0..BLOCK {
                 let beyond = ((p[k] - q[k]).abs() - across[k] * columns - down[k] * rows).max(0.0) / sigma[k];
                 distances[k] += beyond * beyond;
             }
         }
+        // Likeness e^−d².
         for distance in &mut distances {
             *distance = falloff(*distance);
         }
@@ -113,6 +123,7 @@ kernel! {
     /// A block of [`Features::smooth`].
     fn smoothed(features: &'a Features, roots: &'a Plane, at: [i64; 2], out: &'a mut Block) {
         let reach = SMOOTHED as i64;
+        // Mean of standard deviations over the window, weighted by the likeness of surfaces.
         let (mut weights, mut means) = ([0.0; BLOCK], [0.0; BLOCK]);
         for dy in -reach..=reach {
             for dx in -reach..=reach {
@@ -125,6 +136,7 @@ kernel! {
             }
         }
         for k in 0..BLOCK {
+            // The square of the mean root is the smoothed variance.
             let mean = means[k] / weights[k];
             out[k] = mean * mean;
         }

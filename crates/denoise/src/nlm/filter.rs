@@ -72,6 +72,7 @@ impl Estimate {
 
     /// With at least a part of the variance of another.
     pub fn with_noise_of(self, noisy: &Self, part: f32) -> Self {
+        // The second pass trusts the first not wholly: a part of the noise is taken to be left.
         let more = |mine: &Plane, other: &Plane| {
             Plane::new(self.size, self.margin, |place| mine.at(place) + part * other.at(place))
         };
@@ -109,10 +110,12 @@ impl Pass<'_> {
     /// Filters all.
     pub fn run(&self, lanes: Lanes) -> Estimate {
         let [width, height] = self.source.size;
+        // A block loses the reach of a patch at both ends, so tiles are so much narrower.
         let columns = BLOCK - 2 * self.patch as usize;
         let across = width.div_ceil(columns);
         let places: Vec<[usize; 2]> =
             (0..height.div_ceil(ROWS) * across).map(|tile| [tile % across * columns, tile / across * ROWS]).collect();
+        // Tiles in parallel; each sums over all offsets for itself.
         let tiles: Vec<Vec<Sums>> = places.par_iter().map(|&place| self.tile(lanes, place)).collect();
         let plane = |c: usize| {
             Plane::new([width, height], self.source.margin, |place| {
@@ -138,12 +141,14 @@ impl Pass<'_> {
             alike: vec![[0.0; BLOCK]; rows + 2 * patch],
             along: vec![[[0.0; BLOCK]; 2]; rows + 2 * patch],
         };
+        // Offset by offset: the distances of all pairs of one offset share their patch sums.
         for dy in -radius..=radius {
             for dx in -radius..=radius {
                 offset(lanes, self, [dx, dy], &mut tile);
             }
         }
         for [r, g, b, vr, vg, vb, weights] in &mut tile.sums {
+            // Normalise: Σ w c/Σ w, and Σ w² Var/(Σ w)² for the variance of the mean.
             for (k, &weight) in weights.iter().enumerate() {
                 let over = if weight > 0.0 { 1.0 / weight } else { 0.0 };
                 [&mut *r, &mut *g, &mut *b].into_iter().for_each(|sum| sum[k] *= over);
@@ -156,6 +161,7 @@ impl Pass<'_> {
     /// Distances of pairs, times the likeness of their surfaces.
     #[inline(always)]
     fn distances(&self, [x, y]: [i64; 2], [dx, dy]: [i64; 2], alike: &Block) -> Block {
+        // Per-pixel distance of non-local means: (d² − (Var_p + min(Var_p, Var_q)))/(k² (Var_p + Var_q)).
         let square = self.settings.damping * self.settings.damping;
         let mut distances = [0.0; BLOCK];
         for (value, variance) in self.guide.value.iter().zip(&self.guide.variance) {
@@ -167,6 +173,7 @@ impl Pass<'_> {
                 distances[k] += beyond / (TINY + square * (vp[k] + vq[k].min(TRUST * vp[k])));
             }
         }
+        // Mean over channels, weighted by the likeness of the pair's surfaces.
         for k in 0..BLOCK {
             distances[k] *= alike[k] * (1.0 / 3.0);
         }
@@ -180,9 +187,11 @@ kernel! {
         let height = pass.source.size[1] as i64;
         let (patch, [x, top], [dx, dy]) = (pass.patch as usize, tile.at, by);
         let rows = tile.sums.len();
+        // Skip offsets that lead out of the picture with all rows.
         if top + rows as i64 + dy <= 0 || top + dy >= height {
             return;
         }
+        // Distances of pairs, with sums along rows of a patch's width.
         for row in 0..rows + 2 * patch {
             let at = [x - patch as i64, top + row as i64 - patch as i64];
             let alike = pass.features.likeness(at, by);
@@ -195,6 +204,7 @@ kernel! {
             if y + dy < 0 || y + dy >= height {
                 continue;
             }
+            // Sum the rows of a patch: the patch distance is the weighted mean over its pairs.
             let (mut weights, mut distances) = ([0.0; BLOCK], [0.0; BLOCK]);
             for [w, d] in &tile.along[row..=row + 2 * patch] {
                 for k in 0..BLOCK {
@@ -204,10 +214,12 @@ kernel! {
             }
             let alike = shifted(&tile.alike[row + patch], patch);
             let counts = pass.source.weight.block([x + dx, y + dy]);
+            // Weight e^−max(0, D) times the likeness of the middles, cut where it is small.
             for k in 0..BLOCK {
                 let distance = (distances[k] / (weights[k] + TINY)).max(0.0);
                 weights[k] = (falloff(distance) * alike[k] - CUT).max(0.0) * counts[k];
             }
+            // Accumulate values by w, variances by w².
             let sums = &mut tile.sums[row];
             for c in 0..3 {
                 let value = pass.source.value[c].block([x + dx, y + dy]);
@@ -238,6 +250,7 @@ fn add_along(values: &Block, count: usize) -> Block {
     let mut wide = [0.0; BLOCK + PATCHES];
     wide[..BLOCK].copy_from_slice(values);
     let mut sums = *values;
+    // Sum of a sliding window by shifted copies, for whole blocks at once.
     for from in 1..count {
         let values: &Block = wide[from..].first_chunk().expect("patches are as wide at most");
         for k in 0..BLOCK {

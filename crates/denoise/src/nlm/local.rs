@@ -23,6 +23,7 @@ pub(super) fn around(
     [x, y]: [usize; 2],
     reach: i64,
 ) -> impl Iterator<Item = usize> + Clone {
+    // Clamp rows and columns to the picture: the edge stands for what is beyond.
     let rows = (-reach..=reach).map(move |dy| (y as i64 + dy).clamp(0, height as i64 - 1) as usize);
     let columns = (-reach..=reach).map(move |dx| (x as i64 + dx).clamp(0, width as i64 - 1) as usize);
     rows.flat_map(move |y| columns.clone().map(move |x| y * width + x))
@@ -35,6 +36,7 @@ pub(crate) fn calm_variance(size: [usize; 2], values: &[f32]) -> Vec<f32> {
     let of_windows = map(size, |x, y| {
         let middle = values[y * size[0] + x];
         let (mut sum, mut squares) = (0.0, 0.0);
+        // Sums of differences from the middle, so that large values do not cancel.
         for place in around(size, [x, y], 1) {
             let difference = values[place] - middle;
             sum += difference;
@@ -42,5 +44,6 @@ pub(crate) fn calm_variance(size: [usize; 2], values: &[f32]) -> Vec<f32> {
         }
         ((squares - sum * sum / WINDOW) / (WINDOW - 1.0)).max(0.0)
     });
+    // The least variance of the windows that hold the pixel.
     map(size, |x, y| around(size, [x, y], 1).map(|place| of_windows[place]).fold(f32::INFINITY, f32::min))
 }

@@ -55,6 +55,7 @@ pub fn denoise(picture: &Picture<'_>, settings: &Settings) -> Result<Denoised> {
     settings.check()?;
     picture.check()?;
     let features = Features::new(picture, settings);
+    // Over albedo, with variances smoothed over each surface.
     let noisy = picture.noisy(&features, settings);
     let radiance = filter_by(&[&noisy, &noisy], &features, settings);
     Ok(picture.finish(&radiance, &noisy, settings.keeps_mean))
@@ -75,12 +76,14 @@ pub fn denoise_halves(halves: [&Picture<'_>; 2], settings: &Settings) -> Result<
     if sizes[0] != sizes[1] {
         return Err(Error::Size { what: "the other half", found: sizes[1], expected: sizes[0] });
     }
+    // Cross filtering: each half is averaged with weights from the other, whose noise is independent.
     let features = halves.map(|half| Features::new(half, settings));
     let noisy = [0, 1].map(|i| halves[i].noisy(&features[i], settings));
     let [a, b] = [0, 1].map(|i| {
         let radiance = filter_by(&[&noisy[1 - i], &noisy[i]], &features[i], settings);
         halves[i].finish(&radiance, &noisy[i], settings.keeps_mean)
     });
+    // Mean of both, and the relative error from half their difference: Var((a + b)/2) = E((a − b)²)/4.
     let (mut error, mut mean) = (0.0, a.radiance.clone());
     for (place, other) in mean.values_mut().iter_mut().zip(b.radiance.values()) {
         let (half_sum, half_difference) = ((*place + *other) * 0.5, (*place - *other) * 0.5);
@@ -97,6 +100,7 @@ pub fn denoise_halves(halves: [&Picture<'_>; 2], settings: &Settings) -> Result<
 /// Two passes over `source`, the first guided by `guide`, the second by what the first gave.
 fn filter_by([guide, source]: &[&Estimate; 2], features: &Features, settings: &Settings) -> Estimate {
     let lanes = Lanes::best();
+    // The first pass gives a pilot estimate, whose noise is far less than that of the picture.
     let first = Pass { guide, source: guide, features, patch: settings.patch, settings }.run(lanes);
     let first = first.with_noise_of(guide, settings.pilot);
     // What has little noise is told from fewer pixels, and nearer to edges.

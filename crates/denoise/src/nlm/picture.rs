@@ -60,6 +60,7 @@ impl Picture<'_> {
 
     /// True if a pixel shows a surface, or if that is not known.
     pub(crate) fn has_surface(&self, place: usize) -> bool {
+        // A surface has a normal that is not zero and a finite depth, as far as either is known.
         let by_normal = self.normal.is_none_or(|i| i.values()[place] != Vec3::ZERO);
         by_normal && self.depth.is_none_or(|i| i.values()[place] < f32::INFINITY)
     }
@@ -77,6 +78,7 @@ impl Picture<'_> {
         let is_known = |place: usize| self.radiance.values()[place].is_finite();
         let held = |v: f32| if v.is_finite() { v.clamp(-MOST, MOST) } else { 0.0 };
         let channels = [0, 1, 2].map(|c| {
+            // Demodulate by the albedo; the variance goes with its square.
             let over_albedo = |place: usize| held(self.radiance.values()[place][c] / self.factor(place)[c]);
             let value = map(size, |x, y| if is_known(place(x, y)) { over_albedo(place(x, y)) } else { 0.0 });
             let variance = match self.variance {
@@ -92,6 +94,7 @@ impl Picture<'_> {
             let variance = variance.iter().zip(&smoothed).map(|(v, s)| v.max(*s)).enumerate();
             (value, variance.map(|(place, v)| if is_known(place) { v } else { UNKNOWN }).collect())
         });
+        // Pixels without a surface or a value count for no other.
         let counts = |place: usize| is_known(place) && self.has_surface(place);
         Estimate::new(size, settings, channels, map(size, |x, y| f32::from(counts(place(x, y)))))
     }
@@ -111,6 +114,7 @@ impl Picture<'_> {
     pub(super) fn finish(&self, filtered: &Estimate, noisy: &Estimate, keeps_mean: bool) -> Denoised {
         let [width, height] = self.radiance.size();
         let is_bad = |place: usize| !self.radiance.values()[place].is_finite();
+        // Multiply the albedo back; the background stays as it was.
         let mut radiance = Image::by_rows(width, height, |x, y| {
             let place = y as usize * width as usize + x as usize;
             if self.has_surface(place) || is_bad(place) {

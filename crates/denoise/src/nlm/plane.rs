@@ -23,6 +23,7 @@ impl Plane {
         let stride = width + 2 * margin + BLOCK;
         let mut values = vec![0.0; stride * height];
         values.par_chunks_exact_mut(stride).enumerate().for_each(|(y, row)| {
+            // Copy the row and repeat its ends over both margins, so that kernels need no bounds.
             row[margin..margin + width].iter_mut().enumerate().for_each(|(x, v)| *v = value(y * width + x));
             let [first, last] = [row[margin], row[margin + width - 1]];
             row[..margin].fill(first);
@@ -54,6 +55,7 @@ impl Plane {
     /// The values from a column of a row, at most the margin beyond the edge; rows beyond it are the one at the edge.
     #[inline(always)]
     pub fn block(&self, [x, y]: [i64; 2]) -> &Block {
+        // Rows beyond the picture are those at its edge.
         let y = y.clamp(0, self.height as i64 - 1) as usize;
         let from = (y * self.stride() + self.margin).wrapping_add_signed(x as isize);
         self.values[from..].first_chunk().expect("a block lies in its row")

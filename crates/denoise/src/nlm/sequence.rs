@@ -92,10 +92,12 @@ impl Sequence {
         let features = Features::new(picture, settings);
         let frame = picture.noisy(&features, settings);
         let guides = Guides::of(picture);
+        // A frame of another size has no past.
         let before = self.before.take().filter(|before| before.noisy.size() == picture.size());
         let (noisy, offsets) = match before {
             None => (frame, vec![Vec2::ZERO; motion.values().len()]),
             Some(before) => {
+                // Filter the frame alone, to compare it with the filtered past.
                 let (patch, source) = (settings.patch, &frame);
                 let alone = Pass { guide: source, source, features: &features, patch, settings }.run(Lanes::best());
                 let alone = alone.with_noise_of(source, settings.pilot);
@@ -104,6 +106,7 @@ impl Sequence {
                 before.join(&frame, &found, &trust, settings)
             }
         };
+        // Filter the accumulated frames, and keep both for the next frame.
         let filtered = filter_by(&[&noisy, &noisy], &features, settings);
         let denoised = picture.finish(&filtered, &noisy, settings.keeps_mean);
         let filtered = filtered.with_noise_of(&noisy, settings.pilot);
@@ -126,12 +129,14 @@ impl Guides {
     /// True if a pixel can see the surface that a pixel of the frame before saw, at a depth that has changed by
     /// `deeper`, where the slope of the surface explains a difference.
     fn fits(&self, place: usize, before: &Self, at: usize, deeper: f32, slope: f32) -> bool {
+        // Guides must agree within tolerances; a guide that is missing agrees.
         let near = |a: &Option<Image<Vec3>>, b: &Option<Image<Vec3>>, most: f32| match (a, b) {
             (Some(a), Some(b)) => (a.values()[place] - b.values()[at]).length() <= most,
             _ => true,
         };
         let is_as_deep = match (&self.depth, &before.depth) {
             (Some(now), Some(then)) => {
+                // Depth that the motion along the axis explains.
                 let expected = now.values()[place] - deeper;
                 (then.values()[at] - expected).abs() <= DEPTH * expected.abs() + slope
             }
@@ -148,6 +153,7 @@ impl Guides {
     fn slope(&self, place: usize) -> f32 {
         let Some(depth) = &self.depth else { return 0.0 };
         let (width, values) = (depth.width() as usize, depth.values());
+        // The lesser of the differences to both neighbours along an axis.
         let along = |before: Option<usize>, after: usize, has_after: bool| {
             let by = |other: usize| (values[other] - values[place]).abs();
             let [before, after] = [before.map(by), has_after.then(|| by(after))];
@@ -168,6 +174,7 @@ impl Memory {
         map(size, |x, y| {
             let place = y * size[0] + x;
             let moved = motion.values()[place];
+            // Backward reprojection of the pixel's middle.
             let was = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) - moved.truncate();
             let is_inside = was.cmpge(Vec2::ZERO).all() && was.x < size[0] as f32 && was.y < size[1] as f32;
             if !is_inside || !moved.z.is_finite() {
@@ -175,6 +182,7 @@ impl Memory {
             }
             let slope = 2.0 * guides.slope(place);
             let middle = |at: usize| Vec2::new((at % size[0]) as f32 + 0.5, (at / size[0]) as f32 + 0.5);
+            // Of the 3×3 pixels there, those of the same surface; the one whose samples lie nearest.
             around(size, [was.x as usize, was.y as usize], 1)
                 .filter(|at| self.noisy.count(*at) > 0.0 && guides.fits(place, &self.guides, *at, moved.z, slope))
                 .map(|at| Found { place: at, offset: middle(at) + self.offsets[at] - was })
@@ -192,6 +200,7 @@ impl Memory {
         settings: &Settings,
     ) -> (Estimate, Vec<Vec2>) {
         let size = frame.size();
+        // Frames that the past counts for: trust times its length, up to a limit.
         let of = |place: usize| found[place].map(|f| (f, (trust[place] * self.noisy.count(f.place)).min(MOST_FRAMES)));
         let channels = [0, 1, 2].map(|c| {
             let joined = |place: usize| {
@@ -200,6 +209,7 @@ impl Memory {
                     return (own, noise);
                 };
                 let (other, other_noise) = self.noisy.channel(c, at);
+                // Means by their counts of frames, and the variance of the weighted mean of independent values.
                 let part = frame.count(place) / (frame.count(place) + past);
                 let rest = 1.0 - part;
                 (part * own + rest * other, part * part * noise + rest * rest * other_noise)
@@ -212,6 +222,7 @@ impl Memory {
             let place = y * size[0] + x;
             frame.count(place) + of(place).map_or(0.0, |(_, past)| past)
         });
+        // The mean position of samples drifts from the middle by the part that came from elsewhere.
         let offset = |(place, count): (usize, &f32)| match of(place) {
             Some((found, past)) if past > 0.0 => found.offset * (past / count),
             _ => Vec2::ZERO,
@@ -229,6 +240,7 @@ fn trust(frame: &Estimate, before: &Estimate, found: &[Option<Found>], settings:
         let place = y * size[0] + x;
         let Some(found) = found[place] else { return f32::NAN };
         let of = |c: usize| {
+            // The distance of non-local means between now and then.
             let ((p, vp), (q, vq)) = (frame.channel(c, place), before.channel(c, found.place));
             ((p - q) * (p - q) - (vp + vq)) / (1e-20 + square * (vp + vq))
         };
@@ -238,6 +250,7 @@ fn trust(frame: &Estimate, before: &Estimate, found: &[Option<Found>], settings:
         if found[y * size[0] + x].is_none() {
             return 0.0;
         }
+        // Average distances over a large patch; trust falls off as weights do.
         let (mut sum, mut count) = (0.0, 0.0);
         for distance in around(size, [x, y], PATCH).map(|place| distances[place]) {
             if !distance.is_nan() {

@@ -28,6 +28,7 @@ pub(super) fn accumulate(
 ) -> Rows<Accumulated> {
     let luminance = estimates.luminance;
     let mut all = Rows::filled(gbuffer.size(), &vec![Accumulated::default(); terms.len()], 0);
+    // Rows in parallel: reproject each pixel once for all terms.
     all.par_rows().zip(estimates.rows.par_rows()).for_each(|((y, mut row), (_, mut estimates))| {
         for x in 0..gbuffer.size()[0] {
             let surface = surfaces.at(x, y as u32);
@@ -39,6 +40,7 @@ pub(super) fn accumulate(
                 let accumulated = pixel.accumulate(history, settings);
                 row.set(number, x as usize, accumulated);
                 let Accumulated { color, length, .. } = accumulated;
+                // A value that is missing is marked by its luminance, for the filter to fill in.
                 let luminance = if length > 0 { luminance.dot(color) } else { f32::NAN };
                 Estimates::set_color(&mut estimates, number, x as usize, color, luminance);
             }
@@ -53,6 +55,7 @@ pub(super) fn keep(colors: &[Image<Vec3>], accumulated: &mut Rows<Accumulated>) 
         for (term, colors) in colors.iter().enumerate() {
             for x in 0..colors.width() {
                 let color = colors.at(x, y as u32);
+                // Pixels still without a value leave their history as it is.
                 if !color.is_nan() {
                     row.get_mut(term, x as usize).color = color;
                 }
@@ -74,9 +77,11 @@ struct Pixel<'a> {
 impl Pixel<'_> {
     /// Adds its sample to its history.
     fn accumulate(&self, mut history: Option<Accumulated>, settings: &Settings) -> Accumulated {
+        // Clamp the history first, where the light may have changed.
         if let (true, Some(history)) = (settings.clamp_history, &mut history) {
             self.clamp(history);
         }
+        // Blend history and sample; either alone where the other is missing.
         match (history, self.term.sample(self.gbuffer, self.at)) {
             (Some(history), Some(sample)) => self.add(history, sample, settings),
             (Some(history), None) => history,
@@ -88,6 +93,7 @@ impl Pixel<'_> {
     /// Limits a history to the box of the samples of its object around the pixel.
     fn clamp(&self, history: &mut Accumulated) {
         let ([x, y], [width, height]) = (self.at, self.gbuffer.size());
+        // Bounds of the samples of the same object in the 3×3 pixels around (Karis 2014).
         let (mut least, mut most) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for j in y.saturating_sub(1)..(y + 2).min(height) {
             for i in x.saturating_sub(1)..(x + 2).min(width) {
@@ -104,6 +110,7 @@ impl Pixel<'_> {
 
     fn add(&self, history: Accumulated, sample: Vec3, settings: &Settings) -> Accumulated {
         let length = history.length.saturating_add(1);
+        // c = lerp(c_history, c_frame, max(α, 1/n)): a plain mean at first, then an exponential one (section 4.1).
         let weight = |least: f32| least.max(1.0 / length as f32);
         Accumulated {
             color: history.color.lerp(sample, weight(settings.alpha)),
@@ -113,6 +120,7 @@ impl Pixel<'_> {
     }
 
     fn moments(&self, sample: Vec3) -> Vec2 {
+        // Raw moments of luminance: μ₁ = l, μ₂ = l².
         let luminance = self.luminance.dot(sample);
         Vec2::new(luminance, luminance * luminance)
     }

@@ -43,6 +43,7 @@ struct Pass<'a> {
 kernel! {
     /// Filters a row: what surfaces say is the same for all terms.
     fn filter_row(pass: &'a Pass<'a>, y: usize, row: &'a mut Row<'a>) {
+        // What depends on surfaces alone is computed once per block and shared by all terms.
         let (mut taps, mut near) = ([[Likeness::WHOLE; 5]; 5], [[[0.0; WIDTH]; 3]; 3]);
         for x in (0..pass.from.width()).step_by(WIDTH) {
             pass.compare([x, y], &mut taps);
@@ -59,6 +60,7 @@ impl Pass<'_> {
     #[inline(always)]
     fn compare(&self, at: [usize; 2], taps: &mut [[Likeness; 5]; 5]) {
         for (j, taps) in taps.iter_mut().enumerate() {
+            // Taps stand apart by the step: à-trous, with holes between them.
             let rows = (j as i64 - 2) * self.step;
             let Some(y) = self.from.row_at(at[1], rows) else { continue };
             for (i, tap) in taps.iter_mut().enumerate().filter(|(i, _)| [*i, j] != [2, 2]) {
@@ -73,6 +75,7 @@ impl Pass<'_> {
         for (j, near) in near.iter_mut().enumerate() {
             let Some(y) = self.from.row_at(at[1], j as i64 - 1) else { continue };
             for (i, weights) in near.iter_mut().enumerate() {
+                // 3×3 Gaussian within the object.
                 self.geometry.is_same(at, y, i as i64 - 1, weights);
                 weights.iter_mut().for_each(|weight| *weight *= GAUSSIAN[i] * GAUSSIAN[j]);
             }
@@ -91,9 +94,11 @@ impl Pass<'_> {
     fn sharpness(&self, term: usize, at: [usize; 2], near: &[[Column; 3]; 3]) -> Column {
         let sigma = self.settings.sigma_luminance;
         let (mut variance, mut weights, mut sharpness) = ([0.0; WIDTH], [0.0; WIDTH], [0.0; WIDTH]);
+        // An infinite σ_l leaves luminance without a say.
         if sigma == f32::INFINITY {
             return sharpness;
         }
+        // Prefilter the variance, so that its own noise does not open the edge-stopping function.
         for (j, near) in near.iter().enumerate() {
             let Some(y) = self.from.row_at(at[1], j as i64 - 1) else { continue };
             let tap = |plane, i: usize| self.from.block(term + plane, [at[0], y], i as i64 - 1);
@@ -108,6 +113,7 @@ impl Pass<'_> {
             }
         }
         let luminance = self.from.block(term + LUMINANCE, at, 0);
+        // The denominator of w_l: σ_l √(g₃ₓ₃(Var)) + ε (equation 5).
         for k in 0..WIDTH {
             let deviation = sigma * (variance[k] / weights[k]).sqrt() + LEAST_DEVIATION;
             sharpness[k] = if luminance[k].is_nan() { 0.0 } else { 1.0 / deviation };
@@ -124,6 +130,7 @@ impl Pass<'_> {
         (taps, near): (&[[Likeness; 5]; 5], &[[Column; 3]; 3]),
         row: &mut Row<'_>,
     ) {
+        // Pixels without a value take those of their neighbours whatever their luminance.
         let sharpness = self.sharpness(term, at, near);
         let middle = self.planes(term, at, 0);
         let mut luminance = [0.0; WIDTH];
@@ -139,16 +146,19 @@ impl Pass<'_> {
             for k in 0..WIDTH {
                 for i in 0..5 {
                     let (other, tap) = (&others[i], &taps[j][i]);
+                    // w_l: the difference of luminance in units of the tolerance, added to the exponent of w_z.
                     let apart = (luminance[k] - other[LUMINANCE][k]).abs() * sharpness[k];
                     let weight = B3_SPLINE[i] * B3_SPLINE[j] * tap.factor[k] * falloff(tap.depth[k] + apart);
                     sums[RED][k] += weight * other[RED][k];
                     sums[GREEN][k] += weight * other[GREEN][k];
                     sums[BLUE][k] += weight * other[BLUE][k];
+                    // Var' = Σ h² w² Var/(Σ h w)² (equation 2).
                     sums[VARIANCE][k] += weight * weight * other[VARIANCE][k];
                     sums[LUMINANCE][k] += weight;
                 }
             }
         }
+        // Normalise; what found no weight stays as it is.
         for k in 0..WIDTH {
             let weights = sums[LUMINANCE][k];
             let is_known = weights > 0.0;

@@ -63,13 +63,16 @@ impl Denoiser {
         let (size, margin) = (gbuffer.size(), self.margin(gbuffer.size()[0]));
         let how = (self.lanes, &self.settings);
         let surfaces = Surface::all(gbuffer);
+        // Edge-stopping geometry in columns, with a margin that the widest gap reaches.
         let geometry = Geometry::new(&surfaces, margin);
+        // Reuse the buffers of the frame before where they fit.
         let [mut estimates, mut filtered] = self
             .estimates
             .take()
             .filter(|[all, _]| all.are_of(size, terms.len()))
             .unwrap_or_else(|| [(), ()].map(|()| Estimates::unknown(size, terms.len(), margin)));
         let before = self.history.as_ref();
+        // Temporal accumulation, then the variance that guides the spatial filter.
         let mut accumulated = accumulate((terms, gbuffer), &surfaces, before, &self.settings, &mut estimates);
         variances(&accumulated, &mut estimates, &geometry, how);
         // Means of histories and this frame, before filtering: their mean over the picture is kept.
@@ -81,6 +84,7 @@ impl Denoiser {
                 keep(&estimates.balanced(noisy.as_deref()), &mut accumulated);
             }
         }
+        // Balance the outcome, and multiply the albedo back term by term.
         let balanced = estimates.balanced(noisy.as_deref());
         let result = terms.iter().zip(&balanced).enumerate();
         let result = result.map(|(i, (term, colors))| term.filtered(i, gbuffer, (colors, &estimates), &accumulated));

@@ -29,6 +29,7 @@ pub(super) struct Estimates {
 impl Estimates {
     /// Estimates of terms of which nothing is known.
     pub fn unknown(size: [u32; 2], terms: usize, margin: usize) -> Self {
+        // Unknown luminance is NaN: it has no weight for others.
         let planes = [0.0, 0.0, 0.0, f32::NAN, 0.0].repeat(terms);
         Self { rows: Rows::filled(size, &planes, margin), luminance: REC709.luminance_weights_f32() }
     }
@@ -61,6 +62,7 @@ impl Estimates {
     /// Colours of all terms, with the light that filtering lost of `noisy` given back.
     pub fn balanced(&self, noisy: Option<&[Image<Vec3>]>) -> Vec<Image<Vec3>> {
         let mut all = self.colors();
+        // Balance each term against its mean before filtering.
         for (colors, noisy) in all.iter_mut().zip(noisy.unwrap_or_default()) {
             give_back(colors, noisy, None, |pixel| noisy.values()[pixel].is_finite());
         }
@@ -76,6 +78,7 @@ impl Estimates {
     /// Sets a colour in a row, and its luminance, NaN where there is none.
     #[inline]
     pub fn set_color(row: &mut Row<'_>, term: usize, x: usize, color: Vec3, luminance: f32) {
+        // One value for each plane of the term.
         let planes = [(RED, color.x), (GREEN, color.y), (BLUE, color.z), (LUMINANCE, luminance)];
         planes.into_iter().for_each(|(plane, value)| row.set(term * PLANES + plane, x, value));
     }

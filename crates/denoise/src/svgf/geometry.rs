@@ -33,6 +33,7 @@ impl Geometry {
         let mut id = Rows::filled(surfaces.size(), &[0], margin);
         let rows = surfaces.values().par_chunks(surfaces.width() as usize);
         shape.par_rows().zip(id.par_rows()).zip(rows).for_each(|(((_, mut shape), (_, mut id)), surfaces)| {
+            // Depth, its gradient and the normal of each surface, from structures to columns.
             for (x, surface) in surfaces.iter().enumerate() {
                 let Surface { depth, gradient, normal, .. } = surface;
                 let values = [*depth, gradient.x, gradient.y, normal.x, normal.y, normal.z];
@@ -59,6 +60,7 @@ impl Geometry {
         let there = |plane| self.shape.block(plane, [at[0], y], offset[0]);
         let (z, other_z, gradient) = (here(DEPTH), there(DEPTH), [here(GRADIENT), here(GRADIENT + 1)]);
         let [dx, dy] = offset.map(|o| o as f32);
+        // w_z: |z_p − z_q|/(σ_z |∇z·(p − q)| + ε) as an exponent (equation 3).
         for k in 0..WIDTH {
             let expected = (gradient[0][k] * dx + gradient[1][k] * dy).abs();
             let apart = (z[k] - other_z[k]).abs() / (settings.sigma_depth * expected + CURVATURE * z[k].abs());
@@ -66,6 +68,7 @@ impl Geometry {
         }
         let normal = [here(NORMAL), here(NORMAL + 1), here(NORMAL + 2)];
         let other = [there(NORMAL), there(NORMAL + 1), there(NORMAL + 2)];
+        // w_n: max(0, n_p·n_q) to the power σ_n (equation 4).
         for k in 0..WIDTH {
             let dot = normal[0][k] * other[0][k] + normal[1][k] * other[1][k] + normal[2][k] * other[2][k];
             let is_equal =
@@ -75,6 +78,7 @@ impl Geometry {
             to.factor[k] = if cosine >= LEAST { cosine } else { 0.0 };
         }
         power(&mut to.factor, settings.normal_power);
+        // Another object has no weight.
         let (id, other_id) = (self.id.block(0, at, 0), self.id.block(0, [at[0], y], offset[0]));
         for k in 0..WIDTH {
             let is_alike = (to.factor[k] >= LEAST) & (id[k] == other_id[k]);
@@ -110,6 +114,7 @@ impl Likeness {
 /// xⁿ by squaring.
 #[inline(always)]
 fn power(x: &mut Column, n: u32) {
+    // Exponentiation by squaring, the same for all columns.
     let mut square = *x;
     *x = [1.0; WIDTH];
     for bit in 0..u32::BITS - n.leading_zeros() {

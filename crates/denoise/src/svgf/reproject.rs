@@ -23,6 +23,7 @@ pub(super) struct Former {
 impl Former {
     /// The four pixels about the former place of a pixel, of which `surfaces` are what the frame before showed.
     pub fn of(surfaces: &Image<Surface>, gbuffer: &GBuffer, surface: &Surface, x: u32, y: u32) -> Self {
+        // Follow the motion vector back to the former place.
         let place = Vec2::new(x as f32, y as f32) + gbuffer.motion.at(x, y);
         let [width, height] = surfaces.size();
         let mut former = Self::default();
@@ -32,9 +33,11 @@ impl Former {
         }
         let depth = gbuffer.previous_depth.at(x, y);
         let (corner, part) = (place.floor(), place - place.floor());
+        // Bilinear taps: each counts only if it showed the same surface.
         for (k, (i, j)) in [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().enumerate() {
             let weight = [1.0 - part.x, part.x][i] * [1.0 - part.y, part.y][j];
             let tap = corner + Vec2::new(i as f32, j as f32);
+            // Taps outside the picture have no history.
             let is_inside = tap.x >= 0.0 && tap.y >= 0.0 && tap.x < width as f32 && tap.y < height as f32;
             if weight <= 0.0 || !is_inside {
                 continue;
@@ -62,6 +65,7 @@ impl Former {
                 length += weight * was.length as f32;
             }
         }
+        // Renormalise over the taps that have a history.
         let scale = 1.0 / weights;
         let length = (length * scale).round().max(1.0) as u32;
         (weights >= LEAST_WEIGHT).then(|| Accumulated { color: color * scale, moments: moments * scale, length })
@@ -70,6 +74,7 @@ impl Former {
 
 /// True if a tap of the frame before shows the surface, which was at `depth` there, `offset` pixels from it.
 fn is_same(surface: &Surface, depth: f32, tap: &Surface, offset: Vec2) -> bool {
+    // Expected depth at the tap by the gradient; the tolerance is a pixel's gradient and a part of the depth.
     let expected = depth + surface.gradient.dot(offset);
     let tolerance = surface.gradient.abs().element_sum() + DEPTHS * depth.abs();
     surface.id == tap.id

@@ -22,10 +22,12 @@ pub(crate) fn filter_spatially(
 ) -> Image<Vec3> {
     use rayon::prelude::*;
     let [width, height] = colors.size();
+    // A margin as wide as the last gap reaches.
     let margin = (1 << settings.iterations).min(width as usize);
     let geometry = Geometry::new(surfaces, margin);
     let mut estimates = Estimates::unknown(colors.size(), 1, margin);
     let weights = estimates.luminance;
+    // One frame without history: colours, luminance and the given variance.
     estimates.rows.par_rows().for_each(|(y, mut row)| {
         for x in 0..width {
             let color = Some(colors.at(x, y as u32)).filter(|color| color.is_finite());
@@ -34,6 +36,7 @@ pub(crate) fn filter_spatially(
             row.set(VARIANCE, x as usize, variance.at(x, y as u32));
         }
     });
+    // Passes with doubling gaps between two buffers.
     let mut filtered = estimates.clone();
     for iteration in 0..settings.iterations {
         filter(&estimates, &mut filtered, &geometry, iteration, (lanes, settings));

@@ -17,6 +17,7 @@ impl Surface {
     /// Surfaces of all pixels.
     pub fn all(gbuffer: &GBuffer) -> Image<Self> {
         let [width, height] = gbuffer.size();
+        // Gather what the edge-stopping functions read into one structure.
         Image::by_rows(width, height, |x, y| Self {
             depth: gbuffer.depth.at(x, y),
             gradient: gbuffer.depth_gradient.at(x, y),

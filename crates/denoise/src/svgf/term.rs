@@ -40,6 +40,7 @@ impl Term<'_> {
     /// Filter input of a pixel: radiance over albedo. `None` where it is left out.
     #[inline]
     pub(super) fn sample(&self, gbuffer: &GBuffer, [x, y]: [u32; 2]) -> Option<Vec3> {
+        // Hold radiance so that squares stay finite, and divide the albedo out.
         let radiance = self.radiance.at(x, y);
         let limited = radiance.clamp(Vec3::splat(-MOST), Vec3::splat(MOST));
         radiance.is_finite().then(|| limited / self.factor(gbuffer, x, y))
@@ -53,6 +54,7 @@ impl Term<'_> {
     /// Factor on the filter's result: the albedo, at most 1 and not too small to divide by.
     #[inline]
     pub(super) fn factor(&self, gbuffer: &GBuffer, x: u32, y: u32) -> Vec3 {
+        // Albedo is held above zero, so that dividing and multiplying cancel.
         let albedo = gbuffer.albedo.at(x, y);
         if self.has_albedo && albedo.is_finite() {
             albedo.clamp(Vec3::splat(LEAST_ALBEDO), Vec3::ONE)
@@ -70,8 +72,10 @@ impl Term<'_> {
         accumulated: &Rows<Accumulated>,
     ) -> Filtered {
         let [width, height] = gbuffer.size();
+        // Modulate by the albedo again.
         Filtered {
             radiance: Image::by_rows(width, height, |x, y| {
+                // What no neighbour could fill in either is black.
                 let color = colors.at(x, y);
                 if color.is_nan() { Vec3::ZERO } else { color * self.factor(gbuffer, x, y) }
             }),

@@ -32,6 +32,7 @@ pub(super) fn variances(
 }
 
 fn of_moments(moments: Vec2) -> f32 {
+    // Var = μ₂ − μ₁².
     (moments.y - moments.x * moments.x).max(0.0)
 }
 
@@ -45,6 +46,7 @@ struct All<'a> {
 kernel! {
     /// Variances of a row.
     fn variances_of_row(all: &'a All<'a>, y: usize, row: &'a mut Row<'a>) {
+        // Whole blocks with long histories need no neighbours.
         for x in (0..all.accumulated.width()).step_by(WIDTH) {
             if all.temporal([x, y], row) {
                 continue;
@@ -63,6 +65,7 @@ impl All<'_> {
     fn temporal(&self, [from, y]: [usize; 2], row: &mut Row<'_>) -> bool {
         let mut is_enough = true;
         for term in 0..self.accumulated.planes() {
+            // Temporal variance from the accumulated moments (section 4.2).
             for x in from..(from + WIDTH).min(self.accumulated.width()) {
                 let Accumulated { moments, length, .. } = self.accumulated.at(term, x, y);
                 row.set(term * PLANES + VARIANCE, x, of_moments(moments));
@@ -75,6 +78,7 @@ impl All<'_> {
     /// Weights of the pixels around those of the block.
     #[inline(always)]
     fn weights(&self, at: [usize; 2]) -> [[Column; TAPS]; TAPS] {
+        // Bilateral weights of the 7×7 window: w_z·w_n, without luminance.
         let (mut weights, mut likeness) = ([[[0.0; WIDTH]; TAPS]; TAPS], Likeness::WHOLE);
         for (j, weights) in weights.iter_mut().enumerate() {
             let rows = j as i64 - REACH as i64;
@@ -91,6 +95,7 @@ impl All<'_> {
     #[inline(always)]
     fn moments(&self, term: usize, [from, y]: [usize; 2]) -> [[f32; WIDTH + 2 * REACH]; 3] {
         let mut columns = [[0.0; WIDTH + 2 * REACH]; 3];
+        // Copy the moments of the row into columns, so that taps are shifted reads.
         for x in from.saturating_sub(REACH)..(from + WIDTH + REACH).min(self.accumulated.width()) {
             let (k, Accumulated { moments, length, .. }) = (x + REACH - from, self.accumulated.at(term, x, y));
             let is_known = if length > 0 { 1.0 } else { 0.0 };
@@ -102,6 +107,7 @@ impl All<'_> {
     /// Sets the variances of a term where histories are short.
     #[inline(always)]
     fn spatial(&self, term: usize, at: [usize; 2], weights: &[[Column; TAPS]; TAPS], row: &mut Row<'_>) {
+        // Sum both moments over the window of pixels that are known.
         let mut sums = [[0.0; WIDTH]; 3];
         for (j, weights) in weights.iter().enumerate() {
             let Some(y) = self.accumulated.row_at(at[1], j as i64 - REACH as i64) else { continue };
@@ -115,10 +121,12 @@ impl All<'_> {
                 }
             }
         }
+        // Short histories take the spatial variance, raised the more the shorter they are.
         for x in at[0]..(at[0] + WIDTH).min(self.accumulated.width()) {
             let length = self.accumulated.at(term, x, at[1]).length;
             if length < LONG_ENOUGH {
                 let [first, second, weights] = sums.map(|sums| sums[x - at[0]]);
+                // Weighted mean moments, then Var = μ₂ − μ₁²; histories of n frames take 4/n of it.
                 let variance = of_moments(Vec2::new(first, second) / weights);
                 let scale = LONG_ENOUGH as f32 / length.max(1) as f32;
                 row.set(term * PLANES + VARIANCE, x, if weights > 0.0 { variance * scale } else { 0.0 });
