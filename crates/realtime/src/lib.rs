@@ -65,12 +65,14 @@ fn extent(scene: &Scene) -> (Vec3, f32) {
     if bounds.is_empty() {
         return (Vec3::ZERO, 1.0);
     }
+    // Degenerate scenes take the unit sphere, so that projections stay finite.
     let (center, radius) = bounds.bounding_sphere();
     if radius > 0.0 && radius.is_finite() { (center, radius) } else { (Vec3::ZERO, 1.0) }
 }
 
 /// Points that fill the unit square evenly (Roberts 2018, the R2 sequence), from its middle on.
 fn spread(index: u32) -> Vec2 {
+    // Additive recurrence by the powers of the inverse plastic number, fractional parts alone.
     let turn = |step: f64| (0.5 + step * f64::from(index)).fract() as f32;
     Vec2::new(turn(0.754_877_666_246_692_7), turn(0.569_840_290_998_053_2))
 }

@@ -249,9 +249,11 @@ impl Options {
     /// Keys and values that are not known, with those that are.
     pub fn parse(text: &str) -> Result<Self, Error> {
         let mut options = Self::default();
+        // Options are pairs of key and value; later ones override earlier ones.
         for option in text.split(',').map(str::trim).filter(|o| !o.is_empty()) {
             let fault = |wanted: &str| Error::Option(format!("option '{option}' of raster: {wanted}"));
             let (key, value) = option.split_once('=').ok_or_else(|| fault("options are written key=value"))?;
+            // Numbers are held to the range in which the technique works.
             let number = |low: u32, high: u32| {
                 let value = value.parse().ok().filter(|v| (low..=high).contains(v));
                 value.ok_or_else(|| fault(&format!("a number from {low} to {high}")))
@@ -290,9 +292,11 @@ impl Options {
     /// These, where they go together.
     fn checked(mut self) -> Result<Self, Error> {
         let refused = |why: &str| Err(Error::Option(format!("raster: {why}")));
+        // The graph is of hybrid frames, whatever kind was asked for.
         if self.show == Show::Graph {
             self.frame = FrameKind::Hybrid;
         }
+        // Refuse views and shadow techniques that the kind of frame has not.
         match self.frame {
             FrameKind::Forward if self.show.is_of_hybrid() => refused("this view is a pass of frame=hybrid"),
             FrameKind::Hybrid if self.show != Show::Picture && !self.show.is_of_hybrid() => {

@@ -62,6 +62,7 @@ impl Rasterizer {
     /// Cameras that have no projection to a plane, frames that the pipeline refuses, and views that need what the scene
     /// does not have.
     pub fn new(scene: &Scene, options: Options, depth: Depth, plan: &Plan) -> Result<Self, Error> {
+        // Refuse cameras without a planar projection before any pass runs.
         Projected::new(scene, Vec2::splat(0.5))?;
         lesson::check(scene, &options)?;
         Ok(Self {
@@ -97,10 +98,12 @@ impl Rasterizer {
         if run.is_cancelled() {
             return Ok(None);
         }
+        // Views that explain the pipeline are drawn whole, once for the pass; all others pixel by pixel.
         let eye = drawing.eye();
         let lesson = pool.install(|| lesson::picture(run.scene, list, &eye, &self.options, shadows))?;
         let crop = run.scene.film().crop;
         let (width, height) = (crop.width() as usize, crop.height() as usize);
+        // Rows in parallel; their counters are added in the order of rows.
         let rows = run.in_order(height, |row, counters| {
             let pixel = |column: usize| match &lesson {
                 Some(lesson) => Found { value: lesson[row * width + column], lights: Vec::new() },
@@ -109,6 +112,7 @@ impl Rasterizer {
             (0..width).take_while(|_| !run.is_cancelled()).map(pixel).collect::<Vec<_>>()
         });
         let Some((rows, mut counters)) = rows else { return Ok(None) };
+        // Splat the samples of the pass, those of each light group beside them.
         for (at, found) in rows.iter().flatten().enumerate() {
             film.add(crop.x0 + (at % width) as u32, crop.y0 + (at / width) as u32, found.value);
             film.add_lights(at, &found.lights);
@@ -133,6 +137,7 @@ impl Rasterizer {
 
     /// Shadows by what the first pass sees, whichever pass asks.
     fn shadows_of_all(&self, drawing: &Drawing<'_>, pool: &rayon::ThreadPool) -> Result<&Shadowing, Error> {
+        // Shadow maps depend on the first pass alone, so that all passes show the same ones.
         if self.shadows.get().is_none() {
             let made = pool.install(|| match drawing.number {
                 0 => self.shadowing(drawing),
@@ -146,6 +151,7 @@ impl Rasterizer {
     fn pixel(&self, drawing: &Drawing<'_>, shadows: &Shadowing, at: [u32; 2], counters: &mut Counters) -> Found {
         let Drawing { run, list, projected, visibility, .. } = drawing;
         let scene = run.scene;
+        // Intersect the pixel's ray with the primitive that the visibility buffer names.
         let seen = visibility.seen(scene, list, projected, at);
         if self.options.show == Show::Clip {
             let item = visibility.item((at[1] * scene.film().crop.width() + at[0]) as usize);
@@ -158,12 +164,14 @@ impl Rasterizer {
         if self.options.show != Show::Picture {
             return Found { value: shader.view(&ray, seen), lights: Vec::new() };
         }
+        // Shade: radiance of the visible point, split by the groups of lights.
         let mut lambda = shader.wavelengths(at);
         counters.by_group.clear();
         let groups = if self.by_light { scene.light_groups().names.len() } else { 0 };
         counters.by_group.resize(groups, Spectrum::ZERO);
         let mut radiance = shader.radiance(&ray, seen, at, &mut lambda, counters);
         let sight = Sight { sees_through: false, hide_emitters: self.depth.hide_emitters };
+        // A transparent background leaves pixels without coverage black.
         if self.transparent && first_hit(scene, ray, &lambda, sight, None).coverage == 0.0 {
             radiance = Spectrum::ZERO;
             counters.by_group.fill(radiance);

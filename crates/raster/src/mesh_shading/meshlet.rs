@@ -99,6 +99,7 @@ impl Meshlets {
     /// triangles, an index names no position, or a position that is named is not finite.
     pub fn build(positions: &[Vec3], indices: &[u32], limits: MeshletLimits) -> Result<Self> {
         limits.check()?;
+        // Triangles are triples of indices, without a rest.
         let (triangles, rest) = indices.as_chunks::<3>();
         if !rest.is_empty() {
             return refuse(CALL, format!("{} indices; three for each triangle", indices.len()));

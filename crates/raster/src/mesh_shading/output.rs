@@ -6,6 +6,7 @@ use super::stages::{MAX_GROUPS, MAX_GROUPS_PER_AXIS};
 
 /// Fault of these numbers of groups along the axes, if any.
 pub(super) fn fault_of_groups(groups: [u32; 3]) -> Option<String> {
+    // The product in 64 bits: limits along the axes do not imply that of all.
     let total = groups.iter().try_fold(1u64, |all, &n| all.checked_mul(u64::from(n)));
     if groups.iter().any(|&n| n > MAX_GROUPS_PER_AXIS) {
         return Some(format!("{groups:?} groups; at most {MAX_GROUPS_PER_AXIS} along each axis"));
@@ -36,6 +37,7 @@ impl<P: Default> TaskOutput<P> {
     /// A group does this once, or several of its invocations with the same numbers; one that never does emits none.
     /// (GLSL: `EmitMeshTasksEXT`, HLSL: `DispatchMesh`.)
     pub fn emit(&mut self, groups: [u32; 3]) {
+        // Several invocations may emit, if all say the same.
         let fault = match self.groups {
             Some(before) if before != groups => Some(format!("{groups:?} groups are emitted after {before:?}")),
             _ => fault_of_groups(groups),
@@ -143,6 +145,7 @@ impl<V: Copy, P: Copy, C: Corners> MeshOutput<V, P, C> {
     /// group does this once, or several of its invocations with the same numbers; one that never does puts out nothing.
     /// (GLSL: `SetMeshOutputsEXT`, HLSL: `SetMeshOutputCounts`.)
     pub fn set_counts(&mut self, vertices: usize, primitives: usize) {
+        // The first call sets the sizes, later ones must repeat them; limits are those of the shader.
         let counts = [vertices, primitives];
         match self.counts {
             Some(before) if before == counts => {}
@@ -192,6 +195,7 @@ impl<V: Copy, P: Copy, C: Corners> MeshOutput<V, P, C> {
         if let Some(number) = self.vertices.iter().position(Option::is_none) {
             return Err(format!("vertex {number} of {} is not written", self.vertices.len()));
         }
+        // Corners must name vertices that the group has.
         let count = self.vertices.len();
         for (number, primitive) in self.primitives.iter().enumerate() {
             let Some(primitive) = primitive else {

@@ -118,6 +118,7 @@ where
     /// ([`MAX_GROUP_INVOCATIONS`] and those beside it), the state breaks a rule, or shaders, state and layout do not
     /// fit; the message names which.
     pub fn new(program: MeshProgram<T, M, F>, state: State, layout: Layout) -> Result<Self> {
+        // Limits of the shaders, rules of the state, then the fit of varyings and targets.
         let checked = || {
             check_shaders::<T, M>()?;
             state.check()?;
@@ -182,6 +183,7 @@ where
             return Err(refused(rule));
         }
         let mut counters = MeshCounters::default();
+        // Without a task shader one task stands for all mesh groups.
         let tasks = if T::ACTIVE { total(groups) } else { 1 };
         for first in (0..tasks).step_by(TASK_BATCH as usize) {
             // Run a batch of task groups, which say how many mesh groups follow and with what payload.
@@ -219,6 +221,7 @@ where
         if !T::ACTIVE {
             return Ok(vec![Emitted { payload: T::Payload::default(), groups, before: 0 }]);
         }
+        // Each task group runs its phases with shared memory of its own.
         counters.task_groups += numbers.end - numbers.start;
         let run = |number| {
             let group = place(number, groups);
@@ -256,12 +259,14 @@ where
             // Find the task group that emitted this mesh group by binary search.
             let task = emitted.partition_point(|e| e.before <= number).saturating_sub(1);
             let Some(Emitted { payload, groups, before }) = emitted.get(task) else { continue };
+            // Position of the group along the axes of its own task.
             let group = place(number - before, *groups);
             let mut shared = M::Shared::default();
             out.begin();
             run_group(M::LOCAL_SIZE, M::PHASES, group, |phase, invocation, private| {
                 self.program.mesh.shade(phase, invocation, payload, private, &mut shared, &mut out);
             });
+            // Refuse broken outputs before any primitive goes on; then feed the rasteriser.
             out.check().map_err(|rule| format!("mesh group {group:?}: {rule}"))?;
             counters.mesh_groups += 1;
             counters.vertices += out.vertices.len() as u64;
@@ -279,6 +284,7 @@ fn total(groups: [u32; 3]) -> u64 {
 
 /// Position of group `number` along the axes, x fastest.
 fn place(number: u64, groups: [u32; 3]) -> [u32; 3] {
+    // Mixed radix: x varies fastest.
     let [x, y, _] = groups.map(u64::from);
     [number % x, number / x % y, number / x / y].map(|i| i as u32)
 }
@@ -286,6 +292,7 @@ fn place(number: u64, groups: [u32; 3]) -> [u32; 3] {
 /// Checks that the constants of the shaders are within the limits.
 fn check_shaders<T: TaskShader, M: MeshShader>() -> Result<()> {
     const CALL: &str = "MeshPipeline::new";
+    // The number of invocations of a group is the product of its sizes, without overflow.
     for (shader, size) in [("task", T::LOCAL_SIZE), ("mesh", M::LOCAL_SIZE)] {
         let invocations = size.iter().try_fold(1u64, |all, &n| all.checked_mul(u64::from(n)));
         if !invocations.is_some_and(|n| (1..=MAX_GROUP_INVOCATIONS).contains(&n)) {

@@ -46,6 +46,7 @@ fn corner<M: MeshShader>(
     primitive: &MeshPrimitive<M::Primitive, M::Corners>,
     number: u8,
 ) -> Option<Vertex<M::Varyings>> {
+    // Varyings join what the vertex has with what the primitive has.
     let vertex = out.vertices.get(usize::from(number))?.as_ref()?;
     Some(Vertex {
         position: vertex.position,

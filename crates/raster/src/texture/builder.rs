@@ -54,6 +54,7 @@ impl TextureBuilder {
         let last = if mipmapped { (self.base + size.levels() - 1).min(self.largest.max(self.base)) } else { self.base };
         let count = last - self.base + 1;
         let mut texture = Texture::new(self.kind, format, size, count)?;
+        // Every level must be there, of one format, of half the size of the one before, with all of its bytes.
         for number in 0..count {
             let Some(Some((other, given, texels))) = self.levels.get((self.base + number) as usize) else {
                 return refuse(CALL, format!("level {} is not there", self.base + number));

@@ -62,6 +62,7 @@ impl TextureSize {
     /// The size of a level: halves, rounded down, at least 1; layers stay.
     pub const fn level(self, level: u32) -> Self {
         const fn half(x: u32, level: u32) -> u32 {
+            // max(1, ⌊size/2^level⌋); shifts beyond the width of a word leave nothing.
             let x = if level > 31 { 0 } else { x >> level };
             if x == 0 { 1 } else { x }
         }
@@ -75,6 +76,7 @@ impl TextureSize {
 
     /// Number of levels down to one texel.
     pub fn levels(self) -> u32 {
+        // ⌊log₂ of the largest side⌋ + 1.
         32 - self.width.max(self.height).max(self.depth).max(1).leading_zeros()
     }
 
@@ -100,6 +102,7 @@ impl TextureKind {
             );
         }
         let flat = depth == 1;
+        // Each kind has the dimensions and layers of its own; faces of cubes are square.
         let fits = match self {
             Self::D1 | Self::Buffer => height == 1 && flat && layers == 1,
             Self::D1Array => height == 1 && flat,
@@ -137,6 +140,7 @@ impl Texture {
     pub fn new(kind: TextureKind, format: Format, size: TextureSize, levels: u32) -> Result<Self> {
         const CALL: &str = "Texture::new";
         kind.check(size, CALL)?;
+        // Buffers have a single level.
         let most = if kind == TextureKind::Buffer { 1 } else { size.levels() };
         if levels == 0 || levels > most {
             return refuse(CALL, format!("{levels} levels for {size:?}; from 1 to {most}"));
@@ -173,6 +177,7 @@ impl Texture {
     pub fn from_target(kind: TextureKind, target: &ColorTarget) -> Result<Self> {
         let extent = target.extent();
         let size = TextureSize { width: extent.width, height: extent.height, depth: 1, layers: extent.layers };
+        // Resolve the samples and copy layer by layer.
         let mut texture = Self::new(kind, target.format(), size, 1)?;
         let resolved = target.resolve();
         texture.levels[0] = (0..extent.layers).flat_map(|layer| resolved.to_bytes(layer)).collect();
@@ -251,6 +256,7 @@ impl Texture {
         if !self.format.is_filterable() || self.format.class() != Class::Float {
             return refuse("Texture::generate_levels", format!("{:?} cannot be averaged", self.format));
         }
+        // Level by level, each from the one before.
         for level in 1..self.level_count() {
             let size = self.size.level(level);
             for layer in 0..size.layers {

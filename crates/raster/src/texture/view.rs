@@ -58,11 +58,13 @@ impl Texture {
         let ViewRange { kind, format, levels, layers } = range;
         if levels.is_empty() || levels.end > self.level_count() || layers.is_empty() || layers.end > self.size.layers {
             return refuse(CALL, format!("levels {levels:?} and layers {layers:?} are not all there"));
+            // Bits may be read in another format of the same size, but for depth and stencil.
         }
         let depth = |f: Format| matches!(f.numeric(), Numeric::Depth | Numeric::Stencil | Numeric::DepthStencil);
         if format != self.format && (format.bytes() != self.format.bytes() || depth(format) || depth(self.format)) {
             return refuse(CALL, format!("{:?} cannot be seen as {format:?}", self.format));
         }
+        // A view keeps the number of dimensions; it may be an array, a cube or a single layer of one.
         let dimensions = |kind: TextureKind| match kind {
             TextureKind::D1 | TextureKind::D1Array => 1,
             TextureKind::D3 => 3,
@@ -72,6 +74,7 @@ impl Texture {
         if dimensions(kind) != dimensions(self.kind) {
             return refuse(CALL, format!("a {:?} texture cannot be seen as {kind:?}", self.kind));
         }
+        // The part that is seen must be a texture of its kind by itself.
         let count = layers.end - layers.start;
         kind.check(TextureSize { layers: count, ..self.size }, CALL)?;
         Ok(TextureView {
@@ -106,6 +109,7 @@ impl TextureView<'_> {
         }
         let level = self.first_level + level;
         match self.texture.place(level, at, self.first_layer + layer) {
+            // Levels and layers count from the first ones of the view.
             Some(place) => self.format.read(&self.texture.levels[level as usize][place..]),
             None => Vec4::ZERO,
         }
