@@ -58,8 +58,8 @@ impl Texture {
         let ViewRange { kind, format, levels, layers } = range;
         if levels.is_empty() || levels.end > self.level_count() || layers.is_empty() || layers.end > self.size.layers {
             return refuse(CALL, format!("levels {levels:?} and layers {layers:?} are not all there"));
-            // Bits may be read in another format of the same size, but for depth and stencil.
         }
+        // Bits may be read in another format of the same size, but for depth and stencil.
         let depth = |f: Format| matches!(f.numeric(), Numeric::Depth | Numeric::Stencil | Numeric::DepthStencil);
         if format != self.format && (format.bytes() != self.format.bytes() || depth(format) || depth(self.format)) {
             return refuse(CALL, format!("{:?} cannot be seen as {format:?}", self.format));
@@ -104,12 +104,12 @@ impl TextureView<'_> {
     /// A texel without filter. GLSL: `texelFetch`; zero outside.
     #[inline]
     pub fn fetch(&self, level: u32, at: [u32; 3], layer: u32) -> Vec4 {
+        // Levels and layers count from the first ones of the view.
         if level >= self.levels || layer >= self.layers {
             return Vec4::ZERO;
         }
         let level = self.first_level + level;
         match self.texture.place(level, at, self.first_layer + layer) {
-            // Levels and layers count from the first ones of the view.
             Some(place) => self.format.read(&self.texture.levels[level as usize][place..]),
             None => Vec4::ZERO,
         }

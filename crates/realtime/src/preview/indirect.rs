@@ -57,8 +57,8 @@ impl<'a> Blocks<'a> {
     }
 
     /// Each point's light becomes the mean of those around it that lie on its surface, with gaps of `step` blocks.
-    // Edge-aware smoothing over neighbouring points, as one pass of an à-trous filter with this step.
     pub fn smooth(self, step: i32) -> Self {
+        // Edge-aware smoothing over neighbouring points, as one pass of an à-trous filter with this step.
         let at = |k: usize| [k as u32 % self.columns, k as u32 / self.columns].map(|x| x as f32);
         let smoothed = (0..self.points.len()).into_par_iter().map(|k| {
             let (surface, light) = self.points[k]?;

@@ -314,8 +314,8 @@ fn is_dark(scene: &Scene) -> bool {
 }
 
 /// Radiance reflected from a light at the camera without falloff: β · f(ωo, ωo) · π.
-// A light at the eye: wi = wo, without falloff.
 fn head_light(point: &Point<'_>) -> Spectrum {
+    // A light at the eye: wi = wo, without falloff.
     let wo = point.frame.to_local(point.i.wo);
     point.beta * point.scattering.eval(wo, wo, TransportMode::Radiance).value * std::f32::consts::PI
 }
