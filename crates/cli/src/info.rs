@@ -17,7 +17,7 @@ use std::{
     sync::Arc,
 };
 use steradian::{
-    ColorMode, CompileOptions, Inputs, Quality, Scene, image,
+    ColorMode, CompileOptions, Inputs, Quality, Scene, image, method_of,
     scene::{Animation, Diagnostic, Family, Format, NodeId, SceneDesc, Value},
 };
 
@@ -193,7 +193,7 @@ impl Info {
             animations: desc.animations.clone(),
             film,
             settings: scene.map(|s| Settings {
-                integrator: s.settings().integrator.clone(),
+                integrator: method_of(s).name().to_owned(),
                 sampler: s.settings().sampler.name(),
                 named_sampler: kind(desc.sampler),
                 filter: kind(desc.filter),

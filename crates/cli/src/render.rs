@@ -28,11 +28,12 @@ use std::{
 use steradian::{
     ColorMode, History, Inputs, Layer, LeftOut, Quality, Render, Scene, Session,
     denoise::{Outcome as Denoised, Sequence},
+    engine::{Feature, Support},
     image::{FileKind, Image, WriteOptions},
     integrators::{Doubt, SCALES},
     radiosity,
-    raster::suited_mode,
     resume::{self, Recipe, StateError},
+    suited_mode,
 };
 
 /// The scene that is rendered when none is named.
@@ -83,7 +84,7 @@ pub fn run_after(args: &RenderArgs, terminal: Terminal, before: &mut Before) -> 
     let filter = |name| Filter::new(name, args.oidn.as_deref(), 1.0, args.scene_options.threads);
     let filter = args.denoise.map(filter).transpose()?;
     before.begin(args.temporal, &mut render);
-    let integrator = job.quality.integrator_name(scene);
+    let integrator = render.name;
     let signals = Signals::watch();
     let (width, height) = (scene.film().crop.width(), scene.film().crop.height());
     terminal.say(&format!("rendering {} with {integrator}, {width} x {height}", job.name));
@@ -245,7 +246,8 @@ impl<'a> Job<'a> {
                 "--tonemap and --exposure have no effect: no output (-o) has display values, as .png and .jpg have",
             );
         }
-        let solution = quality.solution();
+        let request = quality.request().map_err(|e| Failure::bad_input(e.to_string()))?;
+        let solution = request.method.and_then(|method| method.file("solution"));
         if args.scene_options.format.is_none() && picture::kind(path).is_some() {
             let what =
                 format!("'{}' is a picture, which `steradian info`, compare, convert and signal read", path.display());
@@ -313,21 +315,19 @@ impl<'a> Job<'a> {
         if args.denoise.is_some()
             && let Some(why) = render.not_denoisable(scene)
         {
-            let name = quality.integrator_name(scene);
+            let name = render.name;
             return Err(Failure::bad_input(format!("--denoise is not for '{name}' here: {why}")));
         }
-        let is_pipeline = render.integrator().is_none();
         check_memory(scene, render.film_bytes(scene, quality.layers.len()))?;
+        let integrator = render.name;
+        if let Some(LeftOut { what, instead }) = &render.replaced {
+            terminal.warn(&format!("the scene's integrator '{instead}' cannot do {what}; '{integrator}' renders it"));
+        }
+        if let Some(left_out) = render.left_out(scene) {
+            terminal.warn(&left_out.of(integrator));
+        }
         let plan = &mut render.plan;
-        let integrator = quality.integrator_name(scene);
-        if let Some(what) = quality.cannot(scene) {
-            let named = &scene.settings().integrator;
-            terminal.warn(&format!("the scene's integrator '{named}' cannot do {what}; '{integrator}' renders it"));
-        }
-        if let Some(LeftOut { what, instead }) = quality.leaves_out(scene) {
-            terminal.warn(&format!("integrator '{integrator}' leaves out {what}; '{instead}' renders it"));
-        }
-        if args.sampler.is_some() && is_pipeline {
+        if args.sampler.is_some() && render.method.supports(Feature::Samplers) != Support::Exact {
             terminal.warn(&format!("--sampler has no effect: '{integrator}' spreads samples in a way of its own"));
         }
         let crop = &scene.film().crop;

@@ -11,7 +11,6 @@ use std::{
 };
 use steradian::{
     Render, Scene, Session,
-    integrators::IntegratorKind,
     radiosity::{self, Report, Watcher},
 };
 
@@ -43,7 +42,7 @@ pub fn session(
     signals: &Signals,
     terminal: Terminal,
 ) -> Result<(Box<dyn Session>, Effort), Failure> {
-    let Some(IntegratorKind::Radiosity(view)) = render.integrator() else {
+    let Some(view) = radiosity::view_of(render) else {
         let session = render.session(scene).map_err(|e| Failure::bad_input(e.to_string()))?;
         return Ok((session, Effort::default()));
     };
@@ -51,7 +50,7 @@ pub fn session(
         let solution = radiosity::load(scene, &fingerprint, &view.settings, path)
             .map_err(|e| Failure::bad_input(format!("'{}' {e}", path.display())))?;
         terminal.say(&format!("light of {} patches from {}", solution.report.patches, path.display()));
-        return Ok((view.session(scene, render.plan, Arc::new(solution)), Effort::default()));
+        return Ok((view.session_of(scene, render.plan, Arc::new(solution)), Effort::default()));
     }
     let start = Instant::now();
     let solved = radiosity::solve(scene, &view.settings, &Watch::new(signals, terminal))
@@ -67,10 +66,10 @@ pub fn session(
             .map_err(|e| Failure::failed(e.to_string()))?;
         terminal.say(&format!("kept the light in {}", path.display()));
     }
-    Ok((view.session(scene, render.plan, Arc::new(solution)), effort))
+    Ok((view.session_of(scene, render.plan, Arc::new(solution)), effort))
 }
 
-/// What was solved, and what takes no part or in part only.
+/// Patches, steps and rays of a solution.
 fn tell(report: &Report, seconds: f64, terminal: Terminal) {
     let patches = report.patches;
     let rays = report.rays as f64 * 1e-6;
@@ -79,14 +78,6 @@ fn tell(report: &Report, seconds: f64, terminal: Terminal) {
         terminal.say(&format!(
             "radiosity: more pieces of surface than 'patches': they share the light of {clusters} clusters"
         ));
-    }
-    if !report.impure.is_empty() {
-        let names = report.impure.join("', '");
-        terminal.warn(&format!("of materials '{names}' only the Lambertian part exchanges light"));
-    }
-    if !report.left_out.is_empty() {
-        let names = report.left_out.join(", ");
-        terminal.warn(&format!("{names} are no patches: they cast shadows, but exchange no light"));
     }
 }
 

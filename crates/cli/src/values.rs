@@ -3,7 +3,7 @@
 use std::{str::FromStr, time::Duration};
 pub use steradian::quality::MAX_SPP;
 use steradian::{
-    Layer, Viewpoint,
+    Layer, MethodRequest, Viewpoint,
     image::{FalseColor, Sensor, tone::Tone},
     math::DVec3,
     scene::{Family, names},
@@ -176,14 +176,9 @@ pub fn roughness(text: &str) -> Result<f32, String> {
     text.parse().ok().filter(possible).ok_or_else(|| "a roughness above 0 and up to 2 is needed, such as 0.3".into())
 }
 
-/// An integrator with its options; the name is looked up now, so that a slip is not found out after a long load.
+/// An integrator with its options, checked before a long load.
 pub fn integrator(text: &str) -> Result<String, String> {
-    let name = text.split_once(':').map_or(text, |s| s.0);
-    if name == steradian::raster::RASTER {
-        let options = text.split_once(':').map_or("", |(_, options)| options);
-        return steradian::raster::Options::parse(options).map(|_| text.to_owned()).map_err(|e| e.to_string());
-    }
-    known_name(name, "integrator", Family::Integrator.kinds()).map(|_| text.to_owned())
+    MethodRequest::parse(text).map(|_| text.to_owned()).map_err(|e| e.to_string())
 }
 
 /// Samples per pixel: a whole number from 1 to [`MAX_SPP`], perhaps with a `k` for thousands.
@@ -384,7 +379,7 @@ mod tests {
     fn names_and_suggestions() {
         assert!(integrator("path:max_depth=3").is_ok());
         assert!(integrator("raster:shadows=map,pcf=3").is_ok());
-        assert!(integrator("raster:shadows=magic").is_err_and(|e| e.contains("one of ray, ")));
+        assert!(integrator("raster:shadows=magic").is_err_and(|e| e.contains("'shadows' takes ray, none")));
         assert!(integrator("rastre").is_err_and(|e| e.contains("did you mean 'raster'?")));
         assert!(integrator("pahts").is_err_and(|e| e.contains("did you mean 'path'?")));
         assert_eq!("normal,depth".parse(), Ok(Layers(vec![Layer::Normal, Layer::Depth])));

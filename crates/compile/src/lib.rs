@@ -65,7 +65,7 @@ use steradian_core::{
     light::{Emitter, Light, LightGroups, Lights, Schedule},
     material::Material,
     medium::Medium,
-    scene::{Geometry, Parts, Placement, Scene, Settings},
+    scene::{Geometry, Parts, Placement, Scene},
 };
 use steradian_math::{DVec3, spectra::ColorMode};
 use steradian_scene::{Diagnostics, Format, NodeId, SceneDesc, Span};
@@ -266,7 +266,7 @@ impl Compiler<'_> {
             let pixel = (camera.window[1] - camera.window[0]).abs() / film.width.max(1) as f32;
             self.eye = Some((camera.world_from_camera.point(steradian_math::Vec3::ZERO), pixel));
         }
-        let settings = self.settings();
+        let (method, settings) = (self.method(), self.settings());
         let world = self.shapes(&self.desc.shapes, true);
         let mut groups = Vec::new();
         let of_world = std::mem::take(&mut self.lights);
@@ -307,7 +307,7 @@ impl Compiler<'_> {
         }
         let spp = self.options.spp.unwrap_or(settings.spp);
         self.tell_coarse();
-        let mut parts = Parts {
+        let parts = Parts {
             mode: self.mode,
             texture_pages: self.assets.pages.clone(),
             object_names: self.object_names(),
@@ -323,26 +323,12 @@ impl Compiler<'_> {
             media: std::mem::take(&mut self.media),
             camera,
             film,
+            method,
             settings,
             origin: self.origin,
             spp,
         };
-        if parts.has_media() {
-            self.choose_for_media(&mut parts.settings);
-        }
         (Some(fluorescent::set_illuminants(Scene::new(parts))), build_time)
-    }
-
-    /// In a scene with media the integrator is one that renders them, if the user chose none.
-    fn choose_for_media(&mut self, settings: &mut Settings) {
-        match self.desc.integrator.map(|i| self.desc.node(i)) {
-            None => settings.integrator = "volpath".into(),
-            Some(node) if matches!(node.kind.as_str(), "path" | "direct") => {
-                let what = format!("integrator '{}' leaves out participating media; 'volpath' renders them", node.kind);
-                self.diagnostics.warn(&self.desc.sources, node.span, what);
-            }
-            Some(_) => {}
-        }
     }
 
     /// Names of objects, those of the file, or their kind with a number.

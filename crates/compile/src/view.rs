@@ -8,6 +8,7 @@ use steradian_core::{
     scene::Settings,
 };
 use steradian_math::Vec2;
+use steradian_request::MethodRequest;
 use steradian_scene::{Family, Format, Node, NodeId, Value, names};
 
 impl Compiler<'_> {
@@ -253,49 +254,34 @@ impl Compiler<'_> {
         filter
     }
 
-    /// The options of an integrator that it alone has, as `NAME:key=value` has them.
-    fn own_options(&mut self, node: &Node) -> Vec<(String, String)> {
+    /// The method that the file names, with the options that are the method's alone.
+    pub(super) fn method(&mut self) -> Option<MethodRequest> {
         const OF_ALL: [&str; 4] = ["max_depth", "rr_depth", "hide_emitters", "samples"];
-        let model = Family::Integrator.model(&node.kind);
-        let mut options = Vec::new();
-        for p in model.into_iter().flat_map(|m| m.all()).filter(|p| !OF_ALL.contains(&p.name)) {
-            let Some(given) = node.param(p.name) else { continue };
-            let text = match &given.value {
-                Value::Bool(v) => v.to_string(),
-                Value::Int(v) => v.to_string(),
-                Value::Float(v) => v.to_string(),
-                Value::String(v) => v.clone(),
-                Value::Path(v) => v.display().to_string(),
-                _ => String::new(),
-            };
-            if p.takes(&text) && !text.contains(',') {
-                options.push((p.name.to_owned(), text));
-            } else {
-                let wanted = if p.words().next().is_some() { "one of " } else { "" };
-                let what =
-                    format!("parameter '{}' of integrator '{}' must be {wanted}{}", p.name, node.kind, p.values());
-                self.error_help(given.span.or(node.span), what, names::did_you_mean(&text, p.words()));
-            }
+        let node = self.desc.node(self.desc.integrator?);
+        let Some((method, faults)) = MethodRequest::of_node(node, &OF_ALL) else {
+            let help = names::did_you_mean(&node.kind, Family::Integrator.kinds());
+            self.error_help(node.span, format!("integrator '{}' is not implemented", node.kind), help);
+            return None;
+        };
+        for fault in faults {
+            self.error_help(fault.span, fault.message, fault.hint);
         }
-        options
+        Some(method)
     }
 
     /// Render settings of the scene.
     pub(super) fn settings(&mut self) -> Settings {
         let mut settings = Settings {
-            integrator: "path".into(),
             max_depth: u32::MAX,
             rr_depth: 2,
             hide_emitters: false,
             hidden_emitters_block: false,
-            options: Vec::new(),
             spp: 16,
             sampler: SamplerKind::default(),
             named_sampler: SamplerKind::default(),
             seed: 0,
         };
         if let Some(node) = self.desc.integrator.map(|i| self.desc.node(i)) {
-            settings.integrator = node.kind.clone();
             settings.max_depth = match self.int(node, "max_depth") {
                 Some(d) if d >= 0 => d.min(i64::from(u32::MAX)) as u32,
                 _ => u32::MAX,
@@ -305,7 +291,6 @@ impl Compiler<'_> {
             if let (Format::Native, Some(depth)) = (self.desc.format, self.int(node, "rr_depth")) {
                 settings.rr_depth = depth.clamp(0, i64::from(u32::MAX)) as u32;
             }
-            settings.options = self.own_options(node);
         }
         if let Some(node) = self.desc.sampler.map(|s| self.desc.node(s)) {
             match SamplerKind::named(&node.kind) {

@@ -27,6 +27,8 @@ pub struct Plan {
     /// Whether halves of the samples are kept for themselves: those of even and of odd number, of two sequences of
     /// random numbers that are independent of each other. By methods whose pixels err independently.
     pub halves: bool,
+    /// True for pixels with independent errors: paths of several pixels share nothing unless an option says so.
+    pub independent: bool,
     /// Whether samples whose camera rays meet no surface are black: what lies behind everything is not in the picture.
     pub transparent: bool,
     /// Whether camera rays pass what emits: lights are hidden from the camera, in layers as in the picture.
@@ -49,6 +51,7 @@ impl Plan {
             mattes: false,
             by_light: false,
             halves: false,
+            independent: false,
             transparent: false,
             hide_emitters: false,
             adaptive: false,

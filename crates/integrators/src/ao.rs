@@ -1,8 +1,10 @@
 //! Ambient occlusion: the part of the light of an evenly bright sky that reaches a surface past what is within a
 //! distance, `1/π ∫ V(ω) cosθ dω`, by rays with density cosθ/π. A floor at the foot of an endless wall has ½.
 
-use crate::{Integrator, MAX_PASSES, dimension};
-use steradian_engine::PathContext;
+use crate::{Integrator, MAX_PASSES, dimension, support};
+use std::sync::Arc;
+use steradian_core::Scene;
+use steradian_engine::{Feature, Method, MethodKind, PathContext, Plan, Refusal, Session, Support, Tiles, local_scene};
 use steradian_math::{Frame, Ray, Spectrum, spectra::role, warp};
 
 /// Ambient occlusion.
@@ -10,6 +12,26 @@ use steradian_math::{Frame, Ray, Spectrum, spectra::role, warp};
 pub struct AmbientOcclusion {
     /// How far away something may be to stop light; scene units.
     pub distance: f32,
+}
+
+/// `ao`.
+pub const AO: MethodKind = MethodKind::new("ao", |asked| {
+    let distance = asked.options.number("distance").map_or(f32::INFINITY, |d| d as f32);
+    Ok(Arc::new(AmbientOcclusion { distance }))
+});
+
+impl Method for AmbientOcclusion {
+    fn supports(&self, feature: Feature) -> Support {
+        match feature {
+            // Occlusion is of surfaces: media are not in it.
+            Feature::TransparencyBehindMedia => Support::Exact,
+            _ => support::of_camera_rays(feature),
+        }
+    }
+
+    fn session(&self, scene: Arc<Scene>, plan: Plan) -> Result<Box<dyn Session>, Refusal> {
+        Ok(Box::new(Tiles::per_pixel(local_scene(scene), *self, plan)))
+    }
 }
 
 impl Integrator for AmbientOcclusion {

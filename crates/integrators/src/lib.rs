@@ -7,7 +7,6 @@ pub mod passes;
 pub mod path;
 pub mod radiosity;
 pub mod raycast;
-pub mod registry;
 pub mod stokes;
 pub mod whitted;
 
@@ -16,6 +15,7 @@ mod precomputed;
 mod receiver;
 mod shared_path;
 mod sharing;
+mod support;
 pub mod traced;
 pub mod transient;
 mod trials;
@@ -27,11 +27,34 @@ mod sizes_tests;
 mod stop_tests;
 
 pub use precomputed::{PathEffort, Precomputed, VarianceReduction};
-pub use registry::IntegratorKind;
 pub use shared_path::SharedPath;
 pub use steradian_core::film::Film;
-pub use steradian_engine::{Control, Counters, Doubt, History, Integrator, PathContext, Plan, SCALES, Session, Stop};
+pub use steradian_engine::{
+    Control, Counters, Doubt, History, Integrator, Method, MethodKind, PathContext, Plan, SCALES, Session, Stop,
+};
 
 pub(crate) use steradian_engine::{adaptive, dimension, partition};
 pub use steradian_transport::Depth;
 pub(crate) use steradian_transport::{MAX_PASSES, live_max, nee};
+
+/// All methods of light transport, by name.
+pub const METHODS: &[MethodKind] = &[
+    shared_path::PATH,
+    shared_path::VOLPATH,
+    shared_path::DIRECT,
+    whitted::WHITTED,
+    ao::AO,
+    raycast::RAYCAST,
+    radiosity::RADIOSITY,
+    passes::LIGHT,
+    passes::BDPT,
+    passes::VCM,
+    passes::SPPM,
+    passes::PHOTON,
+    passes::PSSMLT,
+    transient::TRANSIENT,
+    stokes::STOKES[0],
+    stokes::STOKES[1],
+    stokes::STOKES[2],
+    stokes::STOKES[3],
+];

@@ -1,6 +1,7 @@
 //! What path tracers know of a scene beforehand.
 
-use crate::{Stop, caustics::Caustics};
+use crate::{Plan, Stop, caustics::Caustics};
+use steradian_request::MethodRequest;
 
 /// What path tracers do against noise. It changes how much samples err, not their mean.
 #[derive(Clone, Copy, Debug, Default)]
@@ -13,6 +14,26 @@ pub struct VarianceReduction {
     /// Light samples and roulette threshold of paths that share, with as many paths everywhere; `None` where trials are
     /// to tell both.
     pub effort: Option<PathEffort>,
+}
+
+impl VarianceReduction {
+    /// As options ask for: `auto` is by trials.
+    pub fn of(options: &MethodRequest) -> Self {
+        Self {
+            reuse: options.word("reuse").parse().ok(),
+            caustics: options.word("caustics").parse().ok(),
+            effort: (options.word("effort") == "even").then(PathEffort::default),
+        }
+    }
+
+    /// What a plan leaves of it: light of several groups is kept apart by paths that share nothing and take one light
+    /// sample each, and errors of pixels are independent where nothing is shared.
+    pub(crate) fn by(self, plan: &Plan) -> Self {
+        if plan.by_light {
+            return Self { reuse: Some(1), effort: Some(PathEffort::default()), ..self };
+        }
+        Self { reuse: self.reuse.or(plan.independent.then_some(1)), ..self }
+    }
 }
 
 /// Light samples and roulette threshold.

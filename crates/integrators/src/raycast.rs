@@ -1,7 +1,9 @@
 //! Ray casting: the colour of the first surface, as if white light were everywhere the same.
 
-use crate::{Integrator, MAX_PASSES, nee};
-use steradian_engine::PathContext;
+use crate::{Integrator, MAX_PASSES, nee, support};
+use std::sync::Arc;
+use steradian_core::Scene;
+use steradian_engine::{Feature, Method, MethodKind, PathContext, Plan, Refusal, Session, Support, Tiles, local_scene};
 use steradian_math::{Ray, Spectrum, spectra::role};
 
 /// The ray caster.
@@ -9,6 +11,20 @@ use steradian_math::{Ray, Spectrum, spectra::role};
 pub struct Raycast {
     /// Whether lights are invisible.
     pub hide_emitters: bool,
+}
+
+/// `raycast`.
+pub const RAYCAST: MethodKind =
+    MethodKind::new("raycast", |asked| Ok(Arc::new(Raycast { hide_emitters: asked.hides_emitters() })));
+
+impl Method for Raycast {
+    fn supports(&self, feature: Feature) -> Support {
+        support::of_camera_rays(feature)
+    }
+
+    fn session(&self, scene: Arc<Scene>, plan: Plan) -> Result<Box<dyn Session>, Refusal> {
+        Ok(Box::new(Tiles::per_pixel(local_scene(scene), *self, plan)))
+    }
 }
 
 impl Integrator for Raycast {

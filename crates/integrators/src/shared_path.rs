@@ -1,15 +1,18 @@
 //! Path tracing as sessions run it: with what trials find to pay against noise.
 
 use crate::{
-    Counters, Plan, Stop,
+    Counters, Depth, Plan, Session, Stop,
     path::PathTracer,
     precomputed::{Precomputed, VarianceReduction},
     sharing::{self, GroupBuffer},
-    trials,
+    support, trials,
     wave::{WaveBuffer, wave},
 };
+use std::sync::Arc;
 use steradian_core::Scene;
-use steradian_engine::{GroupIntegrator, PathContext, PixelSample};
+use steradian_engine::{
+    Asked, CameraPaths, Feature, GroupIntegrator, Method, MethodKind, PathContext, PixelSample, Refusal, Support, Tiles,
+};
 use steradian_transport::NoGuide;
 
 /// A path tracer whose paths share what they find, ask photons, and are more than one for a sample, where that pays.
@@ -21,7 +24,43 @@ pub struct SharedPath<const MEDIA: bool> {
     pub variance_reduction: VarianceReduction,
 }
 
+/// `path`.
+pub const PATH: MethodKind = MethodKind::new("path", |asked| Ok(Arc::new(SharedPath::<false>::of(asked, asked.depth()))));
+
+/// `volpath`.
+pub const VOLPATH: MethodKind =
+    MethodKind::new("volpath", |asked| Ok(Arc::new(SharedPath::<true>::of(asked, asked.depth()))));
+
+/// `direct`: paths of one event at most.
+pub const DIRECT: MethodKind = MethodKind::new("direct", |asked| {
+    let depth = asked.depth();
+    Ok(Arc::new(SharedPath::<false>::of(asked, Depth { max: depth.max.min(1), ..depth })))
+});
+
+impl<const MEDIA: bool> Method for SharedPath<MEDIA> {
+    fn supports(&self, feature: Feature) -> Support {
+        match feature {
+            Feature::LightGroups => Support::Exact,
+            Feature::Media if !MEDIA => Support::LeavesOut(""),
+            _ => support::of_camera_rays(feature),
+        }
+    }
+
+    fn session(&self, scene: Arc<Scene>, plan: Plan) -> Result<Box<dyn Session>, Refusal> {
+        Ok(Box::new(Tiles::new(scene, *self, plan)))
+    }
+
+    fn camera_paths(&self) -> Option<CameraPaths> {
+        Some(CameraPaths { depth: self.path.depth, media: MEDIA, is_plain: true })
+    }
+}
+
 impl<const MEDIA: bool> SharedPath<MEDIA> {
+    /// With the options of a request.
+    fn of(asked: &Asked<'_>, depth: Depth) -> Self {
+        Self { path: PathTracer { depth }, variance_reduction: VarianceReduction::of(asked.options) }
+    }
+
     /// Follows one path that may change its wavelengths and its moment.
     fn alone(&self, scene: &Scene, sample: &mut PixelSample, counters: &mut Counters) {
         let PixelSample { ray, own, lambda, radiance, .. } = sample;
@@ -40,7 +79,7 @@ impl<const MEDIA: bool> GroupIntegrator for SharedPath<MEDIA> {
     type Buffer<'s> = (GroupBuffer<'s>, WaveBuffer<'s>);
 
     fn prepare(&self, scene: &Scene, plan: &Plan, stop: &Stop) -> Precomputed {
-        trials::run(scene, &self.path, &self.variance_reduction, plan, stop)
+        trials::run(scene, &self.path, &self.variance_reduction.by(plan), plan, stop)
     }
 
     fn works_unprepared(&self) -> bool {

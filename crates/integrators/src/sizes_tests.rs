@@ -2,8 +2,8 @@
 //! upon them.
 
 use crate::{
-    Control, Depth, Film, IntegratorKind, PathEffort, Plan, Precomputed, Session, SharedPath, Stop, VarianceReduction,
-    adaptive::CELL, precomputed::Splitting,
+    Control, Depth, Film, METHODS, Method, PathEffort, Plan, Precomputed, Session, SharedPath, Stop, VarianceReduction,
+    adaptive::CELL, path::PathTracer, precomputed::Splitting,
 };
 use std::sync::Arc;
 use steradian_compile::{Options, compile};
@@ -12,8 +12,9 @@ use steradian_core::{
     film::{Crop, Pixel},
     sampler::{Sampler, SamplerKind},
 };
-use steradian_engine::{GroupIntegrator, PixelSample, Tiles};
+use steradian_engine::{Asked, GroupIntegrator, PixelSample, Tiles};
 use steradian_math::{DVec3, Transform};
+use steradian_request::{MethodRequest, Request};
 use steradian_scene::{ColorSpace, Family, Format, Node, SceneDesc, Shape, SpectrumValue, Value};
 
 /// A glass and a rough metal ball on a floor before a wall, under a small lamp and a dim sky; a light fog about one
@@ -61,19 +62,33 @@ fn variance_reduction() -> Vec<VarianceReduction> {
     all
 }
 
-/// An integrator, and what it is to render.
+/// A method and its plan.
 #[derive(Clone, Copy, Debug)]
 struct Render {
-    integrator: IntegratorKind,
+    name: &'static str,
+    variance_reduction: VarianceReduction,
     plan: Plan,
 }
 
-fn plan(name: &str, variance_reduction: VarianceReduction, spp: u32) -> Render {
-    let depth = Depth { max: 6, roulette_after: 2, hide_emitters: false };
-    let integrator = IntegratorKind::named(name, depth, variance_reduction).unwrap();
+fn plan(name: &'static str, variance_reduction: VarianceReduction, spp: u32) -> Render {
     let sampler = Sampler { kind: SamplerKind::ZSobol, spp, seed: 0 };
     let plan = Plan { threads: 1, features: true, ..Plan::new(sampler) };
-    Render { integrator, plan }
+    Render { name, variance_reduction, plan }
+}
+
+impl Render {
+    fn path<const MEDIA: bool>(self) -> SharedPath<MEDIA> {
+        let depth = Depth { max: 6, roulette_after: 2, hide_emitters: false };
+        SharedPath { path: PathTracer { depth }, variance_reduction: self.variance_reduction }
+    }
+
+    /// By a method other than path tracing, which has no tactics.
+    fn other(self, scene: &Arc<Scene>) -> Box<dyn Session> {
+        let options = MethodRequest::named(self.name).unwrap();
+        let asked = Asked { request: &Request { max_depth: Some(6), ..Request::default() }, options: &options, scene };
+        let kind = METHODS.iter().find(|kind| kind.name == self.name).unwrap();
+        (kind.new)(&asked).unwrap().session(Arc::clone(scene), self.plan).unwrap()
+    }
 }
 
 /// A path tracer with more paths in squares of an edge than elsewhere.
@@ -118,11 +133,11 @@ impl<const MEDIA: bool> GroupIntegrator for Uneven<MEDIA> {
 
 /// All samples of a render, of path tracers with more paths in squares of an edge than elsewhere.
 fn take(scene: &Scene, render: Render, edge: u32) -> Film {
-    let (scene, Render { integrator, plan }) = (Arc::new(scene.clone()), render);
-    let mut session: Box<dyn Session> = match integrator {
-        IntegratorKind::Path(i) => Box::new(Tiles::new(scene, Uneven(i, edge), plan)),
-        IntegratorKind::VolPath(i) => Box::new(Tiles::new(scene, Uneven(i, edge), plan)),
-        other => other.session(scene, plan),
+    let scene = Arc::new(scene.clone());
+    let mut session: Box<dyn Session> = match render.name {
+        "path" => Box::new(Tiles::new(scene, Uneven(render.path::<false>(), edge), render.plan)),
+        "volpath" => Box::new(Tiles::new(scene, Uneven(render.path::<true>(), edge), render.plan)),
+        _ => render.other(&scene),
     };
     session.step(u32::MAX, &Control::default());
     assert!(session.is_done(), "{render:?}");
@@ -157,7 +172,7 @@ fn trials_look_at_frames_of_every_size() {
         let scene = Arc::new(scene(width, height));
         for variance_reduction in variance_reduction().into_iter().filter(|t| t.effort.is_none()) {
             let render = plan("path", VarianceReduction { caustics: None, ..variance_reduction }, 1 << 21);
-            let mut session = render.integrator.session(Arc::clone(&scene), render.plan);
+            let mut session = render.path::<false>().session(Arc::clone(&scene), render.plan).unwrap();
             session.step(1, &Control::default());
             assert!(session.film().pixels.iter().all(|p| p.samples == 1), "{width} x {height}");
         }

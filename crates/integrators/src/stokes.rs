@@ -5,9 +5,13 @@
 //! picture: S₁ is positive for light that swings from left to right. In scenes that nothing polarises twice, S₀ is the
 //! picture of `path`.
 
-use crate::{Depth, Integrator, dimension, live_max, nee};
+use crate::{Depth, Integrator, dimension, live_max, nee, support};
+use std::sync::Arc;
 use steradian_bsdf::{TransportMode, polarized};
-use steradian_engine::PathContext;
+use steradian_core::Scene;
+use steradian_engine::{
+    Asked, CameraPaths, Feature, Method, MethodKind, PathContext, Plan, Refusal, Session, Support, Tiles,
+};
 use steradian_math::{
     Ray, Spectrum,
     polarization::{Mueller, Stokes as Vector, basis},
@@ -21,6 +25,36 @@ pub struct Stokes {
     pub depth: Depth,
     /// Which component is the picture, 0 to 3.
     pub component: usize,
+}
+
+/// `stokes`, `stokes-s1`, `stokes-s2`, `stokes-s3`.
+pub const STOKES: [MethodKind; 4] = [
+    MethodKind::new("stokes", |asked| component(asked, 0)),
+    MethodKind::new("stokes-s1", |asked| component(asked, 1)),
+    MethodKind::new("stokes-s2", |asked| component(asked, 2)),
+    MethodKind::new("stokes-s3", |asked| component(asked, 3)),
+];
+
+fn component(asked: &Asked<'_>, component: usize) -> Result<Arc<dyn Method>, Refusal> {
+    Ok(Arc::new(Stokes { depth: asked.depth(), component }))
+}
+
+impl Method for Stokes {
+    fn supports(&self, feature: Feature) -> Support {
+        match feature {
+            Feature::Media => Support::LeavesOut(""),
+            Feature::Denoising => Support::Refuses("Stokes parameters are no radiance"),
+            _ => support::of_local_scattering(feature),
+        }
+    }
+
+    fn session(&self, scene: Arc<Scene>, plan: Plan) -> Result<Box<dyn Session>, Refusal> {
+        Ok(Box::new(Tiles::per_pixel(scene, *self, plan)))
+    }
+
+    fn camera_paths(&self) -> Option<CameraPaths> {
+        Some(CameraPaths { depth: self.depth, media: false, is_plain: false })
+    }
 }
 
 impl Integrator for Stokes {

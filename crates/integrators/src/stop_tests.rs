@@ -1,7 +1,7 @@
 //! Cancellation is polled along each path.
 
 use crate::{
-    Control, Counters, Depth, Integrator, IntegratorKind, Plan, Stop, VarianceReduction, path::PathTracer,
+    Control, Counters, Depth, Integrator, Method as _, Plan, SharedPath, Stop, VarianceReduction, path::PathTracer,
     raycast::Raycast, stokes::Stokes, whitted::Whitted,
 };
 use std::sync::{
@@ -85,12 +85,12 @@ fn renders_end_where_they_are() {
     let scene = Arc::new(ball("diffuse"));
     for (reuse, threads) in [(Some(1), 1), (Some(16), 1), (Some(16), 3), (None, 2)] {
         let variance_reduction = VarianceReduction { reuse, ..VarianceReduction::default() };
-        let integrator = IntegratorKind::named("path", FOREVER, variance_reduction).unwrap();
+        let integrator = SharedPath { path: PathTracer::<false> { depth: FOREVER }, variance_reduction };
         let plan = |spp| Plan { threads, ..Plan::new(Sampler { kind: SamplerKind::ZSobol, spp, seed: 0 }) };
         // So many samples that it would take days.
         let control = Control::default();
         let cancel = Arc::clone(&control.cancel);
-        let mut session = integrator.session(Arc::clone(&scene), plan(1 << 24));
+        let mut session = integrator.session(Arc::clone(&scene), plan(1 << 24)).unwrap();
         std::thread::scope(|scope| {
             scope.spawn(move || {
                 std::thread::sleep(std::time::Duration::from_millis(30));

@@ -1,18 +1,20 @@
 //! Transient pictures: when light of one pulse of all lights arrives (Jarabo and others 2014, "A Framework for
 //! Transient Rendering"). Time is told by the optical length of paths, the sum of n·d: light goes a metre of it in 1/c.
 
-use crate::{Depth, path::PathTracer};
+use crate::{Depth, path::PathTracer, support};
+use std::sync::Arc;
 use steradian_bsdf::Bsdf;
 use steradian_core::Scene;
-use steradian_engine::{Integrator, PathContext};
+use steradian_engine::{
+    CameraPaths, Feature, Integrator, Method, MethodKind, PathContext, Plan, Refusal, Session,
+    Support::{self, Refuses},
+    Tiles,
+};
 use steradian_math::{Ray, Spectrum, Vec3};
 use steradian_transport::{NoGuide, PathState, Sink, Vertex};
 
 /// The speed of light in empty space, m/s.
 const SPEED: f64 = 299_792_458.0;
-
-/// Most intervals.
-const MOST_BINS: u32 = 1024;
 
 /// Path tracing that tells when light arrives.
 #[derive(Clone, Copy, Debug)]
@@ -29,43 +31,41 @@ pub struct Transient {
     pub camera: bool,
 }
 
-impl Transient {
-    /// With the options that it has where none are given.
-    pub fn new(depth: Depth) -> Self {
-        Self { depth, range: [0.0, 10.0], bins: 32, unit: 1.0, camera: true }
+/// `transient`.
+pub const TRANSIENT: MethodKind = MethodKind::new("transient", |asked| {
+    let number = |name| asked.options.number(name).unwrap_or_default();
+    let [from, to] = [number("from"), number("to")];
+    if from >= to {
+        let what = format!("intervals from {from} m to {to} m: 'to' must be more than 'from'");
+        return Err(Refusal(format!("integrator 'transient' cannot do {what}")));
+    }
+    let (bins, camera) = (asked.options.count("bins"), asked.options.flag("camera"));
+    Ok(Arc::new(Transient { depth: asked.depth(), range: [from, to], bins, unit: number("unit"), camera }))
+});
+
+impl Method for Transient {
+    fn supports(&self, feature: Feature) -> Support {
+        match feature {
+            Feature::Fluorescence => Support::Exact,
+            Feature::Subsurface => Refuses("its way there is not told"),
+            Feature::Schedules => Refuses("all lights are one pulse"),
+            Feature::GlowingMedia => Refuses(""),
+            Feature::Adaptivity => Refuses("each interval has errors of its own"),
+            Feature::Denoising => Refuses("the layers of arrival times would keep their noise"),
+            _ => support::of_camera_rays(feature),
+        }
     }
 
-    /// Changes an option; whether there is such an option and value.
-    pub fn set(&mut self, key: &str, value: &str) -> bool {
-        let number = || value.parse().ok().filter(|v: &f64| v.is_finite());
-        let done = match key {
-            "from" => number().map(|v| self.range[0] = v),
-            "to" => number().map(|v| self.range[1] = v),
-            "bins" => value.parse().ok().filter(|n| (1..=MOST_BINS).contains(n)).map(|n| self.bins = n),
-            "unit" => number().filter(|v| *v > 0.0).map(|v| self.unit = v),
-            "camera" => value.parse().ok().map(|is| self.camera = is),
-            _ => None,
-        };
-        done.is_some()
+    fn session(&self, scene: Arc<Scene>, plan: Plan) -> Result<Box<dyn Session>, Refusal> {
+        Ok(Box::new(Tiles::per_pixel(scene, *self, plan)))
     }
 
-    /// What it has no picture of; `None` where it has one.
-    pub fn refuses(&self, scene: &Scene) -> Option<String> {
-        let [from, to] = self.range;
-        if from >= to {
-            return Some(format!("intervals from {from} m to {to} m: 'to' must be more than 'from'"));
-        }
-        if let Some(below) = scene.below_surfaces() {
-            return Some(format!("{below}, whose way there is not told"));
-        }
-        let what = if scene.has_schedules() {
-            "lights that go on and off: all lights are one pulse"
-        } else if scene.media().iter().any(|m| m.glow.is_some()) {
-            "media that glow"
-        } else {
-            return None;
-        };
-        Some(what.into())
+    fn bins(&self) -> u32 {
+        self.bins
+    }
+
+    fn camera_paths(&self) -> Option<CameraPaths> {
+        Some(CameraPaths { depth: self.depth, media: true, is_plain: false })
     }
 }
 

@@ -1,15 +1,17 @@
 //! Whitted's ray tracing: mirrors and glass are followed in both directions, every light is asked once at each surface,
 //! and nothing else is gathered (Whitted 1980, "An Improved Illumination Model for Shaded Display").
 
-use crate::{Depth, Integrator, MAX_PASSES, dimension, nee};
+use crate::{Depth, Integrator, MAX_PASSES, dimension, nee, support};
+use std::sync::Arc;
 use steradian_bsdf::TransportMode;
 use steradian_core::{
+    Scene,
     footprint::{Bounce, RayDifferential},
     light::{Light, LightContext},
     material::Scattering,
     scene::Interaction,
 };
-use steradian_engine::PathContext;
+use steradian_engine::{Feature, Method, MethodKind, PathContext, Plan, Refusal, Session, Support, Tiles};
 use steradian_math::{Frame, Ray, Spectrum, Vec2, hash::ONE_MINUS_EPSILON};
 use steradian_transport::power_heuristic;
 
@@ -36,6 +38,22 @@ struct Branch {
 pub struct Whitted {
     /// How far rays are followed.
     pub depth: Depth,
+}
+
+/// `whitted`.
+pub const WHITTED: MethodKind = MethodKind::new("whitted", |asked| Ok(Arc::new(Whitted { depth: asked.depth() })));
+
+impl Method for Whitted {
+    fn supports(&self, feature: Feature) -> Support {
+        match feature {
+            Feature::Media | Feature::UnsampledEmitters => Support::LeavesOut(""),
+            _ => support::of_local_scattering(feature),
+        }
+    }
+
+    fn session(&self, scene: Arc<Scene>, plan: Plan) -> Result<Box<dyn Session>, Refusal> {
+        Ok(Box::new(Tiles::per_pixel(scene, *self, plan)))
+    }
 }
 
 impl Whitted {

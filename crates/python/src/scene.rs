@@ -382,7 +382,7 @@ impl Scene {
             transparent,
             independent: false,
         };
-        quality.check().map_err(|e| PyValueError::new_err(e.to_string()))?;
+        quality.request().map_err(|e| PyValueError::new_err(e.to_string()))?;
         let options =
             CompileOptions { mode: self::color(color)?, size, crop, camera, spp, ..CompileOptions::default() };
         let Ready { scene, files, .. } = self.ready(py, &options)?;

@@ -19,6 +19,7 @@
 pub mod draw_list;
 mod hybrid;
 pub mod lesson;
+mod method;
 mod options;
 mod order;
 mod preparation;
@@ -32,6 +33,7 @@ mod visibility;
 mod world;
 
 pub use hybrid::Hybrid;
+pub use method::{METHODS, RASTER, Raster};
 pub use options::{BiasBy, FrameKind, Method, Options, SHADOWS, Shadows, Show};
 pub use preview::Preview;
 pub use projection::Projected;

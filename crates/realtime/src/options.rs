@@ -1,6 +1,7 @@
 //! The options of the integrator: `raster:shadows=map,size=1024`.
 
 use crate::Error;
+use steradian_request::MethodRequest;
 
 /// Shadow technique.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -167,9 +168,6 @@ pub enum FrameKind {
     Preview,
 }
 
-/// Names of the states of a switch.
-const SWITCH: [(&str, bool); 2] = [("true", true), ("false", false)];
-
 const FRAMES: [(&str, FrameKind); 3] =
     [("forward", FrameKind::Forward), ("hybrid", FrameKind::Hybrid), ("preview", FrameKind::Preview)];
 
@@ -243,49 +241,26 @@ impl Default for Options {
 }
 
 impl Options {
-    /// The options in `key=value,…`.
+    /// The options of a request.
     ///
     /// # Errors
-    /// Keys and values that are not known, with those that are.
-    pub fn parse(text: &str) -> Result<Self, Error> {
-        let mut options = Self::default();
-        // Options are pairs of key and value; later ones override earlier ones.
-        for option in text.split(',').map(str::trim).filter(|o| !o.is_empty()) {
-            let fault = |wanted: &str| Error::Option(format!("option '{option}' of raster: {wanted}"));
-            let (key, value) = option.split_once('=').ok_or_else(|| fault("options are written key=value"))?;
-            // Numbers are held to the range in which the technique works.
-            let number = |low: u32, high: u32| {
-                let value = value.parse().ok().filter(|v| (low..=high).contains(v));
-                value.ok_or_else(|| fault(&format!("a number from {low} to {high}")))
-            };
-            match key {
-                "shadows" => {
-                    let names: Vec<&str> = SHADOWS.iter().map(|s| s.0).collect();
-                    let found = SHADOWS.iter().find(|s| s.0 == value);
-                    options.shadows = found.ok_or_else(|| fault(&format!("one of {}", names.join(", "))))?.1;
-                }
-                "frame" => options.frame = named(&FRAMES, value).map_err(|names| fault(&names))?,
-                "filter" => options.filter = named(&SWITCH, value).map_err(|names| fault(&names))?,
-                "show" => options.show = named(&SHOWN, value).map_err(|names| fault(&names))?,
-                "visibility" => options.visibility = named(&METHODS, value).map_err(|names| fault(&names))?,
-                "bias-by" => options.bias_by = named(&BIASES, value).map_err(|names| fault(&names))?,
-                "cascades" => options.cascades = number(1, 16)?,
-                "size" => options.size = number(16, 8192)?,
-                "pcf" => options.pcf = number(1, 15)?,
-                "points" => options.points = number(1, 1024)?,
-                "bounces" => options.bounces = number(0, 64)?,
-                "bias" => {
-                    let bias = value.parse().ok().filter(|b: &f32| b.is_finite());
-                    options.bias = bias.ok_or_else(|| fault("a number"))?;
-                }
-                _ => {
-                    return Err(fault(
-                        "keys are frame, filter, shadows, show, size, bias, bias-by, pcf, cascades, \
-                         visibility, points and bounces",
-                    ));
-                }
-            }
-        }
+    /// [`Error::Option`] for options that exclude each other.
+    pub fn of(asked: &MethodRequest) -> Result<Self, Error> {
+        let default = Self::default();
+        let options = Self {
+            frame: named(&FRAMES, asked.word("frame")).unwrap_or(default.frame),
+            filter: asked.flag("filter"),
+            shadows: SHADOWS.iter().find(|s| s.0 == asked.word("shadows")).map_or(default.shadows, |s| s.1),
+            size: asked.count("size"),
+            bias: asked.number("bias").map_or(default.bias, |b| b as f32),
+            bias_by: named(&BIASES, asked.word("bias-by")).unwrap_or(default.bias_by),
+            cascades: asked.count("cascades"),
+            pcf: asked.count("pcf"),
+            visibility: named(&METHODS, asked.word("visibility")).unwrap_or(default.visibility),
+            points: asked.count("points"),
+            bounces: asked.count("bounces"),
+            show: named(&SHOWN, asked.word("show")).unwrap_or(default.show),
+        };
         options.checked()
     }
 
@@ -311,32 +286,49 @@ impl Options {
     }
 }
 
-/// Value of this name, or an error with the names there are.
-fn named<T: Copy>(list: &[(&str, T)], name: &str) -> Result<T, String> {
-    let names = || list.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
-    list.iter().find(|(n, _)| *n == name).map(|(_, value)| *value).ok_or_else(|| format!("one of {}", names()))
+/// Value of a name.
+fn named<T: Copy>(list: &[(&str, T)], name: &str) -> Option<T> {
+    list.iter().find(|(n, _)| *n == name).map(|(_, value)| *value)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use steradian_schema::integrator::INTEGRATORS;
+
+    fn options(text: &str) -> Result<Options, Error> {
+        Options::of(&MethodRequest::parse(&format!("raster:{text}")).expect("a request"))
+    }
 
     #[test]
-    fn options_are_read_and_refused_by_name() {
-        let options = Options::parse("shadows=map, size=64,bias=-2.5,show=depth").unwrap();
-        assert_eq!((options.shadows, options.size, options.bias, options.show), (Shadows::Map, 64, -2.5, Show::Depth));
-        assert_eq!(Options::parse("").unwrap(), Options::default());
+    fn options_follow_requests() {
+        let asked = options("shadows=map, size=64,bias=-2.5,show=depth").unwrap();
+        assert_eq!((asked.shadows, asked.size, asked.bias, asked.show), (Shadows::Map, 64, -2.5, Show::Depth));
+        assert_eq!(options("").unwrap(), Options::default());
         for (text, part) in [
-            ("shadows=magic", "one of ray, map, cube"),
-            ("size=1", "from 16 to 8192"),
-            ("bias=NaN", "a number"),
-            ("quality=high", "keys are frame"),
             ("show=direct", "of frame=hybrid"),
             ("frame=hybrid,show=depth", "of frame=forward"),
             ("frame=hybrid,shadows=map", "by rays"),
-            ("shadows", "key=value"),
         ] {
-            assert!(Options::parse(text).unwrap_err().to_string().contains(part), "{text}");
+            assert!(options(text).unwrap_err().to_string().contains(part), "{text}");
         }
+    }
+
+    /// Words of the schema are those that are known here.
+    #[test]
+    fn words_are_known() {
+        let model = INTEGRATORS.iter().find(|m| m.kind == "raster").expect("a row");
+        let words = |name: &str| model.parameter(name).expect(name).words().collect::<Vec<_>>();
+        let all_known = |name: &str, known: &[&str]| {
+            let mut known = known.to_vec();
+            let mut words = words(name);
+            (known.sort_unstable(), words.sort_unstable());
+            assert_eq!(words, known, "{name}");
+        };
+        all_known("frame", &FRAMES.map(|f| f.0));
+        all_known("bias-by", &BIASES.map(|f| f.0));
+        all_known("visibility", &METHODS.map(|f| f.0));
+        all_known("show", &SHOWN.map(|f| f.0));
+        all_known("shadows", &SHADOWS.iter().map(|f| f.0).collect::<Vec<_>>());
     }
 }

@@ -124,6 +124,7 @@ const RASTER: &[Parameter] = &[
         "picture",
         "what is shown; from emission on, of hybrid frames",
     ),
+    HIDE_EMITTERS,
 ];
 
 /// All integrators.
@@ -222,3 +223,18 @@ pub const INTEGRATORS: &[Model] = &[
         "",
     ),
 ];
+
+/// The row of the path tracer: on surfaces alone (`path`), or through media (`volpath`).
+pub const fn path_tracer(media: bool) -> &'static Model {
+    &INTEGRATORS[if media { 1 } else { 0 }]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn path_tracers_come_first() {
+        assert_eq!([false, true].map(|media| path_tracer(media).kind), ["path", "volpath"]);
+    }
+}

@@ -9,6 +9,7 @@ pub mod material;
 pub mod medium;
 mod model;
 pub mod names;
+mod option_value;
 mod page;
 mod parameter;
 pub mod shape;
@@ -16,5 +17,6 @@ pub mod texture;
 
 pub use family::{FAMILIES, Family};
 pub use model::{Group, Model};
+pub use option_value::OptionValue;
 pub use page::page;
 pub use parameter::{Condition, Outside, Parameter, Type};

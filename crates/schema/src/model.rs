@@ -3,7 +3,7 @@
 use crate::{names::did_you_mean, parameter::Parameter};
 
 /// Parameters that several models share.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 pub struct Group {
     /// Its name in documentation.
     pub name: &'static str,
@@ -16,7 +16,7 @@ pub struct Group {
 }
 
 /// A kind of material, texture, light and so on.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Model {
     /// Its name in descriptions.
     pub kind: &'static str,

@@ -1,5 +1,6 @@
 //! A parameter of a model: its type, unit, range, default and meaning.
 
+use crate::OptionValue;
 use std::fmt::Write;
 
 /// What values a parameter takes.
@@ -124,7 +125,7 @@ pub enum Condition {
 }
 
 /// One parameter of a model.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
     /// Its name in descriptions.
     pub name: &'static str,
@@ -246,18 +247,44 @@ impl Parameter {
         words.split(", ").filter(|w| !w.is_empty())
     }
 
-    /// True if a text, as on a command line, is a value of its type within its range. False for types that no text
-    /// gives: textures, materials, lists.
-    pub fn takes(&self, text: &str) -> bool {
+    /// The value that a text, as on a command line, stands for: of the parameter's type and within its range. `None`
+    /// for others, and for types that no text gives: textures, materials, lists.
+    pub fn read(&self, text: &str) -> Option<OptionValue> {
+        let value = match self.kind {
+            Type::Flag => OptionValue::Flag(text.parse().ok()?),
+            Type::Integer => OptionValue::Integer(text.parse().ok()?),
+            Type::Number => OptionValue::Number(text.parse().ok()?),
+            Type::Word(_) | Type::File | Type::Text => OptionValue::Text(text.to_owned()),
+            _ => return None,
+        };
+        self.admit(value)
+    }
+
+    /// A value as one of the parameter's type and within its range; `None` where it is neither. Whole numbers serve as
+    /// numbers and the reverse, and flags and whole numbers as the words that they are written with.
+    pub fn admit(&self, value: OptionValue) -> Option<OptionValue> {
         let is_inside = |v: f64| v.is_finite() && (self.range.0..=self.range.1).contains(&v);
-        match self.kind {
-            Type::Flag => text.parse::<bool>().is_ok(),
-            Type::Integer => text.parse::<i64>().is_ok_and(|v| is_inside(v as f64)),
-            Type::Number => text.parse::<f64>().is_ok_and(is_inside),
-            Type::Word(_) => self.words().any(|w| w == text),
-            Type::File | Type::Text => !text.is_empty(),
-            _ => false,
+        match (self.kind, value) {
+            (Type::Flag, value @ OptionValue::Flag(_)) => Some(value),
+            (Type::Integer, value) => {
+                let v = value.number().filter(|v| v.fract() == 0.0 && is_inside(*v))?;
+                Some(OptionValue::Integer(v as i64))
+            }
+            (Type::Number, value) => value.number().filter(|v| is_inside(*v)).map(OptionValue::Number),
+            (Type::Word(_), value) => {
+                let text = value.to_string();
+                self.words().find(|w| *w == text).map(OptionValue::Word)
+            }
+            (Type::File | Type::Text, OptionValue::Text(text)) => {
+                Some(OptionValue::Text(text)).filter(|t| *t != OptionValue::Text(String::new()))
+            }
+            _ => None,
         }
+    }
+
+    /// True if a text is a value of the parameter.
+    pub fn takes(&self, text: &str) -> bool {
+        self.read(text).is_some()
     }
 
     /// The default without what is said of exceptions.

@@ -6,8 +6,8 @@ use crate::{
 };
 use steradian::{
     ColorMode, CompileOptions, Layer, Quality, Render, Scene, Viewpoint,
-    raster::suited_mode,
     scene::{Format, NodeId, SceneDesc, Value},
+    suited_mode,
 };
 
 /// Pixels of the largest picture that is shown.

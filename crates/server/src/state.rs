@@ -44,7 +44,7 @@ pub fn of(generation: u32, document: &Document, look: &Look, scene: &Scene, libr
     };
     let state = State {
         generation,
-        scene: about(document, scene),
+        scene: about(document, look, scene),
         film: Size { width: film.width, height: film.height },
         region: look.region,
         camera: camera(document, look, scene),
@@ -61,7 +61,14 @@ pub fn of(generation: u32, document: &Document, look: &Look, scene: &Scene, libr
     serde_json::to_string(&state).unwrap_or_default().into()
 }
 
-fn about(document: &Document, scene: &Scene) -> About {
+/// Message of what the integrator leaves out of the scene.
+fn left_out(look: &Look, scene: &Scene) -> Option<Said> {
+    let render = quality(look).render(scene).ok()?;
+    let text = render.left_out(scene)?.of(render.name);
+    Some(Said { severity: "warning", text })
+}
+
+fn about(document: &Document, look: &Look, scene: &Scene) -> About {
     let name = document.source.name.to_string_lossy();
     let file = document.desc.path.as_deref();
     let said = |d: &steradian::scene::Diagnostic| Said {
@@ -78,7 +85,11 @@ fn about(document: &Document, scene: &Scene) -> About {
         faces: document.desc.face_count(),
         lights: scene.lights().lights.len(),
         materials: scene.materials().len(),
-        messages: document.diagnostics.iter().take(MOST_MESSAGES).map(said).collect(),
+        messages: left_out(look, scene)
+            .into_iter()
+            .chain(document.diagnostics.iter().map(said))
+            .take(MOST_MESSAGES)
+            .collect(),
     }
 }
 

@@ -33,7 +33,7 @@ use std::{
     thread,
     time::{Duration, Instant},
 };
-use steradian::{Quality, Scene, scene::Diagnostics};
+use steradian::{Quality, Scene, method_of, scene::Diagnostics};
 use tokio::sync::{broadcast, oneshot, watch};
 
 /// Pixels of the first preview, before it is known how long they take.
@@ -140,13 +140,18 @@ pub fn start(source: Source, settings: SettingsChange, library: Library) -> Resu
     Ok(handle)
 }
 
+/// Name of the integrator that renders a scene where none is asked for.
+fn default_name(scene: &Scene) -> String {
+    Quality::default().render(scene).map_or_else(|_| method_of(scene).name(), |render| render.name).to_owned()
+}
+
 /// Opens a scene.
 fn open(source: Source, settings: SettingsChange, library: Library) -> Result<(Viewer, Handle), Diagnostics> {
     let document = Document::open(source)?;
     let mut look = Look { settings, ..Look::default() };
     let mut document = document;
     let scene = compile(&mut document, &look, Purpose::Render)?;
-    look.settings.integrator.get_or_insert_with(|| Quality::default().integrator_name(&scene).to_owned());
+    look.settings.integrator.get_or_insert_with(|| default_name(&scene));
     let held = held(&document, &look, &scene, 0).map_err(refusal)?;
     let (tasks, from_pages) = channel();
     let (frame, frames) = watch::channel(Arc::new(Frame::default()));
@@ -394,7 +399,7 @@ impl Viewer {
         let settings = SettingsChange { color: self.look.settings.color.clone(), ..SettingsChange::default() };
         let mut look = Look { layers: self.look.layers.clone(), settings, ..Look::default() };
         let scene = compile(&mut document, &look, Purpose::Render).map_err(lines)?;
-        look.settings.integrator = Some(Quality::default().integrator_name(&scene).to_owned());
+        look.settings.integrator = Some(default_name(&scene));
         self.held = held(&document, &look, &scene, self.held).map_err(|why| vec![why])?;
         (self.document, self.look, self.scene) = (document, look, scene);
         self.stamps = self.document.stamps();

@@ -35,9 +35,9 @@ pub use develop::develop;
 pub use error::Error;
 pub use inputs::Inputs;
 pub use load::{Loaded, load, load_bytes, open};
-pub use method::{Method, Render, film_bytes_per_pixel};
+pub use method::{LeftOut, Render, film_bytes_per_pixel, method_of, methods, suited_mode};
 pub use missed::missing_light;
-pub use quality::{LeftOut, Quality};
+pub use quality::Quality;
 pub use single::{SinglePath, trace_path};
 pub use steradian_accel as accel;
 pub use steradian_accel::Accelerator;
@@ -55,6 +55,8 @@ pub use steradian_instruments as instruments;
 pub use steradian_integrators as integrators;
 pub use steradian_integrators::{Control, Film, History, Plan, Session, meter};
 pub use steradian_math as math;
+pub use steradian_request as request;
+pub use steradian_request::{MethodRequest, Request};
 pub use steradian_scene as scene;
 pub use steradian_schema as schema;
 pub use steradian_texture as texture;
@@ -97,7 +99,7 @@ pub fn registry() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
 /// [`Session`].
 ///
 /// # Errors
-/// [`Error::UnknownIntegrator`] when the scene or the quality names an integrator that does not exist.
+/// [`Error::Request`] when the quality names an integrator or option that does not exist.
 pub fn render(scene: &Arc<Scene>, quality: &Quality) -> Result<image::Image, Error> {
     let mut session = quality.render(scene)?.session(scene)?;
     session.step(u32::MAX, &Control::default());

@@ -1,27 +1,61 @@
-//! A method with what it is to render: what a [`Quality`](crate::Quality) comes to for a scene.
+//! A request for a scene: the method that answers it, and its plan.
 
-use crate::{Error, Plan, Scene, Session};
+use crate::{Error, Layer, Plan, Scene, Session};
 use std::sync::Arc;
-use steradian_engine::Passes;
-use steradian_integrators::{Depth, IntegratorKind};
-use steradian_realtime::{FrameKind, Hybrid, Options, Preview, Rasterizer};
+use steradian_core::{
+    ColorMode,
+    sampler::{Sampler, SamplerKind},
+};
+use steradian_engine::{Asked, Feature, Limit, Method, MethodKind, Support};
+use steradian_request::{MethodRequest, Request, SamplerRequest};
+use steradian_schema::integrator::path_tracer;
 
-/// A way to make pictures.
-#[derive(Clone, Copy, Debug)]
-pub enum Method {
-    /// Light transport by rays.
-    Rays(IntegratorKind),
-    /// The graphics pipeline, with the most scattering events.
-    Pipeline(Options, Depth),
+/// Most groups of lights that layers are made of: each takes memory for a picture.
+const MOST_LIGHT_GROUPS: usize = 64;
+
+/// A method for a scene, with its plan.
+#[derive(Clone, Debug)]
+pub struct Render {
+    /// Name of the method.
+    pub name: &'static str,
+    /// The method.
+    pub method: Arc<dyn Method>,
+    /// Samples, layers and limits of the render.
+    pub plan: Plan,
+    /// The method that the scene's file names where it refuses the scene, and why: a path tracer takes its place.
+    pub replaced: Option<LeftOut>,
 }
 
-/// A method, and what is asked of it.
-#[derive(Clone, Copy, Debug)]
-pub struct Render {
-    /// The method.
-    pub method: Method,
-    /// What is asked.
-    pub plan: Plan,
+/// Something of a scene that a method does not render.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LeftOut {
+    /// What, in words.
+    pub what: String,
+    /// Name of the method that renders it, or that was to render it.
+    pub instead: &'static str,
+}
+
+impl LeftOut {
+    /// The sentence about a method that leaves this out.
+    pub fn of(&self, name: &str) -> String {
+        format!("integrator '{name}' leaves out {}; '{}' renders it", self.what, self.instead)
+    }
+}
+
+/// All methods by name.
+pub fn methods() -> impl Iterator<Item = &'static MethodKind> {
+    steradian_integrators::METHODS.iter().chain(steradian_realtime::METHODS)
+}
+
+/// The colour mode that suits an integrator, `NAME` or `NAME:key=value,…`, where its scene's format has no say.
+pub fn suited_mode(integrator: &str) -> Option<ColorMode> {
+    let name = integrator.split_once(':').map_or(integrator, |(name, _)| name);
+    methods().find(|kind| kind.name == name)?.mode
+}
+
+/// The method that a scene asks for: its file's own, or a path tracer.
+pub fn method_of(scene: &Scene) -> MethodRequest {
+    scene.method().cloned().unwrap_or_else(|| MethodRequest::new(path_tracer(scene.has_media())))
 }
 
 /// Bytes per pixel of a film while it is rendered, copied, developed and encoded, for `layers` auxiliary layers.
@@ -34,13 +68,76 @@ pub fn film_bytes_per_pixel(layers: usize) -> u64 {
 }
 
 impl Render {
+    /// The method of a request, or the scene's own, with the options of both.
+    ///
+    /// # Errors
+    /// [`Error::CannotRender`] where the method refuses the scene or something that is asked for, and
+    /// [`Error::Refused`] for options that do not go together.
+    pub fn new(request: &Request, scene: &Scene) -> Result<Self, Error> {
+        let options = match &request.method {
+            Some(asked) => asked.over(scene.method()),
+            None => method_of(scene),
+        };
+        let asked = Asked { request, options: &options, scene };
+        let method = made(&asked)?;
+        // A path tracer takes the place of a scene's own method that refuses the scene.
+        if let Some(refused) = Limit::of(&*method, scene).into_iter().find(Limit::refuses) {
+            let name = options.name();
+            if request.method.is_some() {
+                return Err(Error::CannotRender { integrator: name.into(), what: refused.what });
+            }
+            let method = Some(MethodRequest::new(path_tracer(scene.has_media())));
+            let render = Self::new(&Request { method, ..request.clone() }, scene)?;
+            return Ok(Self { replaced: Some(LeftOut { what: refused.what, instead: name }), ..render });
+        }
+        let plan = plan(&asked, &*method);
+        let render = Self { name: options.name(), method, plan, replaced: None };
+        render.check(scene)?;
+        Ok(render)
+    }
+
+    /// Refuses what the request asks for and the method does not do.
+    fn check(&self, scene: &Scene) -> Result<(), Error> {
+        let cannot = |what: String| Error::CannotRender { integrator: self.name.into(), what };
+        let (plan, supports) = (&self.plan, |feature| self.method.supports(feature));
+        if plan.adaptive && supports(Feature::Adaptivity) != Support::Exact {
+            return Err(Error::NotAdaptive(self.name.into()));
+        }
+        let behind = if scene.has_media() { " behind media" } else { "" };
+        let transparency = if scene.has_media() { Feature::TransparencyBehindMedia } else { Feature::Transparency };
+        let groups = scene.light_groups().names.len();
+        let asked = [
+            (plan.transparent, transparency, format!("a transparent background{behind}")),
+            (plan.by_light, Feature::LightGroups, "layers of groups of lights".into()),
+            (plan.halves, Feature::Denoising, "the layer 'halves'".into()),
+        ];
+        for (is_asked, feature, what) in asked {
+            if is_asked && supports(feature) != Support::Exact {
+                return Err(cannot(Limit::new(what, supports(feature)).what));
+            }
+        }
+        if plan.by_light && groups > MOST_LIGHT_GROUPS {
+            return Err(cannot(format!("layers of {groups} groups of lights ({MOST_LIGHT_GROUPS} at most)")));
+        }
+        if plan.by_light && plan.adaptive {
+            return Err(cannot("layers of groups of lights with --adaptive".into()));
+        }
+        if plan.halves && plan.sampler.spp < 2 {
+            return Err(cannot("the layer 'halves' with one sample per pixel; it takes two or more".into()));
+        }
+        match self.not_denoisable(scene).filter(|_| plan.halves) {
+            Some(why) => Err(cannot(format!("the layer 'halves': {why}"))),
+            None => Ok(()),
+        }
+    }
+
     /// Bytes of the film while it is rendered, copied, developed and encoded, with so many layers that were asked for.
     /// Mattes, the light of groups, intervals of arrival and halves count for themselves.
     pub fn film_bytes(&self, scene: &Scene, layers: usize) -> u64 {
         // Mattes are counted apart from other layers, and have eight times as many planes.
         let mattes = if self.plan.mattes { 16 } else { 0 };
         let groups = if self.plan.by_light { 3 * scene.light_groups().names.len() } else { 0 };
-        let bins = self.integrator().map_or(0, |i| 3 * i.bins() as usize);
+        let bins = 3 * self.method.bins() as usize;
         // Sums of even number beside those of all, and two more pictures.
         let halves = if self.plan.halves { 8 } else { 0 };
         let crop = scene.film().crop;
@@ -48,61 +145,65 @@ impl Render {
         pixels.saturating_mul(film_bytes_per_pixel(layers + mattes + groups + bins + halves))
     }
 
-    /// The integrator, of methods by rays.
-    pub fn integrator(&self) -> Option<&IntegratorKind> {
-        match &self.method {
-            Method::Rays(integrator) => Some(integrator),
-            Method::Pipeline(..) => None,
-        }
+    /// What of the scene the picture lacks or shows otherwise, with the method that renders it; `None` where nothing.
+    pub fn left_out(&self, scene: &Scene) -> Option<LeftOut> {
+        let what: Vec<String> = self.method.limits(scene).into_iter().map(|limit| limit.what).collect();
+        (!what.is_empty()).then(|| LeftOut { what: what.join(", "), instead: path_tracer(scene.has_media()).kind })
     }
 
     /// Why a denoiser cannot tell noise in the picture: where what pixels err is not independent, or not noise.
     pub fn not_denoisable(&self, scene: &Scene) -> Option<&'static str> {
-        match &self.method {
+        match self.method.supports(Feature::Denoising) {
             _ if scene.film().sensor.is_some() => Some("the film adds the noise of a sensor, which is to stay"),
-            Method::Pipeline(..) => {
-                Some("rasterisation has no noise of paths (its frames frame=hybrid are denoised already)")
-            }
-            Method::Rays(IntegratorKind::Radiosity(_)) => Some("patches err, not pixels"),
-            Method::Rays(IntegratorKind::Stokes(_)) => Some("Stokes parameters are no radiance"),
-            Method::Rays(IntegratorKind::Transient(_)) => Some("the layers of arrival times would keep their noise"),
-            Method::Rays(IntegratorKind::Passes(kind)) => kind.correlates().then_some(
-                "neighbouring pixels share photons or light paths, so that their errors are alike; \
-                 'path', 'volpath' and 'bdpt' can",
-            ),
-            Method::Rays(_) => None,
+            Support::Refuses(why) => Some(why),
+            _ => None,
         }
-    }
-
-    /// Why there are no halves of samples that err independently: what a denoiser cannot take, and a single sample.
-    pub fn no_halves(&self, scene: &Scene) -> Option<String> {
-        if self.plan.sampler.spp < 2 {
-            return Some("the layer 'halves' with one sample per pixel; it takes two or more".into());
-        }
-        self.not_denoisable(scene).map(|why| format!("the layer 'halves': {why}"))
     }
 
     /// Starts with an empty film.
     ///
     /// # Errors
-    /// [`Error::Raster`] for scenes that the pipeline cannot take.
+    /// [`Error::Refused`] for scenes that the method cannot begin with.
     pub fn session(&self, scene: &Arc<Scene>) -> Result<Box<dyn Session>, Error> {
-        Ok(match self.method {
-            Method::Rays(integrator) => integrator.session(Arc::clone(scene), self.plan),
-            Method::Pipeline(options, depth) => {
-                let local = scene.is_for_paths_alone().then(|| Arc::new(Scene::clone(scene).with_local_scattering()));
-                let scene = local.as_ref().unwrap_or(scene);
-                if options.frame == FrameKind::Hybrid {
-                    let hybrid = Hybrid::new(scene, options, depth, &self.plan)?;
-                    return Ok(Box::new(Passes::new(Arc::clone(scene), hybrid, self.plan)));
-                }
-                if options.frame == FrameKind::Preview {
-                    let preview = Preview::new(scene, options, depth, &self.plan)?;
-                    return Ok(Box::new(Passes::new(Arc::clone(scene), preview, self.plan)));
-                }
-                let rasterizer = Rasterizer::new(scene, options, depth, &self.plan)?;
-                Box::new(Passes::new(Arc::clone(scene), rasterizer, self.plan))
-            }
-        })
+        Ok(self.method.session(Arc::clone(scene), self.plan)?)
+    }
+}
+
+/// The method of a request.
+fn made(asked: &Asked<'_>) -> Result<Arc<dyn Method>, Error> {
+    let name = asked.options.name();
+    let kind = methods().find(|kind| kind.name == name);
+    Ok((kind.ok_or_else(|| Error::CannotRender { integrator: name.into(), what: "anything: it has no method".into() })?.new)(
+        asked,
+    )?)
+}
+
+/// Samples, layers and limits of a request.
+fn plan(asked: &Asked<'_>, method: &dyn Method) -> Plan {
+    let Asked { request, options, scene } = asked;
+    let settings = scene.settings();
+    let kind = match request.sampler {
+        None => settings.sampler,
+        Some(SamplerRequest::OfFile) => settings.named_sampler,
+        Some(SamplerRequest::Row(row)) => SamplerKind::named(row.kind).unwrap_or(settings.sampler),
+    };
+    // Metropolis counts its own.
+    let samples = options.given("samples").and_then(|v| v.number()).map(|n| n as u32);
+    let spp = request.spp.or(samples).unwrap_or_else(|| method.default_spp(settings.spp));
+    let has = |layer| request.layers.contains(&layer);
+    Plan {
+        sampler: Sampler { kind, spp, seed: asked.seed() },
+        threads: request.threads,
+        features: request.layers.iter().any(|l| l.needs_features()),
+        motion: has(Layer::Motion),
+        sees_through: request.layers.iter().any(|l| l.sees_through()),
+        mattes: has(Layer::Cryptomatte),
+        by_light: has(Layer::LightGroups),
+        halves: has(Layer::Halves),
+        independent: request.independent,
+        transparent: request.transparent,
+        hide_emitters: asked.hides_emitters(),
+        adaptive: request.adaptive,
+        error: request.error,
     }
 }

@@ -1,6 +1,7 @@
 //! Light that a picture lacks, since its integrator cannot find it.
 
 use crate::{Film, Render, Scene};
+use steradian_integrators::passes::missed_caustics;
 use steradian_math::{Vec3, color::luminance};
 
 /// Less than this part of the light is not worth a word.
@@ -9,7 +10,8 @@ const LEAST: f64 = 0.01;
 /// The part of the light that is missing in a picture: caustics of points and parallel lights, which
 /// no path from the camera finds. `None` where it is less than a hundredth, by an estimate.
 pub fn missing_light(render: &Render, scene: &Scene, film: &Film) -> Option<f64> {
-    let share = share_of(render.integrator()?.missed_caustics(scene)?, film);
+    let paths = render.method.camera_paths()?;
+    let share = share_of(missed_caustics(scene, &paths.depth), film);
     (share >= LEAST).then_some(share)
 }
 

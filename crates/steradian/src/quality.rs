@@ -1,69 +1,40 @@
-//! What the user decides about a render; what is left open follows the scene.
+//! A render request in words, as command lines, pages and Python have it.
 
-use crate::{
-    Error, Layer, Method, Render, radiosity,
-    raster::{FrameKind, Options, RASTER},
-};
-use std::path::PathBuf;
-use steradian_core::{
-    Scene,
-    sampler::{SAMPLERS, Sampler, SamplerKind},
-};
-use steradian_integrators::{
-    Depth, IntegratorKind, PathEffort, Plan, VarianceReduction,
-    ao::AmbientOcclusion,
-    passes::left_to_chance,
-    radiosity::{Settings, View},
-};
+use crate::{Error, Layer, Render};
+use steradian_core::Scene;
+use steradian_request::{MethodRequest, Request, SamplerRequest};
 use steradian_scene::{Family, names::did_you_mean};
 
-/// Most groups of lights that layers are made of: each takes memory for a picture.
-const MOST_LIGHT_GROUPS: usize = 64;
-
-/// Pixels of the largest preview: it takes some 200 bytes for each.
-const LARGEST_PREVIEW: u64 = 1 << 24;
 /// Most samples per pixel.
 pub const MAX_SPP: u32 = 1 << 24;
 /// Most threads.
 pub const MAX_THREADS: usize = 1024;
 
-/// Integrator, samples, depth, threads and layers.
+/// A [`Request`] in words: names of integrator and sampler are text. Fields that are `None` follow the scene.
 #[derive(Clone, Debug, Default)]
 pub struct Quality {
-    /// `NAME` or `NAME:key=value,…` with keys `max_depth`, `rr_depth`, `hide_emitters`, `reuse`: how many paths share
-    /// what they find, 1, 4 or 16, or `auto` where a trial is to tell, `caustics`: whether photons look for light
-    /// behind mirrors and glass beforehand, and `effort`: whether trials tell how many light samples and how much
-    /// roulette pay, and where more paths (`auto`), or not (`even`).
+    /// `NAME` or `NAME:key=value,…`, with the options of `docs/integrators.md`.
     pub integrator: Option<String>,
     /// Samples per pixel, up to [`MAX_SPP`]; their mean with `adaptive`.
     pub spp: Option<u32>,
-    /// Whether parts of the picture that err more get more samples.
+    /// True to spend more samples on parts of the picture with larger errors.
     pub adaptive: bool,
-    /// The relative error of the picture ([`steradian_integrators::Session::error`]) at which to stop.
+    /// Relative error of the picture ([`steradian_engine::Session::error`]) at which sampling ends.
     pub error: Option<f64>,
     /// Random seed.
     pub seed: Option<u64>,
     /// Threads, up to [`MAX_THREADS`]; 0 for one per processor.
     pub threads: usize,
-    /// Most scattering events.
+    /// Most scattering events on a path.
     pub max_depth: Option<u32>,
     /// Sampler by name, or `scene` for the one that the scene's file names.
     pub sampler: Option<String>,
     /// Auxiliary layers.
     pub layers: Vec<Layer>,
-    /// Whether what lies behind all surfaces is left out of the picture, for [`Layer::Alpha`].
+    /// True to leave the background behind all surfaces out of the picture, for [`Layer::Alpha`].
     pub transparent: bool,
-    /// Whether pixels are to err independently, as denoising needs it: `reuse` is 1 unless an option says otherwise.
+    /// True for pixels with independent errors, which denoisers need: `reuse` is 1 unless an option says otherwise.
     pub independent: bool,
-}
-
-/// Something of a scene that an integrator does not render.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct LeftOut {
-    /// What.
-    pub what: String,
-    /// The integrator that renders it.
-    pub instead: &'static str,
 }
 
 impl Quality {
@@ -78,334 +49,55 @@ impl Quality {
         Self { spp: Some(spp), ..self }
     }
 
-    /// The integrator for a scene, and what it is to render.
+    /// The typed request, checked by the schema.
     ///
     /// # Errors
-    /// [`Error`] for unknown names and options, and numbers that are too large.
-    pub fn render(&self, scene: &Scene) -> Result<Render, Error> {
-        let asked = self.integrator_or_scene(scene);
-        let (name, options) = asked.split_once(':').unwrap_or((asked, ""));
-        check_options(name, options)?;
-        let of_scene = self.options_of_scene(name, scene);
-        let depth = Depth {
-            max: scene.settings().max_depth,
-            roulette_after: scene.settings().rr_depth,
-            hide_emitters: scene.settings().hide_emitters,
-        };
-        if name == "radiosity" {
-            let depth = Depth { max: self.max_depth.unwrap_or(depth.max), ..depth };
-            let asked = radiosity::options(&(of_scene + options), depth)?;
-            let settings = Settings { seed: self.seed.unwrap_or(scene.settings().seed), ..asked.view.settings };
-            let view = View { settings, ..asked.view };
-            radiosity::can_solve(scene, &view)?;
-            if let Some(what) = IntegratorKind::Radiosity(view).refuses(scene) {
-                return Err(Error::CannotRender { integrator: name.into(), what });
-            }
-            // Without a final gather pixels have no noise but that of edges.
-            let spp =
-                self.spp.unwrap_or(if view.gather > 0 { scene.settings().spp } else { scene.settings().spp.min(16) });
-            let hide = view.depth.hide_emitters;
-            return self.plan_of(scene, Method::Rays(IntegratorKind::Radiosity(view)), spp, hide);
-        }
-        if name == RASTER {
-            let by_light = self.layers.contains(&Layer::LightGroups);
-            // What is asked without a word more is a first picture.
-            let crop = scene.film().crop;
-            let is_small = u64::from(crop.width()) * u64::from(crop.height()) <= LARGEST_PREVIEW;
-            let is_preview = options.is_empty()
-                && of_scene.is_empty()
-                && self.spp.is_none()
-                && !by_light
-                && !self.transparent
-                && is_small;
-            let mut options = Options::parse(&(of_scene + options))?;
-            if is_preview {
-                options.frame = FrameKind::Preview;
-            }
-            let depth = Depth { max: self.max_depth.unwrap_or(u32::MAX), ..depth };
-            if self.adaptive {
-                return Err(Error::NotAdaptive(name.into()));
-            }
-            let spp = self.spp.unwrap_or(1);
-            return self.plan_of(scene, Method::Pipeline(options, depth), spp, depth.hide_emitters);
-        }
-        if name == "ao" {
-            let integrator = IntegratorKind::AmbientOcclusion(ambient_occlusion(&(of_scene + options))?);
-            let spp = self.spp.unwrap_or(scene.settings().spp);
-            return self.plan_of(scene, Method::Rays(integrator), spp, false);
-        }
-        let options = of_scene + options;
-        let PathOptions { mut depth, mut variance_reduction, samples, own } =
-            PathOptions::parse(name, &options, depth)?;
-        if self.independent {
-            variance_reduction.reuse.get_or_insert(1);
-        }
-        depth.max = self.max_depth.unwrap_or(depth.max);
-        let mut integrator =
-            IntegratorKind::named(name, depth, variance_reduction).ok_or_else(|| Error::UnknownIntegrator {
-                name: name.into(),
-                hint: did_you_mean(name, Family::Integrator.kinds()),
-                known: Family::Integrator.kinds().collect::<Vec<_>>().join(", "),
-            })?;
-        for (key, value, option) in own {
-            if !integrator.set(key, value) {
-                return Err(unknown_option(name, option));
-            }
-        }
-        if self.adaptive && matches!(integrator, IntegratorKind::Passes(_) | IntegratorKind::Transient(_)) {
-            return Err(Error::NotAdaptive(name.into()));
-        }
-        if let Some(what) = integrator.refuses(scene) {
-            return Err(Error::CannotRender { integrator: name.into(), what });
-        }
-        if self.transparent {
-            let what = match integrator {
-                IntegratorKind::Passes(_) => Some("a transparent background"),
-                _ if scene.has_media() => Some("a transparent background behind media"),
-                _ => None,
-            };
-            if let Some(what) = what {
-                return Err(Error::CannotRender { integrator: name.into(), what: what.into() });
-            }
-        }
-        let spp = self.spp.or(samples).unwrap_or(scene.settings().spp);
-        self.plan_of(scene, Method::Rays(integrator), spp, depth.hide_emitters)
-    }
-
-    /// The scene's own options of an integrator, to stand before those that are asked for.
-    fn options_of_scene(&self, name: &str, scene: &Scene) -> String {
-        let settings = scene.settings();
-        let own = settings.options.iter().filter(|_| name == settings.integrator);
-        own.map(|(key, value)| format!("{key}={value},")).collect()
-    }
-
-    /// Makes paths fit for layers of groups of lights, which share nothing and take one light sample each.
-    fn keep_lights_apart(&self, scene: &Scene, method: &mut Method) -> Result<(), String> {
-        let groups = scene.light_groups().names.len();
-        if groups > MOST_LIGHT_GROUPS {
-            return Err(format!("layers of {groups} groups of lights ({MOST_LIGHT_GROUPS} at most)"));
-        }
-        if self.adaptive {
-            return Err("layers of groups of lights with --adaptive".into());
-        }
-        let plain = |variance_reduction: &mut VarianceReduction| {
-            *variance_reduction =
-                VarianceReduction { reuse: Some(1), effort: Some(PathEffort::default()), ..*variance_reduction };
-        };
-        match method {
-            Method::Rays(IntegratorKind::Path(i)) => plain(&mut i.variance_reduction),
-            Method::Rays(IntegratorKind::VolPath(i)) => plain(&mut i.variance_reduction),
-            Method::Pipeline(..) => {}
-            Method::Rays(_) => return Err("layers of groups of lights; 'path', 'volpath' and 'raster' can".into()),
-        }
-        Ok(())
-    }
-
-    /// Refuses numbers that no render can have.
-    ///
-    /// # Errors
-    /// [`Error::OutOfRange`].
-    pub fn check(&self) -> Result<(), Error> {
-        let within = |what, least: usize, most: usize, asked: usize| match (least..=most).contains(&asked) {
-            true => Ok(()),
-            false => Err(Error::OutOfRange { what, least, most, asked }),
-        };
+    /// [`Error`] for unknown names and options, values outside their range, and numbers that no render can have.
+    pub fn request(&self) -> Result<Request, Error> {
         within("samples per pixel", 1, MAX_SPP as usize, self.spp.unwrap_or(1) as usize)?;
-        within("threads", 0, MAX_THREADS, self.threads)
-    }
-
-    /// By a method, with so many samples per pixel, and lights hidden from the camera or not.
-    fn plan_of(&self, scene: &Scene, mut method: Method, spp: u32, hide_emitters: bool) -> Result<Render, Error> {
-        self.check()?;
-        if self.layers.contains(&Layer::LightGroups) {
-            let kept = self.keep_lights_apart(scene, &mut method);
-            kept.map_err(|what| Error::CannotRender { integrator: self.integrator_name(scene).into(), what })?;
-        }
-        let kind = match self.sampler.as_deref() {
-            None => scene.settings().sampler,
-            Some("scene") => scene.settings().named_sampler,
-            Some(name) => SamplerKind::named(name).ok_or_else(|| Error::UnknownSampler {
-                name: name.into(),
-                hint: did_you_mean(name, SAMPLERS.iter().map(|s| s.0)),
-                known: SAMPLERS.iter().map(|s| s.0).collect::<Vec<_>>().join(", "),
-            })?,
-        };
-        let sampler = Sampler { kind, spp, seed: self.seed.unwrap_or(scene.settings().seed) };
-        let plan = Plan {
-            sampler,
-            threads: self.threads,
-            features: self.layers.iter().any(|l| l.needs_features()),
-            motion: self.layers.contains(&Layer::Motion),
-            sees_through: self.layers.iter().any(|l| l.sees_through()),
-            mattes: self.layers.contains(&Layer::Cryptomatte),
-            by_light: self.layers.contains(&Layer::LightGroups),
-            halves: self.layers.contains(&Layer::Halves),
-            transparent: self.transparent,
-            hide_emitters,
+        within("threads", 0, MAX_THREADS, self.threads)?;
+        Ok(Request {
+            method: self.integrator.as_deref().map(MethodRequest::parse).transpose()?,
+            sampler: self.sampler.as_deref().map(sampler).transpose()?,
+            spp: self.spp,
             adaptive: self.adaptive,
             error: self.error,
-        };
-        let render = Render { method, plan };
-        if plan.halves
-            && let Some(what) = render.no_halves(scene)
-        {
-            return Err(Error::CannotRender { integrator: self.integrator_name(scene).into(), what });
-        }
-        Ok(render)
+            seed: self.seed,
+            threads: self.threads,
+            max_depth: self.max_depth,
+            layers: self.layers.clone(),
+            transparent: self.transparent,
+            independent: self.independent,
+        })
     }
 
-    /// The file that keeps the solution of radiosity, where one is named.
-    pub fn solution(&self) -> Option<PathBuf> {
-        let (_, options) = self.integrator.as_deref()?.strip_prefix("radiosity").map(|o| o.split_once(':'))??;
-        options.split(',').find_map(|o| o.strip_prefix("solution=")).filter(|f| !f.is_empty()).map(PathBuf::from)
-    }
-
-    /// The integrator that is asked for, or the scene's; where that cannot do what is in the scene, a path tracer.
-    fn integrator_or_scene<'a>(&'a self, scene: &'a Scene) -> &'a str {
-        let named = scene.settings().integrator.as_str();
-        match &self.integrator {
-            Some(asked) => asked,
-            None if self.cannot(scene).is_some() => {
-                if scene.has_media() {
-                    "volpath"
-                } else {
-                    "path"
-                }
-            }
-            None => named,
-        }
-    }
-
-    /// What in the scene its own integrator cannot do, where no other one is asked for: a path tracer renders it then.
-    pub fn cannot(&self, scene: &Scene) -> Option<String> {
-        let depth = Depth { max: 1, roulette_after: 1, hide_emitters: false };
-        match IntegratorKind::named(&scene.settings().integrator, depth, VarianceReduction::default())? {
-            kind if self.integrator.is_none() => kind.refuses(scene),
-            _ => None,
-        }
-    }
-
-    /// What of the scene the integrator does not see. (That a file's own integrator sees no media is said by
-    /// compiling.)
-    pub fn leaves_out(&self, scene: &Scene) -> Option<LeftOut> {
-        let name = self.integrator_name(scene);
-        let is_raster = name == RASTER;
-        let depth = Depth { max: 1, roulette_after: 1, hide_emitters: false };
-        let passes = match IntegratorKind::named(name, depth, VarianceReduction::default()) {
-            Some(IntegratorKind::Passes(kind)) => Some(kind),
-            _ => None,
-        };
-        let is_blind = matches!(name, "path" | "direct" | "whitted") || name.starts_with("stokes") || is_raster;
-        let media = scene.has_media() && is_blind && self.integrator.is_some();
-        let media = media.then(|| "participating media".to_owned());
-        let chance = scene.emitters_left_to_chance();
-        let chance = (chance > 0 && (is_raster || name == "whitted")).then(|| left_to_chance(chance));
-        let motion = ((scene.moves() || scene.has_schedules()) && is_raster)
-            .then(|| "motion: it shows the moment at which the shutter opens".to_owned());
-        let below = ((scene.has_subsurface() || scene.is_fluorescent()) && is_raster)
-            .then(|| "light that goes below surfaces or changes its wavelength: they are shown as diffuse".to_owned());
-        let of_passes = passes.as_ref().and_then(|kind| kind.leaves_out(scene));
-        let solved = (name == "radiosity").then(|| self.not_solved(scene)).flatten();
-        let what: Vec<String> = [media, motion, below, of_passes, chance, solved].into_iter().flatten().collect();
-        let instead = match passes {
-            _ if scene.has_media() => "volpath",
-            Some(_) => "bdpt",
-            None => "path",
-        };
-        (!what.is_empty()).then(|| LeftOut { what: what.join(", "), instead })
-    }
-
-    /// What of the scene radiosity shows otherwise than it is.
-    fn not_solved(&self, scene: &Scene) -> Option<String> {
-        let media = scene.has_media().then(|| "participating media".to_owned());
-        let below =
-            scene.has_subsurface().then(|| "light that goes below surfaces: they are shown as diffuse".to_owned());
-        let detail = scene.has_surface_detail().then(|| "normal and bump maps between surfaces".to_owned());
-        media.into_iter().chain(below).chain(detail).reduce(|a, b| format!("{a}, {b}"))
-    }
-
-    /// The integrator's name in the plan, without options.
-    pub fn integrator_name<'a>(&'a self, scene: &'a Scene) -> &'a str {
-        let asked = self.integrator_or_scene(scene);
-        asked.split_once(':').map_or(asked, |s| s.0)
+    /// The method and plan of this request for a scene.
+    ///
+    /// # Errors
+    /// Those of [`Self::request`] and [`Render::new`].
+    pub fn render(&self, scene: &Scene) -> Result<Render, Error> {
+        Render::new(&self.request()?, scene)
     }
 }
 
-/// The options of an integrator that follows paths.
-struct PathOptions<'a> {
-    depth: Depth,
-    variance_reduction: VarianceReduction,
-    /// Samples per pixel, of methods that count their own.
-    samples: Option<u32>,
-    /// Those of the integrator alone: key, value, and both as written.
-    own: Vec<(&'a str, &'a str, &'a str)>,
-}
-
-impl<'a> PathOptions<'a> {
-    fn parse(name: &str, options: &'a str, depth: Depth) -> Result<Self, Error> {
-        let variance_reduction = VarianceReduction::default();
-        let mut parsed = Self { depth, variance_reduction, samples: None, own: Vec::new() };
-        for option in options.split(',').filter(|o| !o.is_empty()) {
-            let fault = || unknown_option(name, option);
-            let (key, value) = option.split_once('=').ok_or_else(fault)?;
-            let reduction = &mut parsed.variance_reduction;
-            match key.trim() {
-                "max_depth" if value == "-1" => parsed.depth.max = u32::MAX,
-                "max_depth" => parsed.depth.max = value.parse().map_err(|_| fault())?,
-                "rr_depth" => parsed.depth.roulette_after = value.parse().map_err(|_| fault())?,
-                "hide_emitters" => parsed.depth.hide_emitters = value.parse().map_err(|_| fault())?,
-                "samples" => parsed.samples = Some(value.parse().map_err(|_| fault())?),
-                "reuse" if value == "auto" => reduction.reuse = None,
-                "reuse" => {
-                    let size: u32 = value.parse().map_err(|_| fault())?;
-                    reduction.reuse = Some([1, 4, 16].into_iter().find(|s| *s == size).ok_or_else(fault)?);
-                }
-                "caustics" if value == "auto" => reduction.caustics = None,
-                "effort" if value == "auto" => reduction.effort = None,
-                "effort" if value == "even" => reduction.effort = Some(PathEffort::default()),
-                "caustics" => reduction.caustics = Some(value.parse().map_err(|_| fault())?),
-                key => parsed.own.push((key, value, option)),
-            }
-        }
-        Ok(parsed)
+/// Refuses a number outside its range.
+fn within(what: &'static str, least: usize, most: usize, asked: usize) -> Result<(), Error> {
+    match (least..=most).contains(&asked) {
+        true => Ok(()),
+        false => Err(Error::OutOfRange { what, least, most, asked }),
     }
 }
 
-/// Holds options against the schema.
-fn check_options(integrator: &str, options: &str) -> Result<(), Error> {
-    // Names that are unknown are told where they are looked up.
-    let Some(model) = Family::Integrator.model(integrator) else { return Ok(()) };
-    let is_value = |option: &str| {
-        let (key, value) = option.split_once('=')?;
-        model.parameter(key.trim()).filter(|p| p.takes(value))
-    };
-    match options.split(',').map(str::trim).find(|o| !o.is_empty() && is_value(o).is_none()) {
-        Some(wrong) => Err(unknown_option(integrator, wrong)),
-        None => Ok(()),
+/// A sampler by name.
+fn sampler(name: &str) -> Result<SamplerRequest, Error> {
+    if name == "scene" {
+        return Ok(SamplerRequest::OfFile);
     }
-}
-
-/// An option that an integrator does not have, or not with that value.
-fn unknown_option(integrator: &str, option: &str) -> Error {
-    let known = Family::Integrator.model(integrator).map_or(&[][..], |i| i.parameters);
-    let keys: Vec<String> = known.iter().map(|o| format!("{} ({})", o.name, o.values())).collect();
-    let keys = if keys.is_empty() { "none".to_owned() } else { keys.join("; ") };
-    let key = option.split('=').next().unwrap_or(option).trim();
-    let hint = match known.iter().find(|o| o.name == key) {
-        Some(o) => format!(" ('{key}' takes {})", o.values()),
-        None => did_you_mean(key, known.iter().map(|o| o.name)).map(|h| format!(" ({h})")).unwrap_or_default(),
-    };
-    Error::IntegratorOption { option: option.into(), integrator: integrator.into(), hint, keys }
-}
-
-/// The options of ambient occlusion.
-fn ambient_occlusion(options: &str) -> Result<AmbientOcclusion, Error> {
-    let mut asked = AmbientOcclusion { distance: f32::INFINITY };
-    for option in options.split(',').filter(|o| !o.is_empty()) {
-        let distance = option.trim().strip_prefix("distance=").and_then(|v| v.parse::<f32>().ok());
-        asked.distance = distance.filter(|d| *d > 0.0).ok_or_else(|| Error::AmbientOcclusionOption(option.into()))?;
-    }
-    Ok(asked)
+    Family::Sampler.model(name).map(SamplerRequest::Row).ok_or_else(|| Error::UnknownSampler {
+        name: name.into(),
+        hint: did_you_mean(name, Family::Sampler.kinds()),
+        known: Family::Sampler.kinds().collect::<Vec<_>>().join(", "),
+    })
 }
 
 #[cfg(test)]

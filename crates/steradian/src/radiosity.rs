@@ -1,14 +1,12 @@
-//! Radiosity for users: its options in text, and solutions that are kept in files and seen again from any camera.
+//! Radiosity for users: solutions that are kept in files and seen again from any camera.
 
-use crate::{Error, Scene, resume};
+use crate::{Render, Scene, resume};
 use std::{
+    any::Any,
     io::{self, BufWriter, Write},
-    path::{Path, PathBuf},
+    path::Path,
 };
-use steradian_integrators::{
-    Depth,
-    radiosity::{FormFactors, LoadError, METHODS, Refusal, Settings, Solution, View, check},
-};
+use steradian_integrators::radiosity::{LoadError, Settings, Solution, View};
 use steradian_scene::{Family, SceneDesc};
 
 pub use steradian_integrators::radiosity::{Report, Watcher, solve};
@@ -17,15 +15,6 @@ const MAGIC: &[u8; 16] = b"Steradian light\n";
 const HASH: usize = blake3::OUT_LEN;
 /// Largest file that is read.
 const LARGEST: u64 = 8 << 30;
-
-/// What is asked of radiosity.
-#[derive(Clone, Debug)]
-pub struct Asked {
-    /// How it is solved and seen.
-    pub view: View,
-    /// The file that keeps the solution.
-    pub file: Option<PathBuf>,
-}
 
 /// Why a kept solution is of no use.
 #[derive(Debug, thiserror::Error)]
@@ -48,59 +37,9 @@ pub enum KeptError {
     OtherSettings(String),
 }
 
-/// Reads the options `key=value,…` of radiosity.
-///
-/// # Errors
-/// [`Error::RadiosityOption`] for what is not understood.
-pub fn options(text: &str, mut depth: Depth) -> Result<Asked, Error> {
-    let mut settings = Settings::default();
-    let (mut gather, mut smooth, mut file) = (0, true, None);
-    let (mut factors, mut resolution) = ("analytic", None);
-    for option in text.split(',').filter(|o| !o.is_empty()) {
-        let fault = || Error::RadiosityOption(option.into());
-        let (key, value) = option.split_once('=').ok_or_else(fault)?;
-        let whole = |range: std::ops::RangeInclusive<u32>| -> Result<u32, Error> {
-            value.parse().ok().filter(|v| range.contains(v)).ok_or_else(fault)
-        };
-        match key.trim() {
-            "max_depth" if value == "-1" => depth.max = u32::MAX,
-            "max_depth" => depth.max = whole(0..=u32::MAX)?,
-            "hide_emitters" => depth.hide_emitters = value.parse().map_err(|_| fault())?,
-            "method" => settings.method = METHODS.iter().find(|m| m.0 == value).ok_or_else(fault)?.1,
-            "factors" if ["analytic", "montecarlo", "hemicube"].contains(&value) => factors = value,
-            "resolution" => resolution = Some(whole(2..=4096)?),
-            "patches" => settings.patches = whole(1..=2_000_000)? as usize,
-            "adaptive" => settings.adaptive = whole(0..=8)?,
-            "tolerance" => {
-                let v: f64 = value.parse().map_err(|_| fault())?;
-                settings.tolerance = Some(v).filter(|v| *v > 0.0 && *v < 1.0).ok_or_else(fault)?;
-            }
-            "rays" => settings.rays = whole(1..=1_000_000)?,
-            "wavelengths" => settings.bands = whole(4..=256)?.div_ceil(4) as usize,
-            "ambient" => settings.ambient = value.parse().map_err(|_| fault())?,
-            "gather" => gather = whole(0..=4096)?,
-            "smooth" => smooth = value.parse().map_err(|_| fault())?,
-            "solution" if !value.is_empty() => file = Some(PathBuf::from(value)),
-            _ => return Err(fault()),
-        }
-    }
-    settings.factors = match factors {
-        "montecarlo" => FormFactors::MonteCarlo(resolution.unwrap_or(1000)),
-        "hemicube" => FormFactors::Hemicube(resolution.unwrap_or(64)),
-        _ => FormFactors::Analytic,
-    };
-    // The last bounce is that at the surface that is seen; with a final gather the last two are followed.
-    let carried = depth.max.saturating_sub(u32::from(gather > 0));
-    settings.bounces = (depth.max != u32::MAX).then_some(carried);
-    Ok(Asked { view: View { settings, depth, gather, smooth }, file })
-}
-
-/// Whether a scene can be solved.
-///
-/// # Errors
-/// Why it cannot.
-pub fn can_solve(scene: &Scene, view: &View) -> Result<(), Refusal> {
-    check(scene, &view.settings)
+/// Views of radiosity, where that is the method of a render.
+pub fn view_of(render: &Render) -> Option<&View> {
+    (&*render.method as &dyn Any).downcast_ref()
 }
 
 /// The fingerprint of all that light depends on: a description without its cameras and what is done with pictures.
@@ -178,7 +117,8 @@ pub fn load(scene: &Scene, fingerprint: &[u8; HASH], settings: &Settings, path: 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{CompileOptions, compile, cornell};
+    use crate::{CompileOptions, Quality, compile, cornell};
+    use steradian_integrators::radiosity::FormFactors;
 
     fn scene(desc: &SceneDesc, camera: f64) -> Scene {
         let mut desc = desc.clone();
@@ -188,10 +128,6 @@ mod tests {
         compile(&desc, &CompileOptions { size: Some((16, 16)), ..CompileOptions::default() }).scene.unwrap()
     }
 
-    fn depth() -> Depth {
-        Depth { max: u32::MAX, roulette_after: 2, hide_emitters: false }
-    }
-
     /// Kept for one camera, seen from another; not for other lights, materials, or settings.
     #[test]
     fn solutions_are_kept_for_all_cameras() {
@@ -199,7 +135,8 @@ mod tests {
         let path = folder.path().join("light");
         let desc = cornell::luminous_ceiling();
         let here = scene(&desc, 0.0);
-        let settings = options("patches=100,adaptive=0", depth()).unwrap().view.settings;
+        let render = Quality::of("radiosity:patches=100,adaptive=0").render(&here).unwrap();
+        let settings = view_of(&render).expect("radiosity").settings;
         let print = fingerprint(&desc).unwrap();
         let solution = solve(&here, &settings, &()).unwrap().unwrap();
         keep(&here, &print, &settings, &solution, &path).unwrap();
@@ -233,15 +170,23 @@ mod tests {
     }
 
     #[test]
-    fn options_are_read_or_refused() {
-        let asked = options("method=direct,factors=hemicube,resolution=32,patches=500,gather=4,solution=a b", depth());
-        let asked = asked.unwrap();
-        assert_eq!(asked.view.settings.factors, FormFactors::Hemicube(32));
-        assert_eq!((asked.view.gather, asked.file), (4, Some(PathBuf::from("a b"))));
-        for wrong in
-            ["method=magic", "patches=0", "tolerance=0", "tolerance=nan", "factors=", "spp=3", "gather", "rays=-1"]
-        {
-            assert!(options(wrong, depth()).is_err(), "{wrong}");
+    fn options_follow_requests() {
+        let scene = scene(&cornell::luminous_ceiling(), 0.0);
+        let view = |text: &str| {
+            let render = Quality::of(&format!("radiosity:{text}")).render(&scene)?;
+            Ok::<_, crate::Error>(*view_of(&render).expect("radiosity"))
+        };
+        let asked = view("factors=hemicube,resolution=32,patches=500,gather=4,wavelengths=9,max_depth=7").unwrap();
+        assert_eq!(asked.settings.factors, FormFactors::Hemicube(32));
+        assert_eq!((asked.settings.patches, asked.gather, asked.settings.bands), (500, 4, 3));
+        // With a final gather the last two bounces are followed.
+        assert_eq!((asked.depth.max, asked.settings.bounces), (7, Some(6)));
+        let defaults = view("").unwrap();
+        let bounces = defaults.settings.bounces;
+        assert_eq!(defaults.settings, Settings { bounces, ..Settings::default() });
+        assert_eq!(view("factors=hemicube").unwrap().settings.factors, FormFactors::Hemicube(64));
+        for wrong in ["method=magic", "patches=0", "tolerance=0", "factors=", "spp=3", "gather", "rays=-1"] {
+            assert!(view(wrong).is_err(), "{wrong}");
         }
     }
 }

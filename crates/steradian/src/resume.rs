@@ -147,7 +147,7 @@ impl Saved {
 impl Recipe {
     /// Of a scene with the [`fingerprint`] of its description, as it was compiled, rendered by a plan.
     pub fn new(scene: &Scene, fingerprint: [u8; blake3::OUT_LEN], options: &CompileOptions, render: &Render) -> Self {
-        let (film, Render { method, plan }) = (scene.film(), render);
+        let (film, Render { method, plan, .. }) = (scene.film(), render);
         // Not threads, memory, or structures, which change no bit.
         let settings = [
             ("integrator", format!("{method:?}")),
@@ -289,7 +289,8 @@ mod tests {
                 first.step(left_at, &Control::default());
                 let recipe = recipe(&scene, print, &quality);
                 recipe.save(&mut *first, &path).unwrap();
-                let mut second = Render { plan: Plan { threads: 3, ..render.plan }, ..render }.session(&scene).unwrap();
+                let plan = Plan { threads: 3, ..render.plan };
+                let mut second = Render { plan, ..render.clone() }.session(&scene).unwrap();
                 recipe.restore(&mut *second, &path).unwrap();
                 assert_eq!((second.samples(), second.counters()), (first.samples(), first.counters()));
                 second.step(40, &Control::default());

@@ -1,9 +1,9 @@
 //! The path of one sample of a pixel, as the path tracer of a render makes it.
 
-use crate::{Error, Method, Quality};
+use crate::{Error, Quality};
 use steradian_core::Scene;
 use steradian_integrators::{
-    Depth, IntegratorKind,
+    Depth,
     traced::{self, TracedPath},
 };
 
@@ -39,9 +39,8 @@ pub fn trace_path(scene: &Scene, quality: &Quality, pixel: [u32; 2], sample: u32
         roulette_after: scene.settings().rr_depth,
         hide_emitters: scene.settings().hide_emitters,
     };
-    let (has_media, depth, is_of_picture) = match render.method {
-        Method::Rays(IntegratorKind::Path(i)) => (false, i.path.depth, true),
-        Method::Rays(IntegratorKind::VolPath(i)) => (true, i.path.depth, true),
+    let (has_media, depth, is_of_picture) = match render.method.camera_paths() {
+        Some(paths) if paths.is_plain => (paths.media, paths.depth, true),
         _ => (scene.has_media(), of_scene, false),
     };
     let path = traced::trace(scene, &render.plan.sampler, (has_media, depth), pixel, sample);

@@ -35,31 +35,12 @@ pub use state::PathState;
 pub use vertex::Vertex;
 pub use walk::{along, leaving};
 
-use steradian_core::Scene;
 use steradian_math::{Spectrum, spectra::Wavelengths};
 
 /// Surfaces that scatter nothing are passed at most this often on a path.
 pub const MAX_PASSES: u32 = 1 << 16;
 
-/// How far paths are followed.
-#[derive(Clone, Copy, Debug)]
-pub struct Depth {
-    /// Most scattering events; `u32::MAX` for no limit.
-    pub max: u32,
-    /// Scattering events before Russian roulette.
-    pub roulette_after: u32,
-    /// Whether lights are invisible to the camera.
-    pub hide_emitters: bool,
-}
-
-impl Depth {
-    /// Whether a path passes a surface straight after so many scattering events: camera rays pass all that emits where
-    /// lights are hidden from the camera, as in Mitsuba 3.9.
-    #[inline]
-    pub fn hides(&self, scene: &Scene, geometry: u32, events: u32) -> bool {
-        self.hide_emitters && events == 0 && scene.is_passed_when_hidden(geometry)
-    }
-}
+pub use steradian_engine::Depth;
 
 /// The power heuristic with exponent two for one sample of each of two techniques (Veach 1997, eq. 9.13).
 #[inline(always)]

@@ -35,6 +35,7 @@ use steradian_math::{
     spectra::{ColorMode, Wavelengths},
     transform::Affine,
 };
+use steradian_request::MethodRequest;
 use steradian_texture::{FloatTexture, Footprint, MeshAttributes, TextureContext, Textures, hash_point, pages::Pages};
 pub use tables::Table;
 
@@ -165,6 +166,11 @@ impl Scene {
     #[inline]
     pub fn film(&self) -> &FilmSpec {
         &self.parts.film
+    }
+
+    /// The method that the scene's file names, with its options.
+    pub fn method(&self) -> Option<&MethodRequest> {
+        self.parts.method.as_ref()
     }
 
     /// Settings of the scene.

@@ -11,6 +11,7 @@ use crate::{
 };
 use std::{collections::BTreeMap, sync::Arc};
 use steradian_accel::Accel;
+use steradian_request::MethodRequest;
 use steradian_math::{DVec3, Motion, spectra::ColorMode, transform::Affine};
 use steradian_texture::{FloatTexture, Textures, pages::Pages};
 
@@ -87,8 +88,6 @@ impl Placement {
 /// Settings that a scene asks of the renderer; the user's own take precedence.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Integrator by name.
-    pub integrator: String,
     /// Most scattering events on a path; `u32::MAX` for no limit.
     pub max_depth: u32,
     /// Scattering events before Russian roulette.
@@ -98,8 +97,6 @@ pub struct Settings {
     /// Makes hidden lights block camera rays all the same, as black surfaces. Methods are compared so: the region
     /// behind a lamp close to a ceiling differs by the radius of photons, which tells nothing.
     pub hidden_emitters_block: bool,
-    /// Options of that integrator that are its own, as `NAME:key=value` has them.
-    pub options: Vec<(String, String)>,
     /// Samples per pixel.
     pub spp: u32,
     /// The point set.
@@ -135,6 +132,8 @@ pub struct Parts {
     pub camera: Camera,
     /// Film.
     pub film: FilmSpec,
+    /// The method that the scene's file names, with its options.
+    pub method: Option<MethodRequest>,
     /// Settings of the scene.
     pub settings: Settings,
     /// Groups of lights.

@@ -8,7 +8,8 @@ use super::{
     subpath::{Arrival, LIGHT_EVENTS, Numbers, Subpath, Sums, Ways, squared},
     vertex::{Scattered, Vertex},
 };
-use crate::{Counters, Depth, dimension, nee};
+use crate::{Counters, Depth, dimension, nee, support};
+use std::sync::Arc;
 use steradian_bsdf::TransportMode::{Importance, Radiance};
 use steradian_core::{
     Scene,
@@ -16,7 +17,10 @@ use steradian_core::{
     light::{Light, emission::Emission},
     scene::Interaction,
 };
-use steradian_engine::{CameraSample, Pass, Run};
+use steradian_engine::{
+    Asked, CameraSample, Feature, Method, MethodKind, Pass, Passes, Plan, Refusal, Run, Session,
+    Support::{self, LeavesOut, Refuses},
+};
 use steradian_math::{Spectrum, Vec3, spectra::Wavelengths};
 
 /// Camera rays of a piece of work, and pieces whose findings wait to be added to the film.
@@ -49,28 +53,42 @@ pub struct Bidirectional {
     pub radius: Radius,
 }
 
+/// `light`.
+pub const LIGHT: MethodKind = MethodKind::new("light", |asked| Ok(Arc::new(Bidirectional::of(asked, Strategy::Light))));
+
+/// `bdpt`.
+pub const BDPT: MethodKind =
+    MethodKind::new("bdpt", |asked| Ok(Arc::new(Bidirectional::of(asked, Strategy::Connections))));
+
+/// `vcm`. Where paths are connected too, narrow merging leaves less bias and no more noise.
+pub const VCM: MethodKind = MethodKind::new("vcm", |asked| Ok(Arc::new(Bidirectional::of(asked, Strategy::Merging))));
+
 impl Bidirectional {
-    /// What of the scene it cannot do.
-    pub fn cannot(&self, scene: &Scene) -> Option<String> {
-        if scene.has_media() {
-            return Some("participating media".into());
+    fn of(asked: &Asked<'_>, strategy: Strategy) -> Self {
+        Self { depth: asked.depth(), strategy, radius: Radius::of(asked.options) }
+    }
+}
+
+impl Method for Bidirectional {
+    fn supports(&self, feature: Feature) -> Support {
+        match (self.strategy, feature) {
+            // Between neighbours of a Cornell box, errors of `light` have a correlation of 0.3, and those of `bdpt` 0.04.
+            (Strategy::Connections, Feature::Denoising) => Support::Exact,
+            (Strategy::Light, Feature::Curves) => Refuses("they face the ray, and light paths do not pass them"),
+            (Strategy::Light, Feature::UnconnectedCamera | Feature::InfinitePlanes) => Refuses(""),
+            (Strategy::Light, Feature::SpecularView) => LeavesOut("no light path meets the camera there"),
+            (Strategy::Light, Feature::UnsampledEmitters) => LeavesOut(""),
+            _ => support::of_passes(feature),
         }
-        if self.strategy != Strategy::Light {
-            return None;
-        }
-        if scene.has_curves() {
-            return Some("curves: they face the ray, and light paths do not pass them".into());
-        }
-        if !scene.camera().can_receive() {
-            return Some("a spherical camera with a lens".into());
-        }
-        super::light_reaches_all(scene)
     }
 
-    /// What of the scene is missing in its picture; `None` where nothing is.
-    pub fn leaves_out(&self, scene: &Scene) -> Option<String> {
-        let specular = super::specular_material(scene).filter(|_| self.strategy == Strategy::Light)?;
-        Some(format!("what smooth surfaces show, such as '{specular}': no light path meets the camera there"))
+    fn session(&self, scene: Arc<Scene>, plan: Plan) -> Result<Box<dyn Session>, Refusal> {
+        Ok(Box::new(Passes::new(scene, Tracer::new(*self), plan)))
+    }
+
+    fn bias_pair(&self) -> Option<[Arc<dyn Method>; 2]> {
+        let finer = Self { radius: self.radius.times(0.5), ..*self };
+        (self.strategy == Strategy::Merging).then(|| [Arc::new(finer) as Arc<dyn Method>, Arc::new(*self)])
     }
 }
 

@@ -10,13 +10,15 @@ use super::{
     radius::Radius,
     subpath::Numbers,
 };
-use crate::{Counters, Depth, dimension};
-use std::{cell::RefCell, collections::HashMap};
+use crate::{Counters, Depth, dimension, support};
+use std::{cell::RefCell, collections::HashMap, sync::Arc};
 use steradian_core::{
     Scene,
     film::{PassFilm, Splat},
 };
-use steradian_engine::{CameraSample, Pass, Run};
+use steradian_engine::{
+    CameraSample, Feature, Method, MethodKind, Pass, Passes, Plan, Refusal, Run, Session, Support,
+};
 use steradian_math::{
     Vec2,
     color::luminance,
@@ -45,10 +47,21 @@ impl Metropolis {
     fn paths(&self) -> Bidirectional {
         Bidirectional { depth: self.depth, strategy: Strategy::Connections, radius: Radius::Pixels(1.0) }
     }
+}
 
-    /// What of the scene it cannot do.
-    pub fn cannot(&self, scene: &Scene) -> Option<String> {
-        self.paths().cannot(scene)
+/// `pssmlt`.
+pub const PSSMLT: MethodKind = MethodKind::new("pssmlt", |asked| {
+    let large_step = asked.options.number("large_step").unwrap_or_default() as f32;
+    Ok(Arc::new(Metropolis { depth: asked.depth(), large_step }))
+});
+
+impl Method for Metropolis {
+    fn supports(&self, feature: Feature) -> Support {
+        support::of_passes(feature)
+    }
+
+    fn session(&self, scene: Arc<Scene>, plan: Plan) -> Result<Box<dyn Session>, Refusal> {
+        Ok(Box::new(Passes::new(scene, Chains::new(*self), plan)))
     }
 }
 

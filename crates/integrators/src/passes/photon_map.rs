@@ -10,10 +10,10 @@ use super::{
     subpath::{Subpath, Ways},
     vertex::{Vertex, View},
 };
-use crate::{Counters, Depth};
-use std::f32::consts::PI;
+use crate::{Counters, Depth, support};
+use std::{f32::consts::PI, sync::Arc};
 use steradian_core::{Scene, film::PassFilm, light::emission::Emission, sampler::PixelSampler};
-use steradian_engine::{Pass, Run};
+use steradian_engine::{Feature, Method, MethodKind, Pass, Passes, Plan, Refusal, Run, Session, Support};
 use steradian_math::Vec3;
 
 /// The settings.
@@ -31,10 +31,28 @@ pub struct PhotonMap {
     pub gather: bool,
 }
 
-impl PhotonMap {
-    /// What of the scene it cannot do.
-    pub fn cannot(&self, scene: &Scene) -> Option<String> {
-        if scene.has_media() { Some("participating media".into()) } else { super::light_reaches_all(scene) }
+/// `photon`.
+pub const PHOTON: MethodKind = MethodKind::new("photon", |asked| {
+    Ok(Arc::new(PhotonMap {
+        depth: asked.depth(),
+        radius: Radius::of(asked.options),
+        photons: asked.options.count("photons"),
+        nearest: asked.options.count("nearest"),
+        gather: asked.options.flag("gather"),
+    }))
+});
+
+impl Method for PhotonMap {
+    fn supports(&self, feature: Feature) -> Support {
+        support::of_photons(feature)
+    }
+
+    fn session(&self, scene: Arc<Scene>, plan: Plan) -> Result<Box<dyn Session>, Refusal> {
+        Ok(Box::new(Passes::new(scene, Mapped::new(*self), plan)))
+    }
+
+    fn bias_pair(&self) -> Option<[Arc<dyn Method>; 2]> {
+        Some([Arc::new(Self { radius: self.radius.times(0.5), ..*self }), Arc::new(*self)])
     }
 }
 

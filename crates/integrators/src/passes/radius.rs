@@ -2,6 +2,7 @@
 
 use steradian_core::Scene;
 use steradian_math::Vec2;
+use steradian_request::MethodRequest;
 
 /// The radius of the first pass.
 #[derive(Clone, Copy, Debug)]
@@ -13,6 +14,14 @@ pub enum Radius {
 }
 
 impl Radius {
+    /// As options ask for by `radius` or `pixels`, whichever is set last.
+    pub(super) fn of(options: &MethodRequest) -> Self {
+        match options.last_of(&["radius", "pixels"]).and_then(|(name, value)| Some((name, value.number()?))) {
+            Some(("radius", length)) => Self::Fixed(length as f32),
+            _ => Self::Pixels(options.number("pixels").unwrap_or(1.0) as f32),
+        }
+    }
+
     /// So many times as far.
     pub(super) fn times(self, factor: f32) -> Self {
         match self {

@@ -8,11 +8,11 @@ use super::{
     subpath::{Arrival, Subpath, Ways},
     vertex::{Vertex, View},
 };
-use crate::{Counters, Depth, MAX_PASSES, dimension, nee};
-use std::f32::consts::PI;
+use crate::{Counters, Depth, MAX_PASSES, dimension, nee, support};
+use std::{f32::consts::PI, sync::Arc};
 use steradian_bsdf::TransportMode::Radiance;
 use steradian_core::{Scene, film::PassFilm, light::emission::Emission, sampler::PixelSampler};
-use steradian_engine::{Pass, Run};
+use steradian_engine::{Feature, Method, MethodKind, Pass, Passes, Plan, Refusal, Run, Session, Support};
 use steradian_math::{Spectrum, Vec3, spectra::Wavelengths};
 
 /// Light paths and pixels of a piece of work.
@@ -41,10 +41,26 @@ pub struct Sppm {
     pub photons: u32,
 }
 
-impl Sppm {
-    /// What of the scene it cannot do.
-    pub fn cannot(&self, scene: &Scene) -> Option<String> {
-        if scene.has_media() { Some("participating media".into()) } else { super::light_reaches_all(scene) }
+/// `sppm`.
+pub const SPPM: MethodKind = MethodKind::new("sppm", |asked| {
+    Ok(Arc::new(Sppm {
+        depth: asked.depth(),
+        radius: Radius::of(asked.options),
+        photons: asked.options.count("photons"),
+    }))
+});
+
+impl Method for Sppm {
+    fn supports(&self, feature: Feature) -> Support {
+        support::of_photons(feature)
+    }
+
+    fn session(&self, scene: Arc<Scene>, plan: Plan) -> Result<Box<dyn Session>, Refusal> {
+        Ok(Box::new(Passes::new(scene, Progressive::new(*self), plan)))
+    }
+
+    fn bias_pair(&self) -> Option<[Arc<dyn Method>; 2]> {
+        Some([Arc::new(Self { radius: self.radius.times(0.5), ..*self }), Arc::new(*self)])
     }
 }
 

@@ -21,6 +21,7 @@ mod hierarchy;
 mod matter;
 mod patches;
 pub mod polygon;
+mod request;
 mod saved;
 mod shooting;
 mod solution;
@@ -33,6 +34,7 @@ mod vertices;
 mod view;
 
 pub use factors::FormFactors;
+pub use request::RADIOSITY;
 pub use saved::LoadError;
 pub use solution::{Report, Solution};
 pub use surfaces::Refusal;

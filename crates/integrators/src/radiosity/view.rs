@@ -3,11 +3,11 @@
 //! surface and the solution is looked up one bounce further on, where its patches are not seen.
 
 use super::{Settings, Solution, solve};
-use crate::{Depth, Integrator, MAX_PASSES, Plan, Stop, dimension, nee};
+use crate::{Depth, Integrator, MAX_PASSES, Plan, Session, Stop, dimension, nee};
 use std::{f32::consts::FRAC_1_PI, sync::Arc};
 use steradian_bsdf::{Bsdf, Lobe, TransportMode};
 use steradian_core::{Scene, light::LightContext, material::Scattering, scene::Interaction};
-use steradian_engine::PathContext;
+use steradian_engine::{OneByOne, PathContext, Tiles};
 use steradian_math::{Frame, Ray, Spectrum, Vec2, Vec3};
 
 /// Mirrors, panes and glossy lobes that a ray follows at most, where the scene has no limit.
@@ -24,6 +24,13 @@ pub struct View {
     pub gather: u32,
     /// Whether irradiance is interpolated between vertices.
     pub smooth: bool,
+}
+
+impl View {
+    /// Starts a render of a scene that is solved already.
+    pub fn session_of(self, scene: &Arc<Scene>, plan: Plan, solution: Arc<Solution>) -> Box<dyn Session> {
+        Box::new(Tiles::prepared(Arc::clone(scene), OneByOne(self), plan, Some(solution)))
+    }
 }
 
 impl Integrator for View {

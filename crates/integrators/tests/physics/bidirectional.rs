@@ -4,9 +4,8 @@ use crate::{
     shot::{Shot, same_bits},
     stage::{Stage, cuboid, diffuse, light, material, rectangle, rgb, shape, sphere, white},
 };
-use std::sync::Arc;
 use steradian_core::{ColorMode, Scene, film::Pixel};
-use steradian_integrators::{Control, Film, Plan};
+use steradian_integrators::{Control, Film};
 use steradian_scene::{Family, Node, NodeId, Value};
 
 /// A box of five walls, open to the camera, without light.
@@ -219,7 +218,7 @@ fn unbiased_methods_agree_with_path_tracing() {
         // The directions that bent normals fold are drawn evenly by light subpaths.
         let folds = name == "normal map on rough glass, bent";
         let light = Shot::of("light", if folds { 3000 } else { 400 }).depth(6);
-        match light.integrator(&scene).cannot(&scene) {
+        match light.limit(&scene) {
             None => wrong.extend(disagreement(&format!("light, {name}"), &light.take(&scene), &paths, 0.05)),
             Some(what) => assert!(
                 ["glass", "mirror", "varnish", "curves, flat", "curves, cylinder", "curves, ribbon"].contains(&name),
@@ -251,9 +250,11 @@ fn photons_agree_with_path_tracing_as_radii_shrink() {
         }
         let paths = Shot::of("path", 1500).depth(6).seed(7).take(&scene);
         let at = |method, spp, options: &[(&str, &str)]| {
-            let mut shot = Shot::of(method, spp).depth(6).integrator(&scene);
-            assert!(options.iter().all(|(key, value)| shot.set(key, value)), "{method}: {options:?}");
-            bias(&Shot::of(method, spp).depth(6).film_of(&scene, shot), &paths)
+            let shot = Shot { threads: 2, ..Shot::of(method, spp).depth(6) };
+            let options: String = options.iter().map(|(key, value)| format!("{key}={value},")).collect();
+            let mut session = shot.session_of(&scene, &*shot.method(&scene, &options));
+            session.step(u32::MAX, &Control::default());
+            bias(&session.film(), &paths)
         };
         let photons = |options: &[(&'static str, &'static str)]| {
             at("photon", 24, &[&[("photons", "20000")][..], options].concat())
@@ -358,16 +359,5 @@ fn crops_are_parts_of_the_whole() {
         for (k, p) in b.pixels.iter().enumerate() {
             assert_eq!(p.sum, a.pixels[(5 + k / 6) * 12 + 3 + k % 6].sum, "{method}, pixel {k}");
         }
-    }
-}
-
-/// A plan of a session, and its film.
-impl Shot {
-    fn film_of(self, scene: &Scene, integrator: steradian_integrators::IntegratorKind) -> Film {
-        let sampler = steradian_core::sampler::Sampler { kind: self.sampler, spp: self.spp, seed: self.seed };
-        let plan = Plan { threads: 2, ..Plan::new(sampler) };
-        let mut session = integrator.session(Arc::new(scene.clone()), plan);
-        session.step(u32::MAX, &Control::default());
-        session.film()
     }
 }

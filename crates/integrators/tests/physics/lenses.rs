@@ -60,8 +60,8 @@ fn what_needs_an_inverse_refuses() {
     stage.solid(plane([0.0, 1.0, 0.0], 0.0), diffuse(0.5));
     let scene = stage.scene();
     for name in ["light", "bdpt", "vcm", "sppm", "photon", "pssmlt"] {
-        let refusal = Shot::of(name, 1).integrator(&scene).cannot(&scene).expect("a refusal");
+        let refusal = Shot::of(name, 1).limit(&scene).expect("a refusal");
         assert!(refusal.contains("lens of several elements"), "{name}: {refusal}");
     }
-    assert!(Shot::of("path", 1).integrator(&scene).cannot(&scene).is_none());
+    assert!(Shot::of("path", 1).limit(&scene).is_none());
 }

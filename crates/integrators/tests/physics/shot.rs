@@ -5,7 +5,11 @@ use steradian_core::{
     Scene,
     sampler::{Sampler, SamplerKind},
 };
-use steradian_integrators::{Control, Depth, Film, IntegratorKind, PathEffort, Plan, Session, VarianceReduction};
+use steradian_engine::Asked;
+use steradian_integrators::{
+    Control, Depth, Film, METHODS, Method, PathEffort, Plan, Session, SharedPath, VarianceReduction, path::PathTracer,
+};
+use steradian_request::{MethodRequest, Request};
 
 /// How a picture is taken.
 #[derive(Clone, Copy)]
@@ -70,23 +74,45 @@ impl Shot {
         Self { seed, ..self }
     }
 
-    /// The integrator.
-    pub fn integrator(self, _scene: &Scene) -> IntegratorKind {
-        let depth =
-            Depth { max: self.max_depth, roulette_after: self.roulette_after, hide_emitters: self.hide_emitters };
-        IntegratorKind::named(self.integrator, depth, VarianceReduction::default()).expect("a registered integrator")
-    }
-
-    pub fn session(self, scene: &Scene) -> Box<dyn Session> {
+    /// The method, with options `key=value,…` of its own.
+    pub fn method(self, scene: &Scene, options: &str) -> Arc<dyn Method> {
         let depth =
             Depth { max: self.max_depth, roulette_after: self.roulette_after, hide_emitters: self.hide_emitters };
         let variance_reduction =
             VarianceReduction { reuse: Some(self.reuse), caustics: self.caustics, effort: self.effort };
-        let integrator =
-            IntegratorKind::named(self.integrator, depth, variance_reduction).expect("a registered integrator");
+        match self.integrator {
+            "path" => return Arc::new(SharedPath { path: PathTracer::<false> { depth }, variance_reduction }),
+            "volpath" => return Arc::new(SharedPath { path: PathTracer::<true> { depth }, variance_reduction }),
+            _ => {}
+        }
+        let model = MethodRequest::named(self.integrator).expect("a method").model();
+        let of_paths = [
+            ("rr_depth", self.roulette_after.to_string()),
+            ("hide_emitters", self.hide_emitters.to_string()),
+        ];
+        let of_paths = of_paths.into_iter().filter(|(name, _)| model.parameter(name).is_some());
+        let of_paths: String = of_paths.map(|(name, value)| format!("{name}={value},")).collect();
+        let options = MethodRequest::parse(&format!("{}:{of_paths}{options}", self.integrator)).expect("options");
+        let request = Request { max_depth: Some(self.max_depth), ..Request::default() };
+        let kind = METHODS.iter().find(|kind| kind.name == self.integrator).expect("a method");
+        (kind.new)(&Asked { request: &request, options: &options, scene }).expect("a method for the scene")
+    }
+
+    /// The first limit of the method on a scene.
+    pub fn limit(self, scene: &Scene) -> Option<String> {
+        self.method(scene, "").limits(scene).into_iter().next().map(|limit| limit.what)
+    }
+
+    pub fn session(self, scene: &Scene) -> Box<dyn Session> {
+        self.session_of(scene, &*self.method(scene, ""))
+    }
+
+    /// A session of another method with this plan.
+    pub fn session_of(self, scene: &Scene, method: &dyn Method) -> Box<dyn Session> {
         let sampler = Sampler { kind: self.sampler, spp: self.spp, seed: self.seed };
         let (threads, adaptive, error) = (self.threads, self.adaptive, self.error);
-        integrator.session(Arc::new(scene.clone()), Plan { threads, adaptive, error, ..Plan::new(sampler) })
+        let plan = Plan { threads, adaptive, error, ..Plan::new(sampler) };
+        method.session(Arc::new(scene.clone()), plan).expect("a session")
     }
 
     /// The finished film; every sample must have been finite.

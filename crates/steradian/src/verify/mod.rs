@@ -29,10 +29,8 @@ pub use judge::{Difference, POWER, Verdict};
 use crate::{Control, Error, Film, Plan, Quality, Scene, Session, missed};
 use picture::Picture;
 use std::sync::{Arc, atomic::Ordering};
-use steradian_integrators::{
-    Depth, IntegratorKind,
-    passes::{missed_caustics, specular_material},
-};
+use steradian_engine::{Refusal, specular_material};
+use steradian_integrators::{Depth, Method as Integrator, passes::missed_caustics};
 use steradian_scene::Family;
 
 /// Rounds of the samples asked for that are spent on whatever is not decided.
@@ -99,14 +97,14 @@ impl Report {
 }
 
 /// An integrator, and what is asked of it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Render {
-    integrator: IntegratorKind,
+    integrator: Arc<dyn Integrator>,
     plan: Plan,
 }
 
 impl Render {
-    fn session(&self, scene: &Arc<Scene>) -> Box<dyn Session> {
+    fn session(&self, scene: &Arc<Scene>) -> Result<Box<dyn Session>, Refusal> {
         self.integrator.session(Arc::clone(scene), self.plan)
     }
 }
@@ -161,8 +159,8 @@ fn verify_by(
             Err(Error::CannotRender { what, .. }) => Outcome::Cannot(what),
             Err(refusal) if named.is_empty() => Outcome::Cannot(refusal.to_string()),
             Err(refusal) => return Err(refusal),
-            Ok(method) => match method.render.integrator.cannot(scene) {
-                Some(what) => Outcome::Cannot(what),
+            Ok(method) => match method.render.integrator.limits(scene).into_iter().next() {
+                Some(limit) => Outcome::Cannot(limit.what),
                 None => {
                     let unsure = Unsure { of_all: incomplete.is_some(), of_paths: has_caustics };
                     Outcome::Compared(Box::new(maker.decide(method, &mut reference, unsure)))
@@ -183,7 +181,7 @@ struct Method {
     picture: Picture,
     rounds: u32,
     /// With more of its bias, for methods that have some.
-    wider: Option<(IntegratorKind, Picture)>,
+    wider: Option<(Arc<dyn Integrator>, Picture)>,
 }
 
 /// What cannot be decided.
@@ -198,8 +196,7 @@ struct Unsure {
 impl Method {
     /// Whether it follows paths from the camera without a guide.
     fn is_unguided(&self) -> bool {
-        !matches!(self.render.integrator, IntegratorKind::Passes(_) | IntegratorKind::Radiosity(_))
-            && !self.picture.is_guided
+        self.render.integrator.camera_paths().is_some() && !self.picture.is_guided
     }
 
     /// Of a reference, what light it does not find.
@@ -210,10 +207,10 @@ impl Method {
         if missed::share_of(missed, self.picture.film.as_ref()?) <= COMPLETE {
             return None;
         }
-        match self.render.integrator {
-            IntegratorKind::Passes(_) => specular_material(scene)
+        match self.render.integrator.camera_paths() {
+            None => specular_material(scene)
                 .map(|name| format!("caustics of lights without size, seen by way of the material '{name}'")),
-            _ => Some("caustics of lights without size".into()),
+            Some(_) => Some("caustics of lights without size".into()),
         }
     }
 }
@@ -237,15 +234,11 @@ impl Maker<'_> {
             seed: Some(self.seed.wrapping_add(number << 8)),
             ..self.quality.clone()
         };
-        if let Some(what) = quality.leaves_out(self.scene) {
-            return Err(Error::CannotRender { integrator: name.to_owned(), what: what.what });
-        }
-        let crate::Render { method: crate::Method::Rays(integrator), plan } = quality.render(self.scene)? else {
-            return Err(Error::CannotRender { integrator: name.to_owned(), what: "all light".into() });
-        };
+        let crate::Render { method: integrator, plan, .. } = quality.render(self.scene)?;
         let mut render = Render { integrator, plan };
+        render.session(self.scene)?;
         let mut wider = None;
-        if let Some((finer, coarser)) = with_less_bias(&render.integrator) {
+        if let Some([finer, coarser]) = render.integrator.bias_pair() {
             render.integrator = finer;
             wider = Some((coarser, Picture::default()));
         }
@@ -255,13 +248,13 @@ impl Maker<'_> {
     /// Renders until a method has so many rounds.
     fn extend(&self, method: &mut Method, rounds: u32) {
         while method.rounds < rounds {
-            let mut render = method.render;
+            let mut render = method.render.clone();
             let seed = &mut render.plan.sampler.seed;
             *seed = seed.wrapping_add(2 * u64::from(method.rounds));
-            (self.take)(&method.name, self.scene, render, self.control, &mut method.picture);
+            (self.take)(&method.name, self.scene, render.clone(), self.control, &mut method.picture);
             if let Some((integrator, picture)) = &mut method.wider {
                 render.plan.sampler.seed = render.plan.sampler.seed.wrapping_add(1);
-                render.integrator = *integrator;
+                render.integrator = Arc::clone(integrator);
                 (self.take)(&method.name, self.scene, render, self.control, picture);
             }
             method.rounds += 1;
@@ -276,7 +269,7 @@ impl Maker<'_> {
         // Pixels that share paths have errors that are not independent of each other.
         for (number, name) in [(0, &*format!("{path}:reuse=1,effort=even")), (u64::from(u16::MAX), "bdpt")] {
             let method = match self.method(name, number) {
-                Ok(method) if method.render.integrator.cannot(self.scene).is_none() => method,
+                Ok(method) if method.render.integrator.limits(self.scene).is_empty() => method,
                 Ok(_) => continue,
                 Err(_) if number > 0 => continue,
                 Err(refusal) => return Err(refusal),
@@ -341,19 +334,6 @@ fn compare(method: &Method, reference: &Method, rounds: u32) -> Difference {
         Some(judge::compare(&reference.coarser(times)?, &ours.coarser(times)?, wider.as_ref()))
     };
     [2, 4, 8].into_iter().map_while(coarser).find(|difference| difference.is_reliable).unwrap_or(finest)
-}
-
-/// A biased integrator with about half of its bias, and with twice that: half its radius, or patches of half the edge.
-fn with_less_bias(integrator: &IntegratorKind) -> Option<(IntegratorKind, IntegratorKind)> {
-    match integrator {
-        IntegratorKind::Passes(kind) => Some((IntegratorKind::Passes(kind.with_radius(0.5)?), *integrator)),
-        IntegratorKind::Radiosity(view) => {
-            let mut coarser = *view;
-            coarser.settings.patches /= 4;
-            Some((*integrator, IntegratorKind::Radiosity(coarser)))
-        }
-        _ => None,
-    }
 }
 
 /// The film of a render that was cancelled before it began.

@@ -92,7 +92,8 @@ impl Picture {
     /// Renders and adds what comes of it, which is independent of what is there.
     pub fn add(&mut self, scene: &Arc<Scene>, render: Render, control: &Control) {
         let step = render.plan.sampler.spp.div_ceil(PARTS);
-        let mut session = render.session(scene);
+        // Refusals are told when the method is made.
+        let Ok(mut session) = render.session(scene) else { return };
         let (mut before, mut samples) = (Vec::new(), 0.0);
         while !session.is_done() && !control.cancel.load(Ordering::Relaxed) {
             session.step(step, control);

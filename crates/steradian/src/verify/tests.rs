@@ -82,10 +82,9 @@ fn of_values(change: impl Fn(usize, f64) -> f64) -> impl Fn(&Arc<Scene>, Render,
     }
 }
 
-/// A method with its depth of paths changed.
-fn with_depth(max: u32, method: &str, scene: &Scene) -> IntegratorKind {
-    let depth = Depth { max, roulette_after: scene.settings().rr_depth, hide_emitters: true };
-    IntegratorKind::named(method, depth, Default::default()).expect("a known method")
+/// A method with other limits of its paths.
+fn with_depth(max: u32, method: &str, scene: &Scene) -> Arc<dyn Integrator> {
+    Quality { max_depth: Some(max), ..Quality::of(method) }.render(scene).expect("a known method").method
 }
 
 /// A name that is not the reference's.
@@ -104,7 +103,7 @@ fn mutants_are_found() {
     // Light samples and scattering weighted so that their weights sum up to 1.1.
     let unweighted = |scene: &Arc<Scene>, render: Render, control: &Control, picture: &mut Picture| {
         let (mut all, mut direct) = (Picture::default(), Picture::default());
-        all.add(scene, render, control);
+        all.add(scene, render.clone(), control);
         direct.add(scene, Render { integrator: with_depth(1, "path", scene), ..render }, control);
         all.include(&direct, 0.1);
         picture.append(all);

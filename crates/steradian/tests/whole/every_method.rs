@@ -63,7 +63,7 @@ fn obey(what: &str, scene: &Arc<Scene>, reference: &str, leave_out: &[&str]) -> 
         };
         let quality = Quality::of(name);
         let Ok(render) = quality.render(scene) else { continue };
-        if quality.leaves_out(scene).is_some() || render.integrator().is_some_and(|i| i.cannot(scene).is_some()) {
+        if render.left_out(scene).is_some() {
             continue;
         }
         let [found, noise] = mean(scene, name, spp).unwrap_or_else(|e| panic!("{what} by {name}: {e}"));

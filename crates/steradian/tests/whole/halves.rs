@@ -25,7 +25,8 @@ fn halved(integrator: &str, spp: u32) -> Quality {
 
 /// The film, taken in two steps, of which the second goes on from what the first saved, with another number of threads.
 fn resumed(scene: &Arc<Scene>, render: Render, first: u32) -> Film {
-    let with = |threads| Render { plan: Plan { threads, ..render.plan }, ..render }.session(scene).unwrap();
+    let with =
+        |threads| Render { plan: Plan { threads, ..render.plan }, ..render.clone() }.session(scene).unwrap();
     let (mut before, mut after, mut state) = (with(1), with(3), Vec::new());
     before.step(first, &Control::default());
     before.save(&mut state).unwrap();

@@ -2,7 +2,7 @@
 //! word; what is no parameter, and what there is not, is named. And what glowing ones look like.
 
 use std::path::Path;
-use steradian::{CompileOptions, Quality, compile, formats::Options, load, render};
+use steradian::{CompileOptions, LeftOut, Quality, compile, formats::Options, load, render};
 
 /// A box of a medium, from z = 0 to 1, before an orthographic camera.
 fn boxed(medium: &str, light: &str) -> String {
@@ -171,17 +171,16 @@ fn media_are_rendered_unless_a_path_tracer_is_named() {
     );
     for (name, text) in [("u.pbrt", unnamed), ("u.xml", mitsuba("")), ("u.gltf", gltf)] {
         let (scene, said) = read(&file(name, &text));
-        let quality = Quality::default();
-        assert_eq!((scene.has_media(), quality.integrator_name(&scene)), (true, "volpath"), "{name}");
-        assert!(!said.iter().any(|m| m.contains("leaves out")), "{name}: {said:?}");
-        assert_eq!(quality.leaves_out(&scene), None);
-        let asked = Quality { integrator: Some("path".into()), ..Quality::default() };
-        assert_eq!(asked.leaves_out(&scene).unwrap().what, "participating media", "{name}");
+        let render = Quality::default().render(&scene).unwrap();
+        assert_eq!((scene.has_media(), render.name), (true, "volpath"), "{name}: {said:?}");
+        assert_eq!(render.left_out(&scene), None);
     }
     for (name, text) in [("n.pbrt", named), ("n.xml", mitsuba("<integrator type='path'/>"))] {
         let (scene, said) = read(&file(name, &text));
-        assert_eq!(Quality::default().integrator_name(&scene), "path", "{name}");
-        let what = "integrator 'path' leaves out participating media; 'volpath' renders them";
-        assert!(said.iter().any(|m| m == what), "{name}: {said:?}");
+        for quality in [Quality::default(), Quality::of("path")] {
+            let render = quality.render(&scene).unwrap();
+            let LeftOut { what, instead } = render.left_out(&scene).expect("media are left out");
+            assert_eq!((render.name, &*what, instead), ("path", "participating media", "volpath"), "{name}: {said:?}");
+        }
     }
 }

@@ -9,7 +9,7 @@ use std::{path::PathBuf, sync::Arc};
 use steradian::{
     ColorMode, CompileOptions, Control, Layer, Quality, compile, develop,
     image::{self, Image, Limits, metrics},
-    load,
+    load, method_of,
 };
 
 fn assets() -> Option<PathBuf> {
@@ -32,7 +32,7 @@ fn render_with(scene: PathBuf, size: Option<(u32, u32)>, mode: ColorMode, spp: u
     let compiling = CompileOptions { mode: Some(mode), size, ..CompileOptions::default() };
     let compiled = compile(&loaded.desc, &compiling);
     let scene = Arc::new(compiled.scene.unwrap_or_else(|| panic!("{}: {:#?}", scene.display(), compiled.diagnostics)));
-    let integrator = (!options.is_empty()).then(|| format!("{}{options}", scene.settings().integrator));
+    let integrator = (!options.is_empty()).then(|| format!("{}{options}", method_of(&scene).name()));
     let quality = Quality { integrator, spp: Some(spp), layers: vec![Layer::Variance], ..Quality::default() };
     let mut session =
         quality.render(&scene).expect("the scene's own integrator exists").session(&scene).expect("a session");

@@ -1,0 +1,193 @@
+//! Limits of methods: features of scenes and requests that not every method renders, and a method's answer to each.
+
+use crate::Method;
+use std::fmt::Display;
+use steradian_bsdf::TransportMode;
+use steradian_core::{Scene, camera::Projection, light::Light};
+use steradian_math::Vec2;
+
+/// A feature of a scene or of a request that not every method renders.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Feature {
+    /// Participating media.
+    Media,
+    /// Media that emit light.
+    GlowingMedia,
+    /// Light transport below surfaces.
+    Subsurface,
+    /// Materials that shift the wavelength of light.
+    Fluorescence,
+    /// Lights that are switched on and off.
+    Schedules,
+    /// Emitters that light sampling does not reach, such as infinite planes.
+    UnsampledEmitters,
+    /// Light from infinity on infinite planes.
+    InfinitePlanes,
+    /// Curves, whose surface faces the ray.
+    Curves,
+    /// Normal and bump maps.
+    SurfaceDetail,
+    /// Surfaces with specular scattering alone in the view.
+    SpecularView,
+    /// Objects or a camera in motion while the shutter is open.
+    Motion,
+    /// A camera in motion while the shutter is open.
+    MovingCamera,
+    /// A camera with a lens of several elements.
+    RealisticLens,
+    /// A camera without an inverse: light paths are not connected to it.
+    UnconnectedCamera,
+    /// A picture without its background.
+    Transparency,
+    /// The same, of a scene with participating media.
+    TransparencyBehindMedia,
+    /// A choice of point sets.
+    Samplers,
+    /// More samples where the error is larger.
+    Adaptivity,
+    /// A layer for each group of lights.
+    LightGroups,
+    /// Noise that a denoiser can tell from the picture: errors of pixels are independent. Halves of the samples, too.
+    Denoising,
+}
+
+/// Features of scenes, in the order in which limits are told.
+const OF_SCENES: [Feature; 14] = [
+    Feature::MovingCamera,
+    Feature::Media,
+    Feature::Subsurface,
+    Feature::Fluorescence,
+    Feature::Schedules,
+    Feature::GlowingMedia,
+    Feature::RealisticLens,
+    Feature::UnconnectedCamera,
+    Feature::Curves,
+    Feature::InfinitePlanes,
+    Feature::Motion,
+    Feature::SpecularView,
+    Feature::SurfaceDetail,
+    Feature::UnsampledEmitters,
+];
+
+/// A method's answer to a feature. The texts say how or why, after a colon; they may be empty.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Support {
+    /// The expectation of the picture has the feature.
+    Exact,
+    /// The feature is rendered otherwise than it is.
+    Approximates(&'static str),
+    /// The feature is missing from the picture.
+    LeavesOut(&'static str),
+    /// There is no picture.
+    Refuses(&'static str),
+}
+
+impl Support {
+    /// The text of an answer other than [`Self::Exact`].
+    fn reason(self) -> &'static str {
+        match self {
+            Self::Exact => "",
+            Self::Approximates(how) => how,
+            Self::LeavesOut(why) | Self::Refuses(why) => why,
+        }
+    }
+}
+
+/// A limit of a method on a scene: a feature that the scene has and the method does not render as it is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Limit {
+    /// The feature as the scene has it, with the reason.
+    pub what: String,
+    /// The method's answer.
+    pub support: Support,
+}
+
+impl Limit {
+    /// A limit with a feature's description and the answer to it.
+    pub fn new(feature: impl Display, support: Support) -> Self {
+        let what = match support.reason() {
+            "" => feature.to_string(),
+            reason => format!("{feature}: {reason}"),
+        };
+        Self { what, support }
+    }
+
+    /// All limits of a method on a scene by [`Method::supports`]. Features that it renders are not looked for.
+    pub fn of(method: &(impl Method + ?Sized), scene: &Scene) -> Vec<Self> {
+        let limit = |feature: Feature| {
+            let support = method.supports(feature);
+            let found = (support != Support::Exact).then(|| feature.found(scene)).flatten();
+            found.map(|what| Self::new(what, support))
+        };
+        OF_SCENES.into_iter().filter_map(limit).collect()
+    }
+
+    /// True if there is no picture.
+    pub fn refuses(&self) -> bool {
+        matches!(self.support, Support::Refuses(_))
+    }
+}
+
+impl Feature {
+    /// The feature as a scene has it; `None` where it has none, and for features of requests.
+    pub fn found(self, scene: &Scene) -> Option<String> {
+        let named = |is: bool, name: &str| is.then(|| name.to_owned());
+        match self {
+            Self::Media => named(scene.has_media(), "participating media"),
+            Self::GlowingMedia => named(scene.media().iter().any(|m| m.glow.is_some()), "media that glow"),
+            Self::Subsurface => scene.below_surfaces().map(Into::into),
+            Self::Fluorescence => {
+                named(scene.is_fluorescent(), "light that changes its wavelength (material 'fluorescent')")
+            }
+            Self::Schedules => {
+                named(scene.has_schedules(), "lights that go on and off (parameters 'on' and 'off')")
+            }
+            Self::UnsampledEmitters => match scene.emitters_left_to_chance() {
+                0 => None,
+                1 => Some("the light of one shape of which no point can be drawn, such as an infinite plane".into()),
+                n => Some(format!("the light of {n} shapes of which no point can be drawn, such as an infinite plane")),
+            },
+            Self::InfinitePlanes => {
+                let is_infinite = |l: &Light| matches!(l, Light::Distant(..) | Light::Environment(_));
+                let is_lit = || scene.lights().lights.iter().any(is_infinite);
+                named(!scene.planes().is_empty() && is_lit(), "light from infinity on infinite planes")
+            }
+            Self::Curves => named(scene.has_curves(), "curves"),
+            Self::SurfaceDetail => named(scene.has_surface_detail(), "normal and bump maps"),
+            Self::SpecularView => {
+                specular_material(scene).map(|name| format!("what smooth surfaces show, such as '{name}'"))
+            }
+            Self::Motion => named(scene.moves(), "motion"),
+            Self::MovingCamera => named(scene.camera().motion.is_some(), "a camera that moves"),
+            Self::RealisticLens => {
+                let is_realistic = matches!(scene.camera().projection, Projection::Realistic(_));
+                named(is_realistic, "a camera with a lens of several elements (realistic)")
+            }
+            Self::UnconnectedCamera => named(!scene.camera().can_receive(), "a spherical camera with a lens"),
+            Self::Transparency
+            | Self::TransparencyBehindMedia
+            | Self::Samplers
+            | Self::Adaptivity
+            | Self::LightGroups
+            | Self::Denoising => None,
+        }
+    }
+}
+
+/// The material of a surface that the camera sees and that reflects or refracts in one direction, by a grid of rays.
+pub fn specular_material(scene: &Scene) -> Option<String> {
+    const EDGE: u32 = 48;
+    let size = Vec2::new(scene.film().width as f32, scene.film().height as f32);
+    (0..EDGE * EDGE).find_map(|k| {
+        let place = Vec2::new((k % EDGE) as f32 + 0.5, (k / EDGE) as f32 + 0.5) / EDGE as f32;
+        let ray = scene.camera().ray(scene.film(), place * size, Vec2::splat(0.5));
+        let i = scene.interaction(&ray, &scene.intersect(&ray)?);
+        let mut lambda = scene.mode().wavelengths(|| 0.5);
+        let (s, frame) = scene.scattering(&i, 0.5, &mut lambda)?;
+        let wo = frame.to_local(i.wo);
+        let lobe = |u| s.bsdf.sample(wo, u, Vec2::splat(0.4), TransportMode::Radiance);
+        let is_specular = [0.0, 0.25, 0.5, 0.75, 0.999].into_iter().filter_map(lobe).any(|s| s.lobe.is_specular());
+        let name = || scene.material_names().get(scene.geometries()[i.geometry as usize].material as usize).cloned();
+        is_specular.then(|| name().unwrap_or_default())
+    })
+}

@@ -1,0 +1,129 @@
+//! Methods of rendering: their constructors by name, their limits, their sessions.
+
+use crate::{Depth, Feature, Limit, Plan, Session, Support};
+use std::{any::Any, fmt::Debug, sync::Arc};
+use steradian_core::{ColorMode, Scene};
+use steradian_request::{MethodRequest, Request};
+
+/// Why a method renders no picture of a scene with these options.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct Refusal(pub String);
+
+/// A kind of method, by its name in the schema.
+#[derive(Clone, Copy, Debug)]
+pub struct MethodKind {
+    /// Name of its row in the schema.
+    pub name: &'static str,
+    /// Makes the method with the options of a request.
+    pub new: fn(&Asked<'_>) -> Result<Arc<dyn Method>, Refusal>,
+    /// Colour mode that suits it where the format of a scene has no say.
+    pub mode: Option<ColorMode>,
+}
+
+impl MethodKind {
+    /// A kind without a colour mode of its own.
+    pub const fn new(name: &'static str, new: fn(&Asked<'_>) -> Result<Arc<dyn Method>, Refusal>) -> Self {
+        Self { name, new, mode: None }
+    }
+}
+
+/// What a method is made from.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked<'a> {
+    /// The whole request.
+    pub request: &'a Request,
+    /// The method's options: those of the request over those of the scene.
+    pub options: &'a MethodRequest,
+    /// The scene.
+    pub scene: &'a Scene,
+}
+
+impl Asked<'_> {
+    /// Limits of paths: those of the request, else of the options, else of the scene.
+    pub fn depth(&self) -> Depth {
+        let settings = self.scene.settings();
+        let given = |name| self.options.given(name).and_then(|v| v.number());
+        // −1 is no limit.
+        let of_options = given("max_depth").map(|d| if d < 0.0 { u32::MAX } else { d as u32 });
+        Depth {
+            max: self.request.max_depth.or(of_options).unwrap_or(settings.max_depth),
+            roulette_after: given("rr_depth").map_or(settings.rr_depth, |d| d as u32),
+            hide_emitters: self.hides_emitters(),
+        }
+    }
+
+    /// True if lights are hidden from the camera. Methods without that option show them.
+    pub fn hides_emitters(&self) -> bool {
+        match self.options.given("hide_emitters") {
+            Some(_) => self.options.flag("hide_emitters"),
+            None => {
+                self.options.model().parameter("hide_emitters").is_some() && self.scene.settings().hide_emitters
+            }
+        }
+    }
+
+    /// Random seed.
+    pub fn seed(&self) -> u64 {
+        self.request.seed.unwrap_or(self.scene.settings().seed)
+    }
+}
+
+/// Paths from the camera that a method follows.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraPaths {
+    /// Their limits.
+    pub depth: Depth,
+    /// True if media scatter and absorb them.
+    pub media: bool,
+    /// True for scalar radiance at one moment, which single paths can be traced of (`steradian path`).
+    pub is_plain: bool,
+}
+
+/// A method of rendering with its options.
+pub trait Method: Any + Debug + Send + Sync {
+    /// How the method renders a feature.
+    fn supports(&self, feature: Feature) -> Support;
+
+    /// Limits of the method on a scene.
+    fn limits(&self, scene: &Scene) -> Vec<Limit> {
+        Limit::of(self, scene)
+    }
+
+    /// Starts with an empty film.
+    ///
+    /// # Errors
+    /// [`Refusal`] of scenes that are too large, or that have nothing to begin with.
+    fn session(&self, scene: Arc<Scene>, plan: Plan) -> Result<Box<dyn Session>, Refusal>;
+
+    /// Samples per pixel without a request, by those of the scene.
+    fn default_spp(&self, of_scene: u32) -> u32 {
+        of_scene
+    }
+
+    /// Number of time bins of a transient render; 0 for pictures of all light.
+    fn bins(&self) -> u32 {
+        0
+    }
+
+    /// The paths that the method follows from the camera without a guide by photons; `None` for methods that start at
+    /// lights, or that are not after all light.
+    fn camera_paths(&self) -> Option<CameraPaths> {
+        None
+    }
+
+    /// A biased method with about half of its bias, and with twice that; `None` for methods without a radius or
+    /// patches.
+    fn bias_pair(&self) -> Option<[Arc<dyn Method>; 2]> {
+        None
+    }
+}
+
+/// A scene with what stands in for subsurface and wavelength-shifting materials, for methods that do not follow light
+/// there.
+pub fn local_scene(scene: Arc<Scene>) -> Arc<Scene> {
+    match scene.is_for_paths_alone() {
+        true => Arc::new(Scene::clone(&scene).with_local_scattering()),
+        false => scene,
+    }
+}

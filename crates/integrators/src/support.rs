@@ -1,0 +1,47 @@
+//! Answers that several methods have in common ([`crate::Method::supports`]).
+
+use steradian_engine::{
+    Feature,
+    Support::{self, Exact, Refuses},
+};
+
+/// Of methods that follow rays from the camera, one sample of a pixel after the other.
+pub(crate) fn of_camera_rays(feature: Feature) -> Support {
+    match feature {
+        // What media add to a pixel has no coverage.
+        Feature::TransparencyBehindMedia => Refuses(""),
+        Feature::LightGroups => Refuses("'path', 'volpath' and 'raster' can"),
+        _ => Exact,
+    }
+}
+
+/// The same, of methods that follow light neither below surfaces nor to other wavelengths or moments.
+pub(crate) fn of_local_scattering(feature: Feature) -> Support {
+    match feature {
+        Feature::Subsurface | Feature::Fluorescence | Feature::Schedules => Refuses(""),
+        _ => of_camera_rays(feature),
+    }
+}
+
+/// Of methods by passes, on surfaces alone.
+pub(crate) fn of_passes(feature: Feature) -> Support {
+    match feature {
+        Feature::MovingCamera | Feature::Media | Feature::Transparency | Feature::TransparencyBehindMedia => Refuses(""),
+        Feature::RealisticLens => Refuses("what it sees has no inverse"),
+        Feature::Adaptivity => Refuses("it makes whole pictures pass by pass"),
+        Feature::Denoising => Refuses(
+            "neighbouring pixels share photons or light paths, so that their errors are alike; \
+             'path', 'volpath' and 'bdpt' can",
+        ),
+        _ => of_local_scattering(feature),
+    }
+}
+
+/// Of methods that gather photons.
+pub(crate) fn of_photons(feature: Feature) -> Support {
+    match feature {
+        Feature::InfinitePlanes => Refuses(""),
+        Feature::UnsampledEmitters => Support::LeavesOut(""),
+        _ => of_passes(feature),
+    }
+}
