@@ -27,7 +27,7 @@ pub fn run(args: &RenderArgs, frames: Frames, terminal: Terminal) -> Outcome {
     if args.scene_options.define.iter().any(|(name, _)| name == "at") {
         return Err(Failure::bad_input("--frames names the moments of all frames; it cannot go with -D at=SECONDS"));
     }
-    if args.temporal && args.aov.iter().any(|layers| layers.0.contains(&Layer::Halves)) {
+    if args.temporal && args.aov.iter().any(|layers| layers.0.contains(&Layer::HALVES)) {
         terminal.warn("the error that remains is not estimated where frames are denoised with those before");
     }
     let outputs = if args.output.is_empty() { output::default_names(scene) } else { args.output.clone() };

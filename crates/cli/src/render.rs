@@ -29,6 +29,7 @@ use steradian::{
     ColorMode, History, Inputs, Layer, LeftOut, Quality, Render, Scene, Session,
     denoise::{Outcome as Denoised, Sequence},
     engine::{Feature, Support},
+    film::LayerInputs,
     image::{FileKind, Image, WriteOptions},
     integrators::{Doubt, SCALES},
     radiosity,
@@ -134,7 +135,7 @@ pub fn run_after(args: &RenderArgs, terminal: Terminal, before: &mut Before) -> 
     }
     let saving = Instant::now();
     let mut made = making.picture(&*session);
-    if render.plan.halves && !made.has_halves() {
+    if render.plan.has(LayerInputs::HALVES) && !made.has_halves() {
         terminal.warn("the layer 'halves' is left out: it takes two samples of each pixel or more");
     }
     filter.as_ref().map_or(Ok(()), |filter| made.denoise(filter, before, terminal))?;
@@ -234,7 +235,7 @@ impl<'a> Job<'a> {
         if args.temporal && !is_nlm {
             return Err(Failure::bad_input("--temporal is of the denoiser nlm"));
         }
-        if args.frames.is_none() && quality.layers.contains(&Layer::Motion) {
+        if args.frames.is_none() && quality.layers.contains(&Layer::MOTION) {
             return Err(Failure::bad_input(
                 "the layer 'motion' tells what has moved since the frame before: it takes --frames A..B",
             ));
@@ -390,7 +391,7 @@ struct Made {
 impl Made {
     /// Whether it has the layer of halves: each pixel has a sample in both.
     fn has_halves(&self) -> bool {
-        self.picture.channel(&format!("{}.R", Layer::Halves.prefix())).is_some()
+        self.picture.channel(&format!("{}.R", Layer::HALVES.prefix())).is_some()
     }
 
     /// Removes the noise, and says how long that took and how much error remains.
@@ -543,8 +544,8 @@ fn quality(args: &RenderArgs) -> Quality {
             layers.push(layer);
         }
     }
-    let needed = args.transparent.then_some(Layer::Alpha).into_iter();
-    let needed = needed.chain(args.temporal.then_some(Layer::Motion));
+    let needed = args.transparent.then_some(Layer::ALPHA).into_iter();
+    let needed = needed.chain(args.temporal.then_some(Layer::MOTION));
     let is_oidn = args.oidn.is_some() || args.denoise == Some(Some(Denoiser::Oidn));
     for layer in needed.chain(guides(is_oidn).iter().copied().filter(|_| args.denoise.is_some())) {
         if !layers.contains(&layer) {

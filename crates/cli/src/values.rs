@@ -254,11 +254,7 @@ impl FromStr for Layers {
         let known = Layer::ALL.iter().map(|l| l.name()).chain(["all"]);
         for name in text.split(',').map(str::trim).filter(|n| !n.is_empty()) {
             match known_name(name, "layer", known.clone())? {
-                "all" => {
-                    let needs_more =
-                        |l: &Layer| matches!(l, Layer::LightGroups | Layer::Halves | Layer::Motion) || l.sees_through();
-                    layers.extend(Layer::ALL.into_iter().filter(|l| !needs_more(l)));
-                }
+                "all" => layers.extend(Layer::ALL.iter().copied().filter(|l| l.is_in_all())),
                 name => layers.extend(Layer::named(name)),
             }
         }
@@ -382,11 +378,11 @@ mod tests {
         assert!(integrator("raster:shadows=magic").is_err_and(|e| e.contains("'shadows' takes ray, none")));
         assert!(integrator("rastre").is_err_and(|e| e.contains("did you mean 'raster'?")));
         assert!(integrator("pahts").is_err_and(|e| e.contains("did you mean 'path'?")));
-        assert_eq!("normal,depth".parse(), Ok(Layers(vec![Layer::Normal, Layer::Depth])));
+        assert_eq!("normal,depth".parse(), Ok(Layers(vec![Layer::NORMAL, Layer::DEPTH])));
         let all: Layers = "all".parse().unwrap();
-        assert!(all.0.len() + 5 == Layer::ALL.len() && !all.0.contains(&Layer::LightGroups));
+        assert!(all.0.len() + 5 == Layer::ALL.len() && !all.0.contains(&Layer::LIGHT_GROUPS));
         assert!("normals".parse::<Layers>().is_err_and(|e| e.contains("did you mean 'normal'?")));
-        assert_eq!("motion".parse(), Ok(Layers(vec![Layer::Motion])));
+        assert_eq!("motion".parse(), Ok(Layers(vec![Layer::MOTION])));
         assert_eq!("relmse=0.1".parse(), Ok(Threshold { metric: "relmse", limit: 0.1 }));
         assert!("relmse=x".parse::<Threshold>().is_err() && "relms=1".parse::<Threshold>().is_err());
         assert!(definition("=x").is_err() && definition("x").is_err());

@@ -209,7 +209,7 @@ fn free_files(folder: &Path, integrator: &str, taken: &mut Inputs) -> [PathBuf; 
 /// Saves the pictures, and what they are more or less than the reference.
 fn save(scene: &Scene, report: &verify::Report, folder: &Path, mut taken: Inputs) -> Result<(), Failure> {
     let write = |path: PathBuf, film: &Film| {
-        output::save(&[path], &steradian::develop(scene, film, &[Layer::Variance]), &WriteOptions::default(), true)
+        output::save(&[path], &steradian::develop(scene, film, &[Layer::VARIANCE]), &WriteOptions::default(), true)
     };
     let [path, _] = free_files(folder, &report.reference, &mut taken);
     write(path, &report.film)?;

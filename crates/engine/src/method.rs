@@ -57,9 +57,7 @@ impl Asked<'_> {
     pub fn hides_emitters(&self) -> bool {
         match self.options.given("hide_emitters") {
             Some(_) => self.options.flag("hide_emitters"),
-            None => {
-                self.options.model().parameter("hide_emitters").is_some() && self.scene.settings().hide_emitters
-            }
+            None => self.options.model().parameter("hide_emitters").is_some() && self.scene.settings().hide_emitters,
         }
     }
 

@@ -24,7 +24,7 @@ use std::{
 };
 use steradian_core::{
     Scene,
-    film::{Film, FirstHitSums, Half, MatteSums, PassFilm, Pixel},
+    film::{Film, Half, LayerInputs, LayerSums, PassFilm, Pixel},
     sampler::{PixelSampler, Sampler},
 };
 use steradian_math::{Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
@@ -183,10 +183,7 @@ pub struct Passes<P> {
     integrator: P,
     is_prepared: bool,
     pixels: Vec<Pixel>,
-    features: Vec<FirstHitSums>,
-    mattes: Vec<MatteSums>,
-    /// Sums of each group of lights, pixel by pixel.
-    by_light: Vec<[f64; 3]>,
+    layers: LayerSums,
     /// Sums of passes of even number, by pixels; empty where they are not kept.
     even: Vec<[f64; 3]>,
     /// Samples per pixel of the whole render: those of the plan, or more.
@@ -204,7 +201,7 @@ impl<P: Pass> Passes<P> {
     /// Starts with an empty film. Of the plan counts all but `adaptive`: passes are of the whole picture.
     pub fn new(scene: Arc<Scene>, integrator: P, plan: Plan) -> Self {
         let n = scene.film().crop.width() as usize * scene.film().crop.height() as usize;
-        let groups = scene.light_groups().names.len();
+        let groups = if plan.has(LayerInputs::LIGHT_GROUPS) { scene.light_groups().names.len() } else { 0 };
         Self {
             total: plan.sampler.spp,
             scene,
@@ -213,10 +210,8 @@ impl<P: Pass> Passes<P> {
             integrator,
             is_prepared: false,
             pixels: vec![Pixel::default(); n],
-            features: vec![FirstHitSums::default(); if plan.features { n } else { 0 }],
-            mattes: vec![MatteSums::default(); if plan.mattes { n } else { 0 }],
-            by_light: vec![[0.0; 3]; if plan.by_light { n * groups } else { 0 }],
-            even: vec![[0.0; 3]; if plan.halves { n } else { 0 }],
+            layers: LayerSums::new(plan.inputs, n, groups),
+            even: vec![[0.0; 3]; if plan.has(LayerInputs::HALVES) { n } else { 0 }],
             passes: 0,
             look: FIRST_LOOK,
             is_good_enough: false,
@@ -236,11 +231,12 @@ impl<P: Pass> Passes<P> {
             self.is_prepared = true;
         }
         while self.samples() < samples && !self.is_good_enough {
-            let number = if self.plan.halves { self.passes / 2 } else { self.passes };
-            if self.plan.halves {
+            let has_halves = self.plan.has(LayerInputs::HALVES);
+            let number = if has_halves { self.passes / 2 } else { self.passes };
+            if has_halves {
                 run.sampler = sampler.half(self.passes);
             }
-            let mut film = PassFilm::new(scene.film(), self.by_light.len() / self.pixels.len().max(1));
+            let mut film = PassFilm::new(scene.film(), self.layers.by_light.len() / self.pixels.len().max(1));
             let done = self.integrator.pass(&run, number, &mut film)?;
             self.first_hits(&run, number)?;
             self.counters += &done;
@@ -253,7 +249,7 @@ impl<P: Pass> Passes<P> {
                     *even = std::array::from_fn(|c| even[c] + sum[c]);
                 }
             }
-            for (sum, light) in self.by_light.iter_mut().zip(film.by_light()) {
+            for (sum, light) in self.layers.by_light.iter_mut().zip(film.by_light()) {
                 *sum = std::array::from_fn(|c| sum[c] + light[c]);
             }
             self.passes += 1;
@@ -267,7 +263,7 @@ impl<P: Pass> Passes<P> {
 
     /// Adds what the pass's camera rays see first.
     fn first_hits(&mut self, run: &Run<'_>, number: u32) -> Option<()> {
-        if self.features.is_empty() && self.mattes.is_empty() {
+        if self.layers.ignore_hits() {
             return Some(());
         }
         let (crop, sight) = (self.scene.film().crop, self.plan.sight());
@@ -279,8 +275,7 @@ impl<P: Pass> Passes<P> {
             };
             (crop.x0..crop.x1).map(hit).collect::<Vec<_>>()
         })?;
-        self.features.iter_mut().zip(rows.iter().flatten()).for_each(|(sum, hit)| sum.add(hit));
-        self.mattes.iter_mut().zip(rows.iter().flatten()).for_each(|(sum, hit)| sum.add(hit));
+        rows.iter().flatten().enumerate().for_each(|(at, hit)| self.layers.add_hit(at, hit));
         Some(())
     }
 
@@ -292,9 +287,7 @@ impl<P: Pass> Passes<P> {
         self.counters.pass(codec)?;
         self.time.pass(codec)?;
         self.pixels.pass(codec)?;
-        self.features.pass(codec)?;
-        self.mattes.pass(codec)?;
-        self.by_light.pass(codec)?;
+        self.layers.pass(codec)?;
         self.even.pass(codec)
     }
 }
@@ -358,14 +351,14 @@ impl<P: Pass> Session for Passes<P> {
 
     fn take_history(&mut self) -> Option<History> {
         let own = self.integrator.take_history(&self.scene);
-        match self.plan.motion {
+        match self.plan.has(LayerInputs::MOTION) {
             true => Some(History(Arc::new(Earlier { scene: Arc::clone(&self.scene), own }))),
             false => own,
         }
     }
 
     fn follow(&mut self, history: &History) {
-        let earlier = Earlier::of(history, &self.scene).filter(|_| self.plan.motion);
+        let earlier = Earlier::of(history, &self.scene).filter(|_| self.plan.has(LayerInputs::MOTION));
         self.before = earlier.as_ref().map(|earlier| Arc::clone(&earlier.scene));
         match &earlier {
             Some(earlier) => earlier.own.iter().for_each(|own| self.integrator.follow(own)),
@@ -385,9 +378,7 @@ impl<P: Pass> Session for Passes<P> {
         Film {
             crop: self.scene.film().crop,
             pixels: self.pixels.clone(),
-            features: self.features.clone(),
-            mattes: self.mattes.clone(),
-            by_light: self.by_light.clone(),
+            layers: self.layers.clone(),
             halves: self
                 .even
                 .iter()
@@ -411,10 +402,10 @@ impl<P: Pass> Session for Passes<P> {
             && !(self.is_good_enough && plan.error.is_none())
             && sound::are_counters(&self.counters)
             && self.pixels.iter().all(|p| p.samples == passes && sound::is_pixel(p))
-            && self.features.iter().all(|sums| sums.samples == passes && sound::are_hits(sums))
-            && self.mattes.iter().all(|sums| sums.samples == passes && sound::are_mattes(sums))
+            && self.layers.features.iter().all(|sums| sums.samples == passes && sound::are_hits(sums))
+            && self.layers.mattes.iter().all(|sums| sums.samples == passes && sound::are_mattes(sums))
             && self.even.iter().flatten().all(|sum| sum.abs() <= f64::from(passes) * f64::from(f32::MAX))
-            && self.by_light.iter().flatten().all(|sum| sum.abs() <= f64::from(passes) * f64::from(f32::MAX));
+            && self.layers.by_light.iter().flatten().all(|sum| sum.abs() <= f64::from(passes) * f64::from(f32::MAX));
         if is_sound { Ok(()) } else { Err(Error::from(ErrorKind::InvalidData)) }
     }
 }

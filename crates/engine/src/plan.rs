@@ -5,7 +5,7 @@ use std::sync::{
     Arc,
     atomic::{AtomicBool, AtomicU64},
 };
-use steradian_core::sampler::Sampler;
+use steradian_core::{film::LayerInputs, sampler::Sampler};
 
 /// What is to be rendered, and how, whatever the method.
 #[derive(Clone, Copy, Debug)]
@@ -14,19 +14,8 @@ pub struct Plan {
     pub sampler: Sampler,
     /// Threads; 0 for one per processor.
     pub threads: usize,
-    /// Whether first hits are gathered for auxiliary layers.
-    pub features: bool,
-    /// Whether what mirrors and smooth glass show is gathered with them.
-    pub sees_through: bool,
-    /// Whether how things have moved since the frame before is gathered with them ([`crate::Session::follow`]).
-    pub motion: bool,
-    /// Whether the things that cover pixels are counted for mattes.
-    pub mattes: bool,
-    /// Whether the light of each group of lights is kept for itself; by path tracers whose paths share nothing.
-    pub by_light: bool,
-    /// Whether halves of the samples are kept for themselves: those of even and of odd number, of two sequences of
-    /// random numbers that are independent of each other. By methods whose pixels err independently.
-    pub halves: bool,
+    /// Measurements of the layers that are asked for.
+    pub inputs: LayerInputs,
     /// True for pixels with independent errors: paths of several pixels share nothing unless an option says so.
     pub independent: bool,
     /// Whether samples whose camera rays meet no surface are black: what lies behind everything is not in the picture.
@@ -45,12 +34,7 @@ impl Plan {
         Self {
             sampler,
             threads: 0,
-            features: false,
-            sees_through: false,
-            motion: false,
-            mattes: false,
-            by_light: false,
-            halves: false,
+            inputs: LayerInputs::NONE,
             independent: false,
             transparent: false,
             hide_emitters: false,
@@ -61,7 +45,12 @@ impl Plan {
 
     /// What counts as seen by camera rays.
     pub fn sight(&self) -> Sight {
-        Sight { sees_through: self.sees_through, hide_emitters: self.hide_emitters }
+        Sight { sees_through: self.has(LayerInputs::SEEN_THROUGH), hide_emitters: self.hide_emitters }
+    }
+
+    /// True if layers need these measurements.
+    pub fn has(&self, inputs: LayerInputs) -> bool {
+        self.inputs.has(inputs)
     }
 
     /// Threads that a step uses.

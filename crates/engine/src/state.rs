@@ -6,7 +6,7 @@ use std::{
     io::{self, Read, Write},
     time::Duration,
 };
-use steradian_core::film::{FirstHit, FirstHitSums, Half, Hits, MatteSums, Pixel};
+use steradian_core::film::{FirstHit, FirstHitSums, Half, Hits, LayerSums, MatteSums, Pixel};
 
 /// Turns bytes of values into bytes of a file, or those of a file into those of values.
 pub(crate) trait Codec {
@@ -72,6 +72,7 @@ fields! {
         position, motion, depth, distance, uv, shape, material, coverage
     }
     FirstHitSums { sum, samples }
+    LayerSums { features, mattes, by_light }
     Hits { ids, counts }
     MatteSums { objects, materials, samples }
 }

@@ -1,6 +1,6 @@
 //! The state of a film.
 
-use crate::{Crop, FirstHitSums, Half, MatteSums, Pixel};
+use crate::{Crop, Half, LayerSums, Pixel};
 
 /// The state of a film: what a render gives to be looked at or saved.
 #[derive(Clone, Debug)]
@@ -9,12 +9,8 @@ pub struct Film {
     pub crop: Crop,
     /// Pixels by rows.
     pub pixels: Vec<Pixel>,
-    /// First hits by rows; empty where they were not gathered.
-    pub features: Vec<FirstHitSums>,
-    /// What covers pixels, by rows; empty where it was not counted.
-    pub mattes: Vec<MatteSums>,
-    /// Sums of linear Rec.709 radiance of each group of lights, pixel by pixel; empty where they were not kept.
-    pub by_light: Vec<[f64; 3]>,
+    /// Sums of layers, by rows.
+    pub layers: LayerSums,
     /// The halves of samples, by rows; empty where they were not kept.
     pub halves: Vec<Half>,
     /// How many intervals of the arrival of light these are instead; 0 where they are groups of lights.

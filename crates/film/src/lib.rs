@@ -9,23 +9,21 @@
 //! Sums are `f64`, and the samples of a pixel are added in the order of their index. [`Pixel::add`] is the one gate for
 //! NaN and infinity: such a sample counts as black and is counted.
 
-mod cryptomatte;
 mod film;
 pub mod filter;
 mod first_hit;
 mod half;
-mod layer;
+mod layers;
 mod matte;
 mod pass;
 mod pixel;
-mod plane;
 mod spec;
 
 pub use film::Film;
 pub use filter::{Filter, FilterKind};
 pub use first_hit::{FirstHit, FirstHitSums};
 pub use half::Half;
-pub use layer::{HALVES, Layer, Names, develop};
+pub use layers::{HALVES, Layer, LayerInputs, LayerSums, Names, develop};
 pub use matte::{Hits, MatteSums};
 pub use pass::{PassFilm, Splat};
 pub use pixel::Pixel;

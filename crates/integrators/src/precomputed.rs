@@ -1,6 +1,7 @@
 //! What path tracers know of a scene beforehand.
 
 use crate::{Plan, Stop, caustics::Caustics};
+use steradian_core::film::LayerInputs;
 use steradian_request::MethodRequest;
 
 /// What path tracers do against noise. It changes how much samples err, not their mean.
@@ -29,7 +30,7 @@ impl VarianceReduction {
     /// What a plan leaves of it: light of several groups is kept apart by paths that share nothing and take one light
     /// sample each, and errors of pixels are independent where nothing is shared.
     pub(crate) fn by(self, plan: &Plan) -> Self {
-        if plan.by_light {
+        if plan.has(LayerInputs::LIGHT_GROUPS) {
             return Self { reuse: Some(1), effort: Some(PathEffort::default()), ..self };
         }
         Self { reuse: self.reuse.or(plan.independent.then_some(1)), ..self }

@@ -25,7 +25,8 @@ pub struct SharedPath<const MEDIA: bool> {
 }
 
 /// `path`.
-pub const PATH: MethodKind = MethodKind::new("path", |asked| Ok(Arc::new(SharedPath::<false>::of(asked, asked.depth()))));
+pub const PATH: MethodKind =
+    MethodKind::new("path", |asked| Ok(Arc::new(SharedPath::<false>::of(asked, asked.depth()))));
 
 /// `volpath`.
 pub const VOLPATH: MethodKind =

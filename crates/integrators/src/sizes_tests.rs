@@ -9,7 +9,7 @@ use std::sync::Arc;
 use steradian_compile::{Options, compile};
 use steradian_core::{
     ColorMode, Scene,
-    film::{Crop, Pixel},
+    film::{Crop, LayerInputs, Pixel},
     sampler::{Sampler, SamplerKind},
 };
 use steradian_engine::{Asked, GroupIntegrator, PixelSample, Tiles};
@@ -72,7 +72,7 @@ struct Render {
 
 fn plan(name: &'static str, variance_reduction: VarianceReduction, spp: u32) -> Render {
     let sampler = Sampler { kind: SamplerKind::ZSobol, spp, seed: 0 };
-    let plan = Plan { threads: 1, features: true, ..Plan::new(sampler) };
+    let plan = Plan { threads: 1, inputs: LayerInputs::FIRST_HITS, ..Plan::new(sampler) };
     Render { name, variance_reduction, plan }
 }
 

@@ -26,7 +26,9 @@ pub(crate) fn of_local_scattering(feature: Feature) -> Support {
 /// Of methods by passes, on surfaces alone.
 pub(crate) fn of_passes(feature: Feature) -> Support {
     match feature {
-        Feature::MovingCamera | Feature::Media | Feature::Transparency | Feature::TransparencyBehindMedia => Refuses(""),
+        Feature::MovingCamera | Feature::Media | Feature::Transparency | Feature::TransparencyBehindMedia => {
+            Refuses("")
+        }
         Feature::RealisticLens => Refuses("what it sees has no inverse"),
         Feature::Adaptivity => Refuses("it makes whole pictures pass by pass"),
         Feature::Denoising => Refuses(

@@ -357,7 +357,7 @@ impl Scene {
             })
         };
         let layers = layers.iter().map(layer).collect::<PyResult<Vec<_>>>()?;
-        if layers.contains(&Layer::Motion) {
+        if layers.contains(&Layer::MOTION) {
             let what =
                 "the layer 'motion' tells what has moved since the frame before: steradian render --frames writes it";
             return Err(PyValueError::new_err(what));

@@ -34,7 +34,7 @@ impl Raster {
         let (request, crop) = (asked.request, asked.scene.film().crop);
         let mut options = Options::of(asked.options)?;
         let is_small = u64::from(crop.width()) * u64::from(crop.height()) <= LARGEST_PREVIEW;
-        let by_light = request.layers.contains(&steradian_core::film::Layer::LightGroups);
+        let by_light = request.layers.contains(&steradian_core::film::Layer::LIGHT_GROUPS);
         if asked.options.is_plain() && request.spp.is_none() && !by_light && !request.transparent && is_small {
             options.frame = FrameKind::Preview;
         }

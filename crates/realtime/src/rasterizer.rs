@@ -15,7 +15,7 @@ use crate::{
 use std::sync::OnceLock;
 use steradian_core::{
     Scene,
-    film::{FilmSpec, PassFilm},
+    film::{FilmSpec, LayerInputs, PassFilm},
 };
 use steradian_engine::{Counters, Pass, Plan, Run, Sight, first_hit};
 use steradian_math::{Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
@@ -42,7 +42,7 @@ struct Found {
     lights: Vec<Vec3>,
 }
 
-/// Inputs of a pass.
+/// LayerInputs of a pass.
 struct Drawing<'a> {
     run: &'a Run<'a>,
     list: &'a DrawList,
@@ -69,7 +69,7 @@ impl Rasterizer {
             options,
             depth,
             transparent: plan.transparent,
-            by_light: plan.by_light,
+            by_light: plan.has(LayerInputs::LIGHT_GROUPS),
             preparation: Preparation::default(),
             shadows: OnceLock::new(),
             wrong: OnceLock::new(),
@@ -121,7 +121,7 @@ impl Rasterizer {
         Ok(Some(counters))
     }
 
-    /// Inputs of a pass, with the visibility from its subpixel position.
+    /// LayerInputs of a pass, with the visibility from its subpixel position.
     fn drawing<'a>(&self, run: &'a Run<'a>, list: &'a DrawList, number: u32) -> Result<Drawing<'a>, Error> {
         let (offset, weight) = place(run.scene.film(), number);
         // One sample alone is the whole pixel.

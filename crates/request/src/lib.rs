@@ -28,7 +28,7 @@ pub struct Request {
     pub sampler: Option<SamplerRequest>,
     /// Auxiliary layers.
     pub layers: Vec<Layer>,
-    /// True to leave the background behind all surfaces out of the picture, for [`Layer::Alpha`].
+    /// True to leave the background behind all surfaces out of the picture, for [`Layer::ALPHA`].
     pub transparent: bool,
     /// True for pixels with independent errors, which denoisers need: paths share nothing unless an option says so.
     pub independent: bool,

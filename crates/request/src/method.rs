@@ -268,7 +268,9 @@ mod tests {
         let node = Node::new(Family::Integrator, "pssmlt", None).with("large_step", 2.0).with("samples", "many");
         let (request, faults) = MethodRequest::of_node(&node, &["samples"]).unwrap();
         assert!(request.is_plain() && faults.len() == 1, "{faults:?}");
-        assert!(faults[0].message.contains("'large_step' of integrator 'pssmlt' must be number, above 0 and at most 1"));
+        assert!(
+            faults[0].message.contains("'large_step' of integrator 'pssmlt' must be number, above 0 and at most 1")
+        );
     }
 
     /// Later settings win, of options that exclude each other, too; those of other methods do not count.

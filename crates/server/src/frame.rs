@@ -8,21 +8,21 @@ use crate::{
 use std::sync::Arc;
 use steradian::{
     Film, Layer, Scene, develop,
-    film::{Crop, FirstHitSums, MatteSums, Pixel},
+    film::{Crop, LayerInputs, Pixel},
     image::Image,
 };
 
 /// Layers that are there of every picture.
 pub const LAYERS: [Layer; 9] = [
-    Layer::Albedo,
-    Layer::Normal,
-    Layer::GeometricNormal,
-    Layer::Position,
-    Layer::Depth,
-    Layer::Uv,
-    Layer::Ids,
-    Layer::Variance,
-    Layer::Samples,
+    Layer::ALBEDO,
+    Layer::NORMAL,
+    Layer::GEOMETRIC_NORMAL,
+    Layer::POSITION,
+    Layer::DEPTH,
+    Layer::UV,
+    Layer::IDS,
+    Layer::VARIANCE,
+    Layer::SAMPLES,
 ];
 
 /// A picture with what is known of it.
@@ -79,7 +79,7 @@ impl Shown {
     }
 
     fn has(&self, layer: Layer) -> bool {
-        !layer.needs_features() || !self.film.features.is_empty()
+        !layer.inputs().has(LayerInputs::FIRST_HITS) || !self.film.layers.features.is_empty()
     }
 
     /// A single pixel of it, at a place in the full picture; `None` where it has none.
@@ -96,13 +96,10 @@ impl Shown {
         let (w, h) = (film.crop.width(), film.crop.height());
         let (i, j) = (at(x, [x0, x1], w), at(y, [y0, y1], h));
         let k = (j * w + i) as usize;
-        let part = |len: usize| if len == film.pixels.len() { k..k + 1 } else { 0..0 };
         let pixels: Vec<Pixel> = film.pixels.get(k..k + 1)?.to_vec();
-        let features: Vec<FirstHitSums> = film.features[part(film.features.len())].to_vec();
-        let mattes: Vec<MatteSums> = film.mattes[part(film.mattes.len())].to_vec();
         let (cx, cy) = (film.crop.x0 + i, film.crop.y0 + j);
         let crop = Crop { x0: cx, y0: cy, x1: cx + 1, y1: cy + 1 };
-        Some(Film { crop, pixels, features, mattes, by_light: Vec::new(), halves: Vec::new(), bins: 0 })
+        Some(Film { crop, pixels, layers: film.layers.pixel(k), halves: Vec::new(), bins: 0 })
     }
 }
 
@@ -203,15 +200,10 @@ impl Backdrop {
 fn plane(image: &Image, layer: Option<Layer>) -> Option<(u16, Vec<f32>)> {
     let names: &[&str] = match layer {
         None => &["R", "G", "B"],
-        Some(Layer::Albedo) => &["albedo.R", "albedo.G", "albedo.B"],
-        Some(Layer::Normal) => &["N.X", "N.Y", "N.Z"],
-        Some(Layer::GeometricNormal) => &["Ng.X", "Ng.Y", "Ng.Z"],
-        Some(Layer::Position) => &["P.X", "P.Y", "P.Z"],
-        Some(Layer::Depth) => &["Z"],
-        Some(Layer::Uv) => &["uv.U", "uv.V", ""],
-        Some(Layer::Ids) => &["object_id.Y"],
-        Some(Layer::Variance) => &["variance.R", "variance.G", "variance.B"],
-        Some(Layer::Samples) => &["samples.Y"],
+        // Pages show one number or three.
+        Some(l) if l == Layer::UV => &["uv.U", "uv.V", ""],
+        Some(l) if l == Layer::DEPTH || l == Layer::IDS => &l.channels()[..1],
+        Some(layer) if LAYERS.contains(&layer) => layer.channels(),
         Some(_) => return None,
     };
     let zeros = vec![0.0; if names.contains(&"") { image.pixel_count() } else { 0 }];

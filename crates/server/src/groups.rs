@@ -36,14 +36,15 @@ pub fn check(scene: &Scene) -> Result<(), String> {
 /// without groups shows there.
 pub fn names<'s>(scene: &'s Scene, film: &Film) -> &'s [String] {
     let names = scene.light_groups().names.as_slice();
-    let are_kept =
-        film.bins == 0 && !film.by_light.is_empty() && film.by_light.len() == names.len() * film.pixels.len();
+    let are_kept = film.bins == 0
+        && !film.layers.by_light.is_empty()
+        && film.layers.by_light.len() == names.len() * film.pixels.len();
     let has_all = || film.pixels.iter().all(|p| p.samples > 0);
     if are_kept && check(scene).is_ok() && has_all() { names } else { &[] }
 }
 
 /// R, G, B of pixels by the light of one group of so many.
 pub fn plane(film: &Film, group: usize, count: usize) -> Vec<f32> {
-    let sums = film.by_light.iter().skip(group).step_by(count);
+    let sums = film.layers.by_light.iter().skip(group).step_by(count);
     sums.zip(&film.pixels).flat_map(|(sum, p)| sum.map(|v| (v / f64::from(p.samples)) as f32)).collect()
 }

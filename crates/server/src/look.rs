@@ -87,7 +87,7 @@ pub fn options(look: &Look, format: Format, purpose: Purpose) -> CompileOptions 
 /// What the session is asked for.
 pub fn quality(look: &Look) -> Quality {
     let s = &look.settings;
-    let groups = s.light_groups.filter(|on| *on).map(|_| Layer::LightGroups);
+    let groups = s.light_groups.filter(|on| *on).map(|_| Layer::LIGHT_GROUPS);
     let denoiser = s.denoise.flatten();
     // What the inspector tells.
     let mut layers: Vec<Layer> = frame::LAYERS.into_iter().chain(groups).collect();

@@ -70,7 +70,7 @@ pub async fn pixel(State(app): State<App>, Query(Place { x, y }): Query<Place>) 
     let none = || Refused(StatusCode::NOT_FOUND, format!("there is no pixel {x}, {y} in the picture"));
     let shown = app.viewer.shown().ok_or_else(none)?;
     let film = shown.pixel(x, y).ok_or_else(none)?;
-    let hit = film.features.first().map(|f| FirstHit { shape: f.sum.shape, material: f.sum.material, ..f.sum });
+    let hit = film.layers.features.first().map(|f| FirstHit { shape: f.sum.shape, material: f.sum.material, ..f.sum });
     let image = develop(&shown.scene, &film, &LAYERS);
     let number = |v: f32| if v.is_finite() { json!(v) } else { json!(v.to_string()) };
     let channels = image.channels().iter().map(|c| (c.name.as_str(), number(c.data[0]))).collect();

@@ -64,8 +64,8 @@ impl Display {
 
     fn layers(&self) -> Result<Vec<Layer>, Refused> {
         let names = self.layers.split(',').filter(|n| !n.is_empty());
-        let named = |name| match name == Layer::LightGroups.name() {
-            true => Ok(Layer::LightGroups),
+        let named = |name| match name == Layer::LIGHT_GROUPS.name() {
+            true => Ok(Layer::LIGHT_GROUPS),
             false => crate::frame::layer(name).map_err(|why| Refused(StatusCode::BAD_REQUEST, why)),
         };
         names.map(named).collect()

@@ -223,7 +223,7 @@ fn command(document: &Document, look: &Look, library: Option<&Path>) -> String {
         option(&format!("denoise={}", denoiser.name()), Some(String::new()));
     }
     option("oidn", library.filter(|_| denoiser == Some(Denoiser::Oidn)).map(|path| path.to_string_lossy().into()));
-    option("aov", asked.light_groups.filter(|on| *on).map(|_| Layer::LightGroups.name().into()));
+    option("aov", asked.light_groups.filter(|on| *on).map(|_| Layer::LIGHT_GROUPS.name().into()));
     if is_file && let Some(view) = look.view {
         let Viewpoint { eye, target, up } = view.point;
         let numbers = [eye, target, up].map(|v| v.to_array().map(|n| n.to_string()).join(","));

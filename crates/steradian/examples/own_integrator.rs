@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [file, output] = &names[..] else { return Err("usage: own_integrator SCENE OUT.exr".into()) };
     let (scene, messages) = steradian::open(file)?;
     messages.iter().try_for_each(|message| writeln!(std::io::stderr(), "{message}"))?;
-    let quality = Quality { spp: Some(64), layers: vec![Layer::Albedo, Layer::Normal], ..Quality::default() };
+    let quality = Quality { spp: Some(64), layers: vec![Layer::ALBEDO, Layer::NORMAL], ..Quality::default() };
     let mut session = PerPixel::per_pixel(Arc::clone(&scene), ByChance, quality.render(&scene)?.plan);
     File::open("own.state").ok().map_or(Ok(()), |mut state| session.restore(&mut state))?;
     while !session.is_done() {

@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [file, output] = &names[..] else { return Err("usage: own_pass SCENE OUT.exr".into()) };
     let (scene, messages) = steradian::open(file)?;
     messages.iter().for_each(|message| eprintln!("{message}"));
-    let quality = Quality { spp: Some(64), layers: vec![Layer::Depth, Layer::Variance], ..Quality::default() };
+    let quality = Quality { spp: Some(64), layers: vec![Layer::DEPTH, Layer::VARIANCE], ..Quality::default() };
     let mut session = Passes::new(Arc::clone(&scene), Sprinkled, quality.render(&scene)?.plan);
     while !session.is_done() {
         session.step(8, &Control::default());

@@ -21,10 +21,10 @@ const OF_NOISE: [&str; 4] = [ERROR, "steradian:relative_error", "steradian:unrel
 
 /// The layers that guide denoising by non-local means. Of albedo and normal the layers of [`OIDN_GUIDES`] stand in, and
 /// the other way round.
-pub const GUIDES: [Layer; 4] = [Layer::Albedo, Layer::Normal, Layer::Depth, Layer::Variance];
+pub const GUIDES: [Layer; 4] = [Layer::ALBEDO, Layer::NORMAL, Layer::DEPTH, Layer::VARIANCE];
 /// The layers that guide Open Image Denoise: what mirrors and smooth glass show guides it better, and non-local means
 /// less well, as it takes fewer pixels for alike.
-pub const OIDN_GUIDES: [Layer; 2] = [Layer::DenoiseAlbedo, Layer::DenoiseNormal];
+pub const OIDN_GUIDES: [Layer; 2] = [Layer::DENOISE_ALBEDO, Layer::DENOISE_NORMAL];
 
 /// A denoised picture, and what it was made from.
 #[derive(Clone, Debug)]
@@ -60,14 +60,14 @@ impl Guided {
         let rgb = |name: &str| values(image, name, RGB);
         // One sample tells no variance; its layer is zero.
         let tells_variance = !matches!(image.metadata.get("samplesPerPixel"), Some(Value::Int(1)));
-        let variance = rgb(RAW[1]).or_else(|| rgb(Layer::Variance.prefix())).filter(|_| tells_variance);
+        let variance = rgb(RAW[1]).or_else(|| rgb(Layer::VARIANCE.prefix())).filter(|_| tells_variance);
         let first = |layers: [Layer; 3], axes: [&str; 3]| {
             let found = layers.into_iter().find_map(|layer| Some((layer, values(image, layer.prefix(), axes)?)));
             found.map_or((None, None), |(layer, values)| (Some(layer), Some(values)))
         };
         let (albedo_layer, albedo) = first([guides[0], GUIDES[0], OIDN_GUIDES[0]], RGB);
         let (normal_layer, normal) = first([guides[1], GUIDES[1], OIDN_GUIDES[1]], ["X", "Y", "Z"]);
-        let depth = image.channel(Layer::Depth.prefix()).and_then(|z| Values::new(size[0], size[1], z.to_vec()).ok());
+        let depth = image.channel(Layer::DEPTH.prefix()).and_then(|z| Values::new(size[0], size[1], z.to_vec()).ok());
         let pixels = || Ok::<_, Error>(image.to_rgb()?.into_iter().map(Vec3::from_array).collect());
         let guided = Self {
             radiance: match rgb(RAW[0]) {
@@ -137,7 +137,7 @@ struct Halves {
 }
 
 impl Halves {
-    /// Those of a picture that has [`Layer::Halves`].
+    /// Those of a picture that has [`Layer::HALVES`].
     fn of(image: &Image, guided: &Guided) -> Option<Self> {
         let [a, b] = HALVES.map(|name| values(image, name, RGB).map(|half| known(half, &guided.radiance)));
         let mut variance = guided.variance.clone();
@@ -158,7 +158,7 @@ impl Halves {
 /// Denoises a picture by non-local means ([`steradian_denoise::nlm`]), with those of [`GUIDES`] that it has; one that
 /// was denoised before, from its layer `raw`. `half` is another picture of the view with as many samples and another
 /// seed: the two guide each other, and the outcome is their mean. Without it, the halves of the picture's samples do so
-/// where it has [`Layer::Halves`]. `strength` is 1 by default; more filters more.
+/// where it has [`Layer::HALVES`]. `strength` is 1 by default; more filters more.
 ///
 /// # Errors
 /// For pictures without colours, of two sizes, and for a strength that is not above 0.
@@ -189,7 +189,7 @@ pub fn picture(image: &Image, half: Option<&Image>, strength: f32) -> Result<Out
 pub struct Sequence(nlm::Sequence);
 
 impl Sequence {
-    /// Denoises the next frame with those of [`GUIDES`] that it has, and [`Layer::Motion`], from its layer `raw` where
+    /// Denoises the next frame with those of [`GUIDES`] that it has, and [`Layer::MOTION`], from its layer `raw` where
     /// it was denoised before. A frame without motion, or of another size than the one before, begins anew. Frames are
     /// to err independently: each needs a seed of its own.
     ///
@@ -199,7 +199,7 @@ impl Sequence {
         let guided = Guided::of(image, &GUIDES)?;
         let [width, height] = guided.radiance.size();
         let unknown = || Values::filled(width, height, Vec3::NAN);
-        let motion = values(image, Layer::Motion.prefix(), ["X", "Y", "Z"]).unwrap_or_else(unknown);
+        let motion = values(image, Layer::MOTION.prefix(), ["X", "Y", "Z"]).unwrap_or_else(unknown);
         let Denoised { radiance, not_finite } = self.0.frame(&guided.picture(), &motion)?;
         outcome(image, &guided, (radiance, not_finite, None), &GUIDES, "non-local means, with frames before")
     }
@@ -278,7 +278,7 @@ fn outcome(
     for Channel { name, data } in image.channels() {
         // Variance is that of the noisy picture.
         let name = match name.split_once('.') {
-            Some((layer, suffix)) if layer == Layer::Variance.prefix() => format!("{}.{suffix}", RAW[1]),
+            Some((layer, suffix)) if layer == Layer::VARIANCE.prefix() => format!("{}.{suffix}", RAW[1]),
             _ => name.clone(),
         };
         if !matches!(name.as_str(), "R" | "G" | "B" | "Y") && !name.starts_with("raw.") {

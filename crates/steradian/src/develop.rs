@@ -8,7 +8,7 @@ use steradian_image::{Image, Value};
 use steradian_math::DMat4;
 use steradian_schema::material::MATERIALS;
 
-/// The picture: linear Rec.709 in `R G B`, premultiplied by [`Layer::Alpha`] where the background was left out, and the
+/// The picture: linear Rec.709 in `R G B`, premultiplied by [`Layer::ALPHA`] where the background was left out, and the
 /// layers asked for. Layers of first hits need a film on which they were gathered. Where the scene's film has a sensor,
 /// the picture has its noise; the layers do not.
 pub fn develop(scene: &Scene, film: &Film, layers: &[Layer]) -> Image {

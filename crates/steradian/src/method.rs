@@ -1,12 +1,13 @@
 //! A request for a scene: the method that answers it, and its plan.
 
-use crate::{Error, Layer, Plan, Scene, Session};
+use crate::{Error, Plan, Scene, Session};
 use std::sync::Arc;
 use steradian_core::{
     ColorMode,
     sampler::{Sampler, SamplerKind},
 };
 use steradian_engine::{Asked, Feature, Limit, Method, MethodKind, Support};
+use steradian_film::LayerInputs;
 use steradian_request::{MethodRequest, Request, SamplerRequest};
 use steradian_schema::integrator::path_tracer;
 
@@ -103,29 +104,30 @@ impl Render {
         if plan.adaptive && supports(Feature::Adaptivity) != Support::Exact {
             return Err(Error::NotAdaptive(self.name.into()));
         }
+        let (by_light, halves) = (plan.has(LayerInputs::LIGHT_GROUPS), plan.has(LayerInputs::HALVES));
         let behind = if scene.has_media() { " behind media" } else { "" };
         let transparency = if scene.has_media() { Feature::TransparencyBehindMedia } else { Feature::Transparency };
         let groups = scene.light_groups().names.len();
         let asked = [
             (plan.transparent, transparency, format!("a transparent background{behind}")),
-            (plan.by_light, Feature::LightGroups, "layers of groups of lights".into()),
-            (plan.halves, Feature::Denoising, "the layer 'halves'".into()),
+            (by_light, Feature::LightGroups, "layers of groups of lights".into()),
+            (halves, Feature::Denoising, "the layer 'halves'".into()),
         ];
         for (is_asked, feature, what) in asked {
             if is_asked && supports(feature) != Support::Exact {
                 return Err(cannot(Limit::new(what, supports(feature)).what));
             }
         }
-        if plan.by_light && groups > MOST_LIGHT_GROUPS {
+        if by_light && groups > MOST_LIGHT_GROUPS {
             return Err(cannot(format!("layers of {groups} groups of lights ({MOST_LIGHT_GROUPS} at most)")));
         }
-        if plan.by_light && plan.adaptive {
+        if by_light && plan.adaptive {
             return Err(cannot("layers of groups of lights with --adaptive".into()));
         }
-        if plan.halves && plan.sampler.spp < 2 {
+        if halves && plan.sampler.spp < 2 {
             return Err(cannot("the layer 'halves' with one sample per pixel; it takes two or more".into()));
         }
-        match self.not_denoisable(scene).filter(|_| plan.halves) {
+        match self.not_denoisable(scene).filter(|_| halves) {
             Some(why) => Err(cannot(format!("the layer 'halves': {why}"))),
             None => Ok(()),
         }
@@ -135,11 +137,11 @@ impl Render {
     /// Mattes, the light of groups, intervals of arrival and halves count for themselves.
     pub fn film_bytes(&self, scene: &Scene, layers: usize) -> u64 {
         // Mattes are counted apart from other layers, and have eight times as many planes.
-        let mattes = if self.plan.mattes { 16 } else { 0 };
-        let groups = if self.plan.by_light { 3 * scene.light_groups().names.len() } else { 0 };
+        let mattes = if self.plan.has(LayerInputs::MATTES) { 16 } else { 0 };
+        let groups = if self.plan.has(LayerInputs::LIGHT_GROUPS) { 3 * scene.light_groups().names.len() } else { 0 };
         let bins = 3 * self.method.bins() as usize;
         // Sums of even number beside those of all, and two more pictures.
-        let halves = if self.plan.halves { 8 } else { 0 };
+        let halves = if self.plan.has(LayerInputs::HALVES) { 8 } else { 0 };
         let crop = scene.film().crop;
         let pixels = u64::from(crop.width()) * u64::from(crop.height());
         pixels.saturating_mul(film_bytes_per_pixel(layers + mattes + groups + bins + halves))
@@ -173,9 +175,9 @@ impl Render {
 fn made(asked: &Asked<'_>) -> Result<Arc<dyn Method>, Error> {
     let name = asked.options.name();
     let kind = methods().find(|kind| kind.name == name);
-    Ok((kind.ok_or_else(|| Error::CannotRender { integrator: name.into(), what: "anything: it has no method".into() })?.new)(
-        asked,
-    )?)
+    Ok((kind
+        .ok_or_else(|| Error::CannotRender { integrator: name.into(), what: "anything: it has no method".into() })?
+        .new)(asked)?)
 }
 
 /// Samples, layers and limits of a request.
@@ -190,16 +192,10 @@ fn plan(asked: &Asked<'_>, method: &dyn Method) -> Plan {
     // Metropolis counts its own.
     let samples = options.given("samples").and_then(|v| v.number()).map(|n| n as u32);
     let spp = request.spp.or(samples).unwrap_or_else(|| method.default_spp(settings.spp));
-    let has = |layer| request.layers.contains(&layer);
     Plan {
         sampler: Sampler { kind, spp, seed: asked.seed() },
         threads: request.threads,
-        features: request.layers.iter().any(|l| l.needs_features()),
-        motion: has(Layer::Motion),
-        sees_through: request.layers.iter().any(|l| l.sees_through()),
-        mattes: has(Layer::Cryptomatte),
-        by_light: has(Layer::LightGroups),
-        halves: has(Layer::Halves),
+        inputs: LayerInputs::of(&request.layers),
         independent: request.independent,
         transparent: request.transparent,
         hide_emitters: asked.hides_emitters(),

@@ -31,7 +31,7 @@ pub struct Quality {
     pub sampler: Option<String>,
     /// Auxiliary layers.
     pub layers: Vec<Layer>,
-    /// True to leave the background behind all surfaces out of the picture, for [`Layer::Alpha`].
+    /// True to leave the background behind all surfaces out of the picture, for [`Layer::ALPHA`].
     pub transparent: bool,
     /// True for pixels with independent errors, which denoisers need: `reuse` is 1 unless an option says otherwise.
     pub independent: bool,
@@ -283,7 +283,7 @@ mod tests {
                 info.kind
             );
         }
-        let (lamps, layers) = (scene(""), vec![Layer::Alpha, Layer::Depth]);
+        let (lamps, layers) = (scene(""), vec![Layer::ALPHA, Layer::DEPTH]);
         for name in ["path", "raster"] {
             let quality = Quality { layers: layers.clone(), ..Quality::of(name).spp(2) };
             let of = |scene, channel: &str| {

@@ -10,6 +10,7 @@ use std::{
     io::{self, BufReader, BufWriter, Read, Seek, Write},
     path::Path,
 };
+use steradian_film::LayerInputs;
 use steradian_image::open_regular;
 use steradian_scene::{Node, SceneDesc, Value};
 
@@ -154,10 +155,10 @@ impl Recipe {
             ("sampler", format!("{:?}", plan.sampler.kind)),
             (SAMPLES, plan.sampler.spp.to_string()),
             ("seed", plan.sampler.seed.to_string()),
-            ("layers", format!("{} {}", plan.features, plan.sees_through)),
-            ("mattes", plan.mattes.to_string()),
-            ("light groups", plan.by_light.to_string()),
-            ("halves", plan.halves.to_string()),
+            ("layers", format!("{} {}", plan.has(LayerInputs::FIRST_HITS), plan.has(LayerInputs::SEEN_THROUGH))),
+            ("mattes", plan.has(LayerInputs::MATTES).to_string()),
+            ("light groups", plan.has(LayerInputs::LIGHT_GROUPS).to_string()),
+            ("halves", plan.has(LayerInputs::HALVES).to_string()),
             ("transparent background", plan.transparent.to_string()),
             ("adaptive", plan.adaptive.to_string()),
             ("error", format!("{:?}", plan.error)),

@@ -11,8 +11,8 @@ use crate::{
 };
 use std::{collections::BTreeMap, sync::Arc};
 use steradian_accel::Accel;
-use steradian_request::MethodRequest;
 use steradian_math::{DVec3, Motion, spectra::ColorMode, transform::Affine};
+use steradian_request::MethodRequest;
 use steradian_texture::{FloatTexture, Textures, pages::Pages};
 
 /// A shape with what is attached to it.

@@ -50,7 +50,11 @@ fn scene(filter: &str) -> Scene {
 }
 
 fn plan(threads: usize, spp: u32) -> Plan {
-    Plan { threads, features: true, ..Plan::new(Sampler { kind: SamplerKind::Independent, spp, seed: 3 }) }
+    Plan {
+        threads,
+        inputs: LayerInputs::FIRST_HITS,
+        ..Plan::new(Sampler { kind: SamplerKind::Independent, spp, seed: 3 })
+    }
 }
 
 fn session(scene: &Scene, plan: Plan, cancel_at: u32) -> Passes<Rain> {

@@ -125,12 +125,12 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
             cell.rays += u64::from(rays) * RAYS;
             cell.samples += 1;
             if groups > 0 && value.is_finite() {
-                tile.add_lights(at, &scratch.lights[number * groups..][..groups]);
+                tile.layers.add_lights(at, &scratch.lights[number * groups..][..groups]);
             }
         }
         for (number, hit) in &scratch.hits {
             if let Some((_, at)) = scratch.members[*number].kept {
-                tile.add_hit(at as usize, hit);
+                tile.layers.add_hit(at as usize, hit);
             }
         }
     }

@@ -37,7 +37,7 @@ use std::{
 };
 use steradian_core::{
     Scene,
-    film::{Crop, Film, FirstHitSums, Half, MatteSums, Pixel},
+    film::{Crop, Film, Half, LayerInputs, LayerSums, Pixel},
 };
 use tile::Tile;
 use work::Work;
@@ -205,12 +205,12 @@ impl<G: GroupIntegrator> Session for Tiles<G> {
 
     fn take_history(&mut self) -> Option<History> {
         let Frame { scene, plan, .. } = &self.frame;
-        plan.motion.then(|| History(Arc::new(Earlier { scene: Arc::clone(scene), own: None })))
+        plan.has(LayerInputs::MOTION).then(|| History(Arc::new(Earlier { scene: Arc::clone(scene), own: None })))
     }
 
     fn follow(&mut self, history: &History) {
         let Frame { scene, plan, before, .. } = &mut self.frame;
-        let earlier = Earlier::of(history, scene).filter(|_| plan.motion);
+        let earlier = Earlier::of(history, scene).filter(|_| plan.has(LayerInputs::MOTION));
         *before = earlier.map(|earlier| Arc::clone(&earlier.scene));
     }
 
@@ -266,7 +266,7 @@ impl Frame {
     fn new(scene: Arc<Scene>, plan: Plan, bins: u32) -> Self {
         let crop = scene.film().crop;
         let round = Round::first(plan.sampler.spp, plan.adaptive);
-        let groups = if plan.by_light { scene.light_groups().names.len() } else { 0 };
+        let groups = if plan.has(LayerInputs::LIGHT_GROUPS) { scene.light_groups().names.len() } else { 0 };
         let parts = if bins > 0 { bins as usize } else { groups };
         let mut tiles = Vec::new();
         let aligned = |v: u32| v / TILE * TILE;
@@ -411,10 +411,8 @@ impl Frame {
         let mut film = Film {
             crop,
             pixels: vec![Pixel::default(); n],
-            features: vec![FirstHitSums::default(); if self.plan.features { n } else { 0 }],
-            mattes: vec![MatteSums::default(); if self.plan.mattes { n } else { 0 }],
-            by_light: vec![[0.0; 3]; n * self.parts],
-            halves: vec![Half::default(); if self.plan.halves { n } else { 0 }],
+            layers: LayerSums::new(self.plan.inputs, n, self.parts),
+            halves: vec![Half::default(); if self.plan.has(LayerInputs::HALVES) { n } else { 0 }],
             bins: self.bins,
         };
         for tile in &self.tiles {
@@ -425,19 +423,11 @@ impl Frame {
             for (row, y) in (tile.area.y0..tile.area.y1).enumerate() {
                 let to = (y - crop.y0) as usize * crop.width() as usize + (tile.area.x0 - crop.x0) as usize;
                 film.pixels[to..to + w].copy_from_slice(&pixels[row * w..(row + 1) * w]);
-                let groups = self.parts;
-                let by_light = &tile.by_light[row * w * groups..(row + 1) * w * groups];
-                film.by_light[to * groups..(to + w) * groups].copy_from_slice(by_light);
                 let row = row * w..(row + 1) * w;
-                if self.plan.features {
-                    film.features[to..to + w].copy_from_slice(&tile.features[row.clone()]);
-                }
-                if self.plan.halves {
+                if !halves.is_empty() {
                     film.halves[to..to + w].copy_from_slice(&halves[row.clone()]);
                 }
-                if self.plan.mattes {
-                    film.mattes[to..to + w].copy_from_slice(&tile.mattes[row]);
-                }
+                film.layers.copy(to, &tile.layers, row, self.parts);
             }
         }
         film

@@ -132,11 +132,15 @@ impl Frame {
     fn are_sound_layers(&self, tile: &Tile, at: usize, samples: u64) -> bool {
         // A sample may have several paths.
         let paths = samples..=(samples * u64::from(MOST_PATHS)).min(u64::from(u32::MAX / 2));
-        let groups = tile.by_light.len() / tile.pixels.len().max(1);
-        let lights = &tile.by_light[at * groups..(at + 1) * groups];
+        let groups = tile.layers.by_light.len() / tile.pixels.len().max(1);
+        let lights = &tile.layers.by_light[at * groups..(at + 1) * groups];
         let largest = samples as f64 * f64::from(f32::MAX);
-        tile.features.get(at).is_none_or(|sums| paths.contains(&u64::from(sums.samples)) && are_hits(sums))
-            && tile.mattes.get(at).is_none_or(|sums| paths.contains(&u64::from(sums.samples)) && are_mattes(sums))
+        tile.layers.features.get(at).is_none_or(|sums| paths.contains(&u64::from(sums.samples)) && are_hits(sums))
+            && tile
+                .layers
+                .mattes
+                .get(at)
+                .is_none_or(|sums| paths.contains(&u64::from(sums.samples)) && are_mattes(sums))
             && lights.as_flattened().iter().all(|sum| sum.abs() <= largest)
     }
 }

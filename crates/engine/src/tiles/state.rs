@@ -56,9 +56,7 @@ impl Frame {
             if round.number == 0 {
                 tile.even.pass(codec)?;
             }
-            tile.features.pass(codec)?;
-            tile.mattes.pass(codec)?;
-            tile.by_light.pass(codec)?;
+            tile.layers.pass(codec)?;
             tile.halves.pass(codec)?;
             if round.number > 0 {
                 tile.past_halves.resize(tile.halves.len(), Half::default());

@@ -5,7 +5,7 @@ use crate::{
     adaptive::{FLOOR, Need, Round},
     partition::{CELLS, cell_of},
 };
-use steradian_core::film::{Crop, FirstHit, FirstHitSums, Half, MatteSums, Pixel};
+use steradian_core::film::{Crop, Half, LayerInputs, LayerSums, Pixel};
 use steradian_math::Vec3;
 
 /// A square of a tile that gets a number of samples of its own.
@@ -53,12 +53,8 @@ pub struct Tile {
     /// What even ticks of the first round brought, by which the error of means over pixels is told; empty where it is
     /// not ([`super::scales`]).
     pub(super) even: Vec<Even>,
-    /// First hits, of all rounds.
-    pub features: Vec<FirstHitSums>,
-    /// What covers pixels, of all rounds.
-    pub mattes: Vec<MatteSums>,
-    /// Sums of each part of the light, pixel by pixel: of groups of lights, or intervals of its arrival.
-    pub by_light: Vec<[f64; 3]>,
+    /// Sums of layers, of all rounds.
+    pub layers: LayerSums,
     /// Samples of even number in the round under way, and the halves of the rounds before it, which are empty in the
     /// first; both are empty where halves are not kept.
     pub(super) halves: Vec<Even>,
@@ -76,10 +72,8 @@ impl Tile {
             pixels: vec![Pixel::default(); n],
             past: Vec::new(),
             even: Vec::new(),
-            features: vec![FirstHitSums::default(); if plan.features { n } else { 0 }],
-            mattes: vec![MatteSums::default(); if plan.mattes { n } else { 0 }],
-            by_light: vec![[0.0; 3]; n * parts],
-            halves: vec![Even::default(); if plan.halves { n } else { 0 }],
+            layers: LayerSums::new(plan.inputs, n, parts),
+            halves: vec![Even::default(); if plan.has(LayerInputs::HALVES) { n } else { 0 }],
             past_halves: Vec::new(),
             cells: [Cell { target, ..Cell::default() }; (CELLS * CELLS) as usize],
         }
@@ -97,23 +91,6 @@ impl Tile {
             even.add(value);
         }
         is_finite
-    }
-
-    /// Adds what a sample of a pixel has of each group of lights; what is not finite counts as black.
-    pub fn add_lights(&mut self, at: usize, lights: &[Vec3]) {
-        for (sum, light) in self.by_light[at * lights.len()..].iter_mut().zip(lights).filter(|(_, l)| l.is_finite()) {
-            *sum = std::array::from_fn(|c| sum[c] + f64::from(light[c]));
-        }
-    }
-
-    /// Adds what a sample of a pixel hits first to the layers that are gathered.
-    pub fn add_hit(&mut self, at: usize, hit: &FirstHit) {
-        if let Some(features) = self.features.get_mut(at) {
-            features.add(hit);
-        }
-        if let Some(mattes) = self.mattes.get_mut(at) {
-            mattes.add(hit);
-        }
     }
 
     /// The pixels with all that is known of them, by rows.

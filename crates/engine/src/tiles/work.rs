@@ -22,7 +22,10 @@ use std::{
     },
     time::Duration,
 };
-use steradian_core::{film::FirstHit, sampler::Sampler};
+use steradian_core::{
+    film::{FirstHit, LayerInputs},
+    sampler::Sampler,
+};
 use steradian_math::{Spectrum, Vec3, hash::combine64};
 
 /// Rays are counted for pixels in this part of one, so that a group's can be divided among its members.
@@ -281,7 +284,7 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
     /// The sampler of one of the paths that a sample is the mean of, and its number.
     pub fn numbered(&self, sampler: Sampler, m: &Member, path: u32) -> (Sampler, u32) {
         // The first paths of all samples come first in a pixel's points, then the second ones, for those who have such.
-        let (sampler, sample, of) = match self.frame.plan.halves {
+        let (sampler, sample, of) = match self.frame.plan.has(LayerInputs::HALVES) {
             true => (sampler.half(m.sample), m.sample / 2, m.of.div_ceil(2)),
             false => (sampler, m.sample, m.of),
         };
@@ -292,13 +295,14 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
     pub fn exposed(&self, pixel_sample: &PixelSample) -> (Spectrum, Option<FirstHit>) {
         let Frame { scene, plan, .. } = self.frame;
         let l = scene.film().exposed(pixel_sample.radiance);
-        if !(plan.features || plan.mattes || plan.transparent) {
+        let gathers = plan.has(LayerInputs::FIRST_HITS) || plan.has(LayerInputs::MATTES);
+        if !(gathers || plan.transparent) {
             return (l, None);
         }
         let before = self.frame.before.as_deref();
         let hit = first_hit(scene, pixel_sample.ray, &pixel_sample.lambda, plan.sight(), before);
         let l = if plan.transparent && hit.coverage == 0.0 { Spectrum::ZERO } else { l };
-        (l, (plan.features || plan.mattes).then_some(hit))
+        (l, gathers.then_some(hit))
     }
 
     /// One sample of each pixel of a group, which is the mean of as many paths as the preparation wants.
@@ -354,7 +358,7 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
                 cell.rays += f.rays;
                 cell.samples += 1;
                 for (_, hit) in &scratch.hits[f.hits.0..f.hits.0 + f.hits.1] {
-                    tile.add_hit(f.at as usize, hit);
+                    tile.layers.add_hit(f.at as usize, hit);
                 }
             }
         }

@@ -16,9 +16,7 @@ use steradian_core::{
     Scene,
     film::{PassFilm, Splat},
 };
-use steradian_engine::{
-    CameraSample, Feature, Method, MethodKind, Pass, Passes, Plan, Refusal, Run, Session, Support,
-};
+use steradian_engine::{CameraSample, Feature, Method, MethodKind, Pass, Passes, Plan, Refusal, Run, Session, Support};
 use steradian_math::{
     Vec2,
     color::luminance,

@@ -86,10 +86,8 @@ impl Shot {
             _ => {}
         }
         let model = MethodRequest::named(self.integrator).expect("a method").model();
-        let of_paths = [
-            ("rr_depth", self.roulette_after.to_string()),
-            ("hide_emitters", self.hide_emitters.to_string()),
-        ];
+        let of_paths =
+            [("rr_depth", self.roulette_after.to_string()), ("hide_emitters", self.hide_emitters.to_string())];
         let of_paths = of_paths.into_iter().filter(|(name, _)| model.parameter(name).is_some());
         let of_paths: String = of_paths.map(|(name, value)| format!("{name}={value},")).collect();
         let options = MethodRequest::parse(&format!("{}:{of_paths}{options}", self.integrator)).expect("options");

@@ -23,7 +23,10 @@ use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError},
     time::{Duration, Instant},
 };
-use steradian_core::{Scene, film::PassFilm};
+use steradian_core::{
+    Scene,
+    film::{LayerInputs, PassFilm},
+};
 use steradian_engine::{Counters, History, Pass, Plan, Run};
 use steradian_math::{Ray, Vec2, spectra::Wavelengths};
 use steradian_transport::Depth;
@@ -94,7 +97,7 @@ fn passes(filter: bool) -> Vec<(Node, Step)> {
     passes
 }
 
-/// Inputs of a frame.
+/// LayerInputs of a frame.
 struct Setting<'a> {
     run: &'a Run<'a>,
     list: &'a DrawList,
@@ -138,7 +141,7 @@ impl Hybrid {
     /// Cameras that have no projection to a plane, and layers that these frames do not have.
     pub fn new(scene: &Scene, options: Options, depth: Depth, plan: &Plan) -> Result<Self, Error> {
         Projected::new(scene, Vec2::splat(0.5))?;
-        if plan.by_light {
+        if plan.has(LayerInputs::LIGHT_GROUPS) {
             return Err(Error::Option("raster:frame=hybrid does not tell groups of lights apart".into()));
         }
         let (after, times, failure) = Default::default();

@@ -22,7 +22,13 @@ use indirect::Blocks;
 use look::{look, object};
 use rayon::prelude::*;
 use steradian_bsdf::TransportMode;
-use steradian_core::{ColorMode, Scene, camera::Projection, film::PassFilm, sampler::Sampler, scene::Shape};
+use steradian_core::{
+    ColorMode, Scene,
+    camera::Projection,
+    film::{LayerInputs, PassFilm},
+    sampler::Sampler,
+    scene::Shape,
+};
 use steradian_engine::{Counters, Pass, PathContext, Plan, Run, albedo, albedo_of, dimension};
 use steradian_math::{Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
 use steradian_transport::{Depth, NoGuide, PathState, along};
@@ -60,7 +66,7 @@ struct Pixel {
     surface: Option<Surface>,
 }
 
-/// Inputs of a picture.
+/// LayerInputs of a picture.
 struct Drawing<'a> {
     run: &'a Run<'a>,
     list: &'a DrawList,
@@ -95,7 +101,7 @@ impl Preview {
         if matches!(scene.camera().projection, Projection::Realistic(_)) {
             Projected::new(scene, Vec2::splat(0.5))?;
         }
-        if plan.by_light {
+        if plan.has(LayerInputs::LIGHT_GROUPS) {
             return Err(Error::Option("raster:frame=preview does not tell groups of lights apart".into()));
         }
         if plan.transparent {

@@ -54,7 +54,7 @@ fn groups_come_beside_the_picture() {
     let desc = steradian::load(&file, &Default::default()).desc;
     let options = CompileOptions { spp: Some(4), ..CompileOptions::default() };
     let scene = std::sync::Arc::new(steradian::compile(&desc, &options).scene.unwrap());
-    let quality = Quality { layers: vec![Layer::LightGroups], ..Quality::of("path").spp(4) };
+    let quality = Quality { layers: vec![Layer::LIGHT_GROUPS], ..Quality::of("path").spp(4) };
     let picture = steradian::render(&scene, &quality).unwrap();
     let mut sum = vec![0.0; 3 * 24 * 16];
     for (name, tile) in order.iter().zip(&tiles[1..]) {

@@ -24,7 +24,7 @@ fn compiled(loaded: &Loaded, text: &str) -> (Arc<Scene>, String) {
 
 fn picture(scene: &Arc<Scene>, integrator: &str) -> Image {
     let integrator = Some(format!("{integrator}:reuse=1,caustics=false,effort=even,max_depth=3"));
-    let layers = vec![Layer::Position];
+    let layers = vec![Layer::POSITION];
     render(scene, &Quality { spp: Some(64), integrator, layers, ..Quality::default() }).expect("a picture")
 }
 

@@ -20,13 +20,12 @@ fn cornell_box() -> Arc<Scene> {
 }
 
 fn halved(integrator: &str, spp: u32) -> Quality {
-    Quality { layers: vec![Layer::Halves], seed: Some(1), ..Quality::of(integrator) }.spp(spp)
+    Quality { layers: vec![Layer::HALVES], seed: Some(1), ..Quality::of(integrator) }.spp(spp)
 }
 
 /// The film, taken in two steps, of which the second goes on from what the first saved, with another number of threads.
 fn resumed(scene: &Arc<Scene>, render: Render, first: u32) -> Film {
-    let with =
-        |threads| Render { plan: Plan { threads, ..render.plan }, ..render.clone() }.session(scene).unwrap();
+    let with = |threads| Render { plan: Plan { threads, ..render.plan }, ..render.clone() }.session(scene).unwrap();
     let (mut before, mut after, mut state) = (with(1), with(3), Vec::new());
     before.step(first, &Control::default());
     before.save(&mut state).unwrap();
@@ -132,7 +131,7 @@ fn halves_err_independently() {
 #[test]
 fn halves_guide_each_other() {
     let scene = cornell_box();
-    let layers = [&GUIDES[..], &[Layer::Halves]].concat();
+    let layers = [&GUIDES[..], &[Layer::HALVES]].concat();
     let whole = render(&scene, &Quality { layers, independent: true, ..halved("path", 8) }).unwrap();
     let [a, b] = ["half_a", "half_b"].map(|half| {
         let mut picture = Image::new(whole.width(), whole.height());
@@ -165,7 +164,7 @@ fn halves_guide_each_other() {
 #[test]
 fn halves_do_not_hide_what_is_unknown() {
     let scene = cornell_box();
-    let layers = [&GUIDES[..], &[Layer::Halves]].concat();
+    let layers = [&GUIDES[..], &[Layer::HALVES]].concat();
     let whole = render(&scene, &Quality { layers, independent: true, ..halved("path", 8) }).unwrap();
     let without = |is_unknown: &dyn Fn(usize, &str) -> bool| {
         let mut picture = Image::new(whole.width(), whole.height());

@@ -12,7 +12,7 @@ use steradian::{
 /// Pixels of the edges of frames, and of the focal length: the angle of view is 90°.
 const SIZE: u32 = 64;
 const FOCAL: f32 = 32.0;
-const LAYERS: [Layer; 3] = [Layer::Position, Layer::Motion, Layer::Ids];
+const LAYERS: [Layer; 3] = [Layer::POSITION, Layer::MOTION, Layer::IDS];
 /// A wall that is wider than the view, 4 units away, and the triangles of squares.
 const WALL: &str = "Shape \"bilinearmesh\" \"point3 P\" [ -40 -40 4  40 -40 4  -40 40 4  40 40 4 ]\n";
 const SQUARE: &str = "Shape \"trianglemesh\" \"integer indices\" [ 0 1 2  2 1 3 ] \
@@ -185,7 +185,7 @@ fn what_is_not_known_does_not_move() {
     small.change(|parts| (parts.film.width, parts.film.crop.x1) = (32, 32));
     let (image, _) = frame(&Arc::new(small), "path", history.as_ref());
     assert!(vectors(&image, "motion").all(|m| m == Vec3::ZERO));
-    let quality = Quality { layers: vec![Layer::Position], ..Quality::of("path").spp(1) };
+    let quality = Quality { layers: vec![Layer::POSITION], ..Quality::of("path").spp(1) };
     let mut session = quality.render(&first).expect("a method").session(&first).expect("a session");
     session.step(u32::MAX, &Control::default());
     assert!(session.take_history().is_none());

@@ -26,7 +26,7 @@ fn room() -> Arc<Scene> {
 }
 
 fn plan(scene: &Scene, spp: u32) -> Plan {
-    let layers = vec![Layer::Albedo];
+    let layers = vec![Layer::ALBEDO];
     Quality { spp: Some(spp), seed: Some(2), layers, ..Quality::default() }.render(scene).expect("a plan").plan
 }
 
@@ -53,7 +53,7 @@ fn an_integrator_of_ones_own() {
     let reference = taken(&mut *quality.render(&scene).expect("a plan").session(&scene).expect("a session"));
     let ((a, s), (b, t)) = (mean(&film), mean(&reference));
     assert!((a - b).abs() < 4.0 * s.hypot(t) && s < 0.02 * a, "{a} ± {s}, not {b} ± {t}");
-    assert!(film.features.iter().any(|f| f.mean().albedo[0] > 0.3), "layers come with the session");
+    assert!(film.layers.features.iter().any(|f| f.mean().albedo[0] > 0.3), "layers come with the session");
     let (mut first, mut state) = (own(), Vec::new());
     first.step(10, &Control::default());
     first.save(&mut state).expect("written");
@@ -99,7 +99,8 @@ fn a_pass_of_ones_own() {
     let film = with_threads(1);
     let bits = |film: &Film| film.pixels.iter().map(|p| p.sum.map(f64::to_bits)).collect::<Vec<_>>();
     assert_eq!(bits(&film), bits(&with_threads(2)));
-    let albedo = film.features.iter().map(|f| f64::from(f.mean().albedo[1])).sum::<f64>() / film.features.len() as f64;
+    let albedo = film.layers.features.iter().map(|f| f64::from(f.mean().albedo[1])).sum::<f64>()
+        / film.layers.features.len() as f64;
     let (found, error) = mean(&film);
     // The filter carries some of it over the edges of the film.
     assert!((found / albedo - 1.0).abs() < 0.08 && error < 0.01, "{found} ± {error}, not {albedo}");

@@ -149,7 +149,7 @@ fn only_what_asks_for_nothing_is_a_preview() {
     assert_eq!(forward, picture(&scene, &Quality::of("raster").spp(1)));
     assert_ne!(forward, preview(&scene));
     assert_eq!(preview(&scene), picture(&scene, &Quality { threads: 1, ..Quality::of("raster:frame=preview") }));
-    let groups = Quality { layers: vec![steradian::Layer::LightGroups], ..Quality::of("raster:frame=preview") };
+    let groups = Quality { layers: vec![steradian::Layer::LIGHT_GROUPS], ..Quality::of("raster:frame=preview") };
     let transparent = Quality { transparent: true, ..Quality::of("raster:frame=preview") };
     for (quality, part) in [(groups, "groups of lights"), (transparent, "transparent")] {
         let refused = film(&scene, &quality).unwrap_err().to_string();

@@ -603,7 +603,7 @@ fn direct_light_is_that_of_rays() {
 fn it_is_rendered_as_others_are() {
     let scene = std::sync::Arc::new(scene_of(SCENE));
     let mut layers = steradian::Layer::ALL.to_vec();
-    layers.retain(|layer| *layer != steradian::Layer::Halves);
+    layers.retain(|layer| *layer != steradian::Layer::HALVES);
     let quality = Quality { integrator: Some("raster".into()), spp: Some(4), layers, ..Quality::default() };
     let render = quality.render(&scene).unwrap();
     let mut session = render.session(&scene).unwrap();
@@ -611,9 +611,9 @@ fn it_is_rendered_as_others_are() {
     let film = session.film();
     for (at, pixel) in film.pixels.iter().enumerate() {
         let groups = scene.light_groups().names.len();
-        let sum: f64 = film.by_light[at * groups..(at + 1) * groups].iter().map(|l| l[1]).sum();
+        let sum: f64 = film.layers.by_light[at * groups..(at + 1) * groups].iter().map(|l| l[1]).sum();
         assert!((sum - pixel.sum[1]).abs() < 1e-5 * (pixel.sum[1].abs() + 1.0), "{sum} {}", pixel.sum[1]);
-        assert_eq!((pixel.samples, film.features[at].samples, film.mattes[at].samples), (4, 4, 4));
+        assert_eq!((pixel.samples, film.layers.features[at].samples, film.layers.mattes[at].samples), (4, 4, 4));
     }
     // What camera rays see covers what is drawn: by the same places of pixels.
     let picture = steradian::develop(&scene, &film, &quality.layers);

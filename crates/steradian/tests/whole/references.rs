@@ -33,7 +33,7 @@ fn render_with(scene: PathBuf, size: Option<(u32, u32)>, mode: ColorMode, spp: u
     let compiled = compile(&loaded.desc, &compiling);
     let scene = Arc::new(compiled.scene.unwrap_or_else(|| panic!("{}: {:#?}", scene.display(), compiled.diagnostics)));
     let integrator = (!options.is_empty()).then(|| format!("{}{options}", method_of(&scene).name()));
-    let quality = Quality { integrator, spp: Some(spp), layers: vec![Layer::Variance], ..Quality::default() };
+    let quality = Quality { integrator, spp: Some(spp), layers: vec![Layer::VARIANCE], ..Quality::default() };
     let mut session =
         quality.render(&scene).expect("the scene's own integrator exists").session(&scene).expect("a session");
     session.step(u32::MAX, &Control::default());

@@ -53,8 +53,8 @@ fn waves_have_the_bits_of_single_paths() {
             assert!(!scene.light_groups().names.is_empty());
             for integrator in ["path:reuse=1,caustics=false,effort=even", "volpath:reuse=1,caustics=false"] {
                 let ((together, rays), (alone, rays_alone)) =
-                    (film(&scene, integrator, vec![]), film(&scene, integrator, vec![Layer::LightGroups]));
-                assert!(!alone.by_light.is_empty() && together.by_light.is_empty());
+                    (film(&scene, integrator, vec![]), film(&scene, integrator, vec![Layer::LIGHT_GROUPS]));
+                assert!(!alone.layers.by_light.is_empty() && together.layers.by_light.is_empty());
                 let bits =
                     |film: &Film| film.pixels.iter().map(|p| (p.sum.map(f64::to_bits), p.samples)).collect::<Vec<_>>();
                 assert!(bits(&together) == bits(&alone), "{}, {mode:?}, {integrator}", path.display());

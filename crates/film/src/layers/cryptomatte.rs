@@ -6,15 +6,32 @@
 //! and coverage each, those that cover most first. Metadata tell how ids were made, and the manifest which name has
 //! which id.
 
-use crate::{Hits, MatteSums, plane};
+use super::{Layer, LayerInputs, Row, Write, push as push_plane};
+use crate::{Hits, MatteSums};
 use std::collections::BTreeMap;
 use steradian_image::{Image, Value};
+
+/// Named objects and materials, and the part of the pixel that each covers.
+pub const CRYPTOMATTE: Layer = Layer(&Row {
+    name: "cryptomatte",
+    channels: &["crypto_object00.r", "crypto_object00.g", "crypto_object00.b", "crypto_object00.a"],
+    doc: "Cryptomatte 1.2, six ranks: crypto_object00..02.rgba crypto_material00..02.rgba, with manifests",
+    in_all: true,
+    inputs: LayerInputs::MATTES,
+    write: Write::Film(|film, names, image| {
+        let mattes = &film.layers.mattes;
+        if !mattes.is_empty() {
+            push(image, "crypto_object", &names.objects, mattes, |m| &m.objects);
+            push(image, "crypto_material", &names.materials, mattes, |m| &m.materials);
+        }
+    }),
+});
 
 /// Pairs of id and coverage that are written: two for each layer of four channels.
 const RANKS: usize = 6;
 
 /// Adds the mattes of things with these names, by their numbers from one, in layers that are called after `layer`.
-pub(crate) fn push(
+fn push(
     image: &mut Image,
     layer: &str,
     names: &BTreeMap<u32, String>,
@@ -27,7 +44,7 @@ pub(crate) fn push(
         let (number, channels) = (rank / 2, [["r", "g"], ["b", "a"]][rank % 2]);
         for (k, channel) in channels.into_iter().enumerate() {
             let data = ranked.iter().map(|r| r[rank][k]).collect();
-            plane::push(image, &format!("{layer}{number:02}.{channel}"), data);
+            push_plane(image, &format!("{layer}{number:02}.{channel}"), data);
         }
     }
     let key = format!("{:08x}", murmur3(layer.as_bytes()));

@@ -1,0 +1,53 @@
+//! Measurements that layers are made of.
+
+use super::Layer;
+
+/// A set of measurements beside the radiance of samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LayerInputs(u8);
+
+impl LayerInputs {
+    /// Nothing but radiance.
+    pub const NONE: Self = Self(0);
+    /// First hits of camera rays.
+    pub const FIRST_HITS: Self = Self(1);
+    /// First hits behind mirrors and smooth glass, too.
+    pub const SEEN_THROUGH: Self = Self(2 | 1);
+    /// Motion of first hits since the frame before.
+    pub const MOTION: Self = Self(4 | 1);
+    /// Counts of objects and materials by first hits.
+    pub const MATTES: Self = Self(8);
+    /// Radiance of each group of lights.
+    pub const LIGHT_GROUPS: Self = Self(16);
+    /// Halves of the samples.
+    pub const HALVES: Self = Self(32);
+
+    /// The union of the inputs of some layers.
+    pub fn of(layers: &[Layer]) -> Self {
+        Self(layers.iter().fold(0, |all, layer| all | layer.inputs().0))
+    }
+
+    /// True if all of `inputs` are in this set.
+    pub const fn has(self, inputs: Self) -> bool {
+        self.0 & inputs.0 == inputs.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inputs_are_those_of_the_layers() {
+        assert_eq!(LayerInputs::of(&[]), LayerInputs::NONE);
+        let inputs = LayerInputs::of(&[Layer::MOTION, Layer::HALVES]);
+        assert!(
+            inputs.has(LayerInputs::FIRST_HITS) && inputs.has(LayerInputs::MOTION) && inputs.has(LayerInputs::HALVES)
+        );
+        assert!(
+            !inputs.has(LayerInputs::SEEN_THROUGH)
+                && !inputs.has(LayerInputs::MATTES)
+                && !inputs.has(LayerInputs::LIGHT_GROUPS)
+        );
+    }
+}
