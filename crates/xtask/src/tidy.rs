@@ -113,8 +113,13 @@ fn counted() -> Result<Found, Box<dyn Error>> {
     let baseline = baseline()?;
     found.insert("public items used by tests alone", unused_items(&sources, &baseline));
     found.insert("uses of files, clock, environment or processes", uses_of_system(&sources, &baseline));
-    for name in ["long lines", "functions of 8 arguments", "functions over 100 lines", "comments that begin 'The same'"]
-    {
+    for name in [
+        "long lines",
+        "functions of 8 arguments",
+        "functions over 100 lines",
+        "comments that begin 'The same'",
+        "doc comments that begin with a clause",
+    ] {
         found.entry(name).or_default();
     }
     Ok(found)
@@ -154,17 +159,36 @@ impl Source {
     }
 }
 
-/// Lines that are too long, and comments that say what they are by what they are not.
+/// First words of doc comments that describe an item by a relative clause, and so lack its noun.
+const CLAUSES: [&str; 7] = ["What", "Whether", "How", "Where", "Of", "That", "Those"];
+
+/// The text of a doc comment's line.
+fn doc(line: &str) -> Option<&str> {
+    let line = line.trim_start();
+    line.strip_prefix("///").or(line.strip_prefix("//!"))
+}
+
+/// Lines of a text that are not comments alone.
+fn code_lines<'t>(lines: impl Iterator<Item = &'t str>) -> usize {
+    lines.filter(|line| !line.trim_start().starts_with("//")).count()
+}
+
+/// Lines that are too long, comments that say what they are by what they are not, and doc comments without a noun.
 fn of_lines(source: &Source, found: &mut Found) {
+    let mut is_within = false;
     for (number, line) in (1..).zip(source.text.lines()) {
         let place = || format!("{}:{number}", source.path.display());
         if line.chars().count() > COLUMNS {
             found.entry("long lines").or_default().push(place());
         }
-        let comment = line.trim_start();
-        if comment.strip_prefix("///").or(comment.strip_prefix("//!")).is_some_and(|c| c.starts_with(" The same")) {
+        if doc(line).is_some_and(|c| c.starts_with(" The same")) {
             found.entry("comments that begin 'The same'").or_default().push(place());
         }
+        let first = doc(line).filter(|_| !is_within).and_then(|c| c.split_whitespace().next());
+        if first.is_some_and(|word| CLAUSES.contains(&word)) {
+            found.entry("doc comments that begin with a clause").or_default().push(place());
+        }
+        is_within = doc(line).is_some();
     }
 }
 
@@ -181,13 +205,11 @@ impl Functions<'_> {
         if signature.inputs.len() >= ARGUMENTS {
             self.found.entry("functions of 8 arguments").or_default().push(place());
         }
+        // Comments tell the algorithm, and do not count.
         let end = body.map_or(line, |body| body.span().end().line);
-        if end - line + 1 > FUNCTION {
-            self.found.entry("functions over 100 lines").or_default().push(format!(
-                "{}, {} lines",
-                place(),
-                end - line + 1
-            ));
+        let lines = code_lines(self.source.text.lines().skip(line - 1).take(end - line + 1));
+        if lines > FUNCTION {
+            self.found.entry("functions over 100 lines").or_default().push(format!("{}, {lines} lines", place()));
         }
     }
 }
@@ -358,11 +380,11 @@ impl<'ast> Visit<'ast> for System<'_> {
     }
 }
 
-/// Crates with more lines than are good for one.
+/// Crates with more lines of code than are good for one.
 fn large(sources: &[Source]) -> Vec<String> {
     let mut lines: BTreeMap<&str, usize> = BTreeMap::new();
     for source in sources.iter().filter(|s| s.is_shipped) {
-        *lines.entry(&source.krate).or_default() += source.text.lines().count();
+        *lines.entry(&source.krate).or_default() += code_lines(source.text.lines());
     }
     lines.into_iter().filter(|(_, n)| *n > CRATE).map(|(krate, n)| format!("{krate}: {n} lines")).collect()
 }
@@ -528,13 +550,18 @@ mod tests {
     #[test]
     fn what_is_counted_is_found() {
         let arguments: String = (0..8).map(|k| format!("a{k}: u8,")).collect();
-        let text = format!("/// The same.\nfn f({arguments}) {{{}}}\n// {}\n", "\n".repeat(120), "x".repeat(130));
+        let (body, comments) = ("\n".repeat(120), "// Comment.\n".repeat(120));
+        let text = format!(
+            "/// The same.\nfn f({arguments}) {{{body}}}\n// {}\n/// What is counted.\n/// Whether or not.\n\
+             fn g() {{\n{comments}}}\n",
+            "x".repeat(130)
+        );
         let source = source("k/a.rs", &text);
         let mut found = Found::new();
         of_lines(&source, &mut found);
         Functions { source: &source, found: &mut found }.visit_file(&source.parsed);
         let counts: Vec<usize> = found.values().map(Vec::len).collect();
-        assert_eq!((found.len(), counts), (4, vec![1; 4]), "{found:?}");
+        assert_eq!((found.len(), counts), (5, vec![1; 5]), "{found:?}");
     }
 
     #[test]
