@@ -15,7 +15,7 @@ use steradian::{Viewpoint, math::DVec3, quality::MAX_THREADS};
 #[derive(Args, Clone, Debug, Default)]
 pub struct SceneOptions {
     /// Format of a scene on standard input; default: detected from its first bytes
-    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(steradian::load::EXTENSIONS.iter().map(|e| e.0)), help_heading = "Scene")]
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(steradian::load::extensions().map(|e| e.0)), help_heading = "Scene")]
     pub format: Option<String>,
     /// Size of the frame in pixels; overrides the scene's
     #[arg(long, value_name = "WxH", help_heading = "Scene")]
@@ -461,7 +461,7 @@ pub struct ConvertArgs {
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = values::definition)]
     pub define: Vec<(String, String)>,
     /// Scenes: format of standard input; default: detected from its first bytes
-    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(steradian::load::EXTENSIONS.iter().map(|e| e.0)))]
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(steradian::load::extensions().map(|e| e.0)))]
     pub format: Option<String>,
     /// Files.
     #[command(flatten)]

@@ -31,7 +31,7 @@ pub fn is_scene(path: &Path) -> bool {
     }
     let name = name.strip_suffix(".gz").unwrap_or(&name);
     let extension = Path::new(name).extension().and_then(|e| e.to_str());
-    extension.is_some_and(|e| steradian::load::EXTENSIONS.iter().any(|known| known.0 == e))
+    extension.is_some_and(|e| steradian::load::extensions().any(|known| known.0 == e))
 }
 
 /// Reads, writes, reports, compares.

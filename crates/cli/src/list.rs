@@ -82,7 +82,7 @@ struct Listing<'a> {
 fn families() -> Vec<Listed> {
     let mut all = steradian::registry();
     all.push(("scenes", steradian::cornell::BUILTIN.to_vec()));
-    all.push(("formats", steradian::load::EXTENSIONS.to_vec()));
+    all.push(("formats", steradian::load::extensions().collect()));
     all.into_iter()
         .map(|(family, entries)| Listed {
             family,

@@ -8,7 +8,7 @@ use serde::Serialize;
 use std::{fmt::Write, fs::File, io::Read, path::Path};
 use steradian::{
     image::{FileKind, Image, Limits, Value, read},
-    load::EXTENSIONS,
+    load::extensions,
 };
 
 /// Bytes that tell what a file is.
@@ -57,7 +57,7 @@ pub fn kind(path: &Path) -> Option<FileKind> {
         return None;
     }
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    if extension == "gz" || EXTENSIONS.iter().any(|known| known.0 == extension) {
+    if extension == "gz" || extensions().any(|known| known.0 == extension) {
         return None;
     }
     let mut head = Vec::new();

@@ -23,9 +23,11 @@ pub mod mesh;
 pub mod mitsuba;
 pub mod native;
 pub mod pbrt;
+pub mod readers;
 pub mod write;
 
 pub use limits::Limits;
+pub use readers::Reader;
 use std::{collections::BTreeMap, path::PathBuf};
 use steradian_math::DVec3;
 use steradian_scene::{Diagnostics, SceneDesc};

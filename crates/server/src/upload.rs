@@ -20,7 +20,7 @@ use std::{
 use steradian::{
     formats::Options,
     image::{FileKind, TemporaryFolder},
-    load::EXTENSIONS,
+    load::extensions,
 };
 use tokio::sync::oneshot;
 
@@ -48,7 +48,7 @@ pub async fn open(State(app): State<App>, form: Multipart) -> Result<Response, R
             return set_environment(&app, &folder.path().join(picture)).await;
         }
         (None, _) => {
-            let known = EXTENSIONS.iter().map(|e| format!(".{}", e.0)).collect::<Vec<_>>().join(", ");
+            let known = extensions().map(|e| format!(".{}", e.0)).collect::<Vec<_>>().join(", ");
             let why = format!(
                 "there is no scene among the files, nor is it one picture, for an environment map; scenes are {known}"
             );
@@ -147,7 +147,7 @@ fn scene_of(names: &[PathBuf]) -> Option<&PathBuf> {
     let rank = |path: &PathBuf| {
         let name = path.to_string_lossy().to_ascii_lowercase();
         let name = name.strip_suffix(".gz").unwrap_or(&name);
-        EXTENSIONS.iter().position(|e| name.strip_suffix(e.0).is_some_and(|stem| stem.ends_with('.')))
+        extensions().position(|e| name.strip_suffix(e.0).is_some_and(|stem| stem.ends_with('.')))
     };
     let found = names.iter().filter_map(|path| Some((path.components().count(), rank(path)?, path)));
     found.min().map(|(_, _, path)| path)

@@ -7,7 +7,8 @@ use std::{
     time::Duration,
     time::Instant,
 };
-use steradian_formats::{Import, Options};
+pub use steradian_formats::readers::extensions;
+use steradian_formats::{Import, Options, Reader};
 use steradian_math::DVec3;
 use steradian_scene::{
     Diagnostic, Diagnostics, Format, SceneDesc, Severity,
@@ -24,18 +25,6 @@ pub struct Loaded {
     /// Time spent reading.
     pub time: Duration,
 }
-
-/// The formats by extension: what is read, and with what.
-pub const EXTENSIONS: &[(&str, &str)] = &[
-    ("pbrt", "pbrt-v4 scene, also gzip-compressed (.pbrt.gz)"),
-    ("xml", "Mitsuba scene: version 3, 2, or 0.6"),
-    ("steradian", "scene in Steradian's own language"),
-    ("obj", "Wavefront model with materials"),
-    ("ply", "polygon model"),
-    ("bpt", "Bézier patches in text, such as the Utah teapot"),
-    ("gltf", "glTF 2.0 scene, also in binary form (.glb)"),
-    ("glb", "glTF 2.0 scene in binary form"),
-];
 
 /// The tone curve that suits scenes of a format: models are lit so that no colour burns out with this one.
 pub fn suited_tone(format: Format) -> &'static str {
@@ -83,49 +72,26 @@ pub fn open(name: impl AsRef<Path>) -> Result<(Arc<Scene>, Diagnostics), Error> 
 }
 
 /// Reads a scene from memory, plain or gzip-compressed. Files that it names are looked for in the current folder;
-/// `name` stands for it in messages. Its format is one of [`EXTENSIONS`], by default what its beginning looks like.
+/// `name` stands for it in messages. Its format is one of [`extensions`], by default what its beginning looks like.
 pub fn load_bytes(name: &str, bytes: Vec<u8>, format: Option<&str>, options: &Options) -> Loaded {
     let start = Instant::now();
     let path = Path::new(name);
     let import = match steradian_formats::files::inflated(path, bytes, &options.limits) {
         Ok(bytes) => {
-            let format = format.map(str::to_ascii_lowercase).unwrap_or_else(|| sniffed(&bytes).into());
-            let import = match format.as_str() {
-                "pbrt" => steradian_formats::pbrt::import_text(name, bytes, Path::new("."), options),
-                "xml" => steradian_formats::mitsuba::import_bytes(bytes, path, options),
-                "obj" | "ply" | "bpt" => steradian_formats::mesh::model::import_bytes(path, bytes, options),
-                "gltf" | "glb" => steradian_formats::gltf::import_bytes(path, bytes, options),
-                "steradian" => steradian_formats::native::import_bytes(path, bytes, options),
-                _ => unknown(name),
+            let reader = match format {
+                Some(format) => Reader::of_extension(&format.to_ascii_lowercase()),
+                None => Some(Reader::of_bytes(&bytes)),
             };
-            with_definitions_told(import, &format, options)
+            match reader {
+                Some(reader) => {
+                    with_definitions_told(reader.import_bytes(path, bytes, options), reader.definitions, options)
+                }
+                None => unknown(name),
+            }
         }
         Err(e) => failed(e.to_string(), None),
     };
     Loaded { desc: import.desc, diagnostics: import.diagnostics, time: start.elapsed() }
-}
-
-/// The format that a text or model looks like: XML begins with a tag, pbrt's directives with a capital, OBJ's
-/// statements without.
-fn sniffed(bytes: &[u8]) -> &'static str {
-    if bytes.starts_with(b"ply") {
-        return "ply";
-    }
-    if bytes.starts_with(b"glTF") {
-        return "glb";
-    }
-    // Its own documents begin with their version.
-    if bytes.trim_ascii_start().starts_with(b"steradian") {
-        return "steradian";
-    }
-    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let lines = text.split(|b| *b == b'\n').map(<[u8]>::trim_ascii);
-    match lines.filter(|line| !line.is_empty()).find(|line| line[0] != b'#').map(|line| line[0]) {
-        Some(b'<') => "xml",
-        Some(b'{') => "gltf",
-        Some(b'a'..=b'z') => "obj",
-        _ => "pbrt",
-    }
 }
 
 fn read(path: &Path, options: &Options) -> Import {
@@ -133,7 +99,7 @@ fn read(path: &Path, options: &Options) -> Import {
     if let Some(builtin) = name.strip_prefix("builtin:") {
         return match cornell::builtin(builtin) {
             Some(desc) => {
-                with_definitions_told(Import { desc, diagnostics: Diagnostics::default() }, "builtin", options)
+                with_definitions_told(Import { desc, diagnostics: Diagnostics::default() }, Some(&[]), options)
             }
             None => {
                 let known = cornell::BUILTIN.iter().map(|b| b.0).collect::<Vec<_>>().join(", ");
@@ -152,15 +118,10 @@ fn read(path: &Path, options: &Options) -> Import {
     let lower = name.to_ascii_lowercase();
     let stem = lower.strip_suffix(".gz").unwrap_or(&lower);
     let format = Path::new(stem).extension().and_then(|e| e.to_str()).unwrap_or_default();
-    let import = match format {
-        "pbrt" => steradian_formats::pbrt::import(path, options),
-        "xml" => steradian_formats::mitsuba::import(path, options),
-        "obj" | "ply" | "bpt" => steradian_formats::mesh::model::import(path, options),
-        "gltf" | "glb" => steradian_formats::gltf::import(path, options),
-        "steradian" => steradian_formats::native::import(path, options),
-        _ => unknown(&name),
-    };
-    with_definitions_told(import, format, options)
+    match Reader::of_extension(format) {
+        Some(reader) => with_definitions_told(reader.import(path, options), reader.definitions, options),
+        None => unknown(&name),
+    }
 }
 
 /// Most files of a folder that a name is compared with.
@@ -173,7 +134,7 @@ fn near(path: &Path) -> Option<PathBuf> {
     let looked_in = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let is_scene = |name: &String| {
         let extension = Path::new(name.strip_suffix(".gz").unwrap_or(name)).extension().and_then(|e| e.to_str());
-        extension.is_some_and(|e| EXTENSIONS.iter().any(|known| known.0.eq_ignore_ascii_case(e)))
+        extension.is_some_and(|e| extensions().any(|known| known.0.eq_ignore_ascii_case(e)))
     };
     let entries = std::fs::read_dir(looked_in).ok()?.take(COMPARED).flatten();
     let mut names: Vec<String> = entries.filter_map(|e| e.file_name().into_string().ok()).filter(is_scene).collect();
@@ -185,15 +146,8 @@ fn near(path: &Path) -> Option<PathBuf> {
 
 /// Tells the definitions (`-D name=value`) that nothing uses. Mitsuba's reader, which alone knows the names that a file
 /// asks for, does so itself.
-fn with_definitions_told(mut import: Import, format: &str, options: &Options) -> Import {
-    let known: &[&str] = match format {
-        "xml" => return import,
-        "obj" | "ply" | "bpt" => &["azimuth", "crease", "elevation", "ground", "handedness", "sky", "sun", "up"],
-        "gltf" | "glb" => {
-            &["animation", "at", "azimuth", "elevation", "ground", "scene", "shutter", "sky", "sun", "variant"]
-        }
-        _ => &[],
-    };
+fn with_definitions_told(mut import: Import, known: Option<&[&str]>, options: &Options) -> Import {
+    let Some(known) = known else { return import };
     if import.diagnostics.has_errors() {
         return import;
     }
@@ -218,7 +172,7 @@ fn with_definitions_told(mut import: Import, format: &str, options: &Options) ->
 }
 
 fn unknown(name: &str) -> Import {
-    let known = EXTENSIONS.iter().map(|e| format!(".{}", e.0)).collect::<Vec<_>>().join(", ");
+    let known = extensions().map(|e| format!(".{}", e.0)).collect::<Vec<_>>().join(", ");
     let help = match steradian_image::FileKind::from_extension(Path::new(name)) {
         Some(_) => "it is a picture, which `steradian info`, compare, convert and signal read".into(),
         None => format!("known are {known}"),
@@ -265,23 +219,5 @@ mod tests {
         }
         let options = Options { defines: [("foo".into(), "1".into())].into(), ..Options::default() };
         assert_eq!(load("builtin:cornell-box", &options).diagnostics.iter().count(), 1);
-    }
-
-    #[test]
-    fn formats_are_told_by_their_beginning() {
-        for (text, format) in [
-            ("ply\nformat ascii 1.0\n", "ply"),
-            ("\u{feff}<?xml version='1.0'?>\n<scene/>", "xml"),
-            ("\n  <scene version='3.0.0'>", "xml"),
-            ("# a comment\n\nLookAt 0 0 1 0 0 0 0 1 0", "pbrt"),
-            ("# Blender\r\nmtllib a.mtl\r\n", "obj"),
-            ("v 0 0 0\n", "obj"),
-            ("glTF\u{2}", "glb"),
-            ("{ \"asset\": {} }", "gltf"),
-            ("steradian: 1", "steradian"),
-            ("", "pbrt"),
-        ] {
-            assert_eq!(sniffed(text.as_bytes()), format, "{text:?}");
-        }
     }
 }
