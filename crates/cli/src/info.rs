@@ -4,9 +4,7 @@ use crate::{
     args::InfoArgs,
     diagnostics::{self, Counts},
     failure::{self, Failure, Outcome},
-    memory,
-    open::{self, Opened},
-    output, picture,
+    memory, open, output, picture,
     terminal::{self, Terminal},
 };
 use serde::Serialize;
@@ -17,7 +15,7 @@ use std::{
     sync::Arc,
 };
 use steradian::{
-    ColorMode, CompileOptions, Inputs, Quality, Scene, image, method_of,
+    ColorMode, CompileOptions, Inputs, LoadedScene, Quality, Scene, image, method_of,
     scene::{Animation, Diagnostic, Family, Format, NodeId, SceneDesc, Value},
 };
 
@@ -147,7 +145,7 @@ pub fn run(args: &InfoArgs, terminal: Terminal) -> Outcome {
 }
 
 /// A small picture of the scene.
-fn thumbnail(path: &Path, args: &InfoArgs, opened: &Opened, terminal: Terminal) -> Outcome {
+fn thumbnail(path: &Path, args: &InfoArgs, opened: &LoadedScene, terminal: Terminal) -> Outcome {
     let Some(film) = opened.scene.as_ref().map(Scene::film) else { return Ok(failure::DONE) };
     let scale = f64::from(THUMBNAIL) / f64::from(film.width.max(film.height)).max(1.0);
     let side = |pixels: u32| ((f64::from(pixels) * scale).round() as u32).max(1);
@@ -163,7 +161,7 @@ fn thumbnail(path: &Path, args: &InfoArgs, opened: &Opened, terminal: Terminal) 
 }
 
 impl Info {
-    fn of(name: &str, opened: &Opened) -> Self {
+    fn of(name: &str, opened: &LoadedScene) -> Self {
         let (desc, scene) = (&opened.desc, opened.scene.as_ref());
         let kind = |id: Option<NodeId>| id.map(|id| desc.node(id).kind.clone());
         let bounds = scene.map(Scene::bounds).map(|b| [b.min.to_array(), b.max.to_array()]);

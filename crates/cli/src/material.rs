@@ -254,7 +254,7 @@ fn scene_and_name(material: &str) -> Option<(&str, &str)> {
 fn of_which(args: &MaterialArgs, terminal: Terminal) -> Failure {
     let scene = &args.material;
     let opened = open::open(Path::new(scene), &args.scene, None);
-    match opened.into_scene(Path::new(scene), false, terminal) {
+    match open::ready(opened, Path::new(scene), false, terminal) {
         Err(failure) => failure,
         Ok(ready) => {
             let mut names: Vec<&str> = Vec::new();
@@ -285,7 +285,7 @@ fn under_glass(args: &MaterialArgs, terminal: Terminal) -> Result<Glass, Failure
         let node = opened.desc.nodes.iter().rfind(is_named);
         let parameters = node.map(|n| glance::settings(n, &opened.desc)).unwrap_or_default();
         let kind = node.map(|n| n.kind.clone()).unwrap_or_default();
-        let ready = opened.into_scene(Path::new(file), args.scene.strict, terminal)?;
+        let ready = open::ready(opened, Path::new(file), args.scene.strict, terminal)?;
         let names = || ready.scene.material_names().iter().map(String::as_str);
         known_name(name, "material", names()).map_err(Failure::bad_input)?;
         let index = names().collect::<Vec<_>>().iter().rposition(|n| *n == name).unwrap_or(0);

@@ -117,7 +117,7 @@ impl From<Estimate> for Interval {
 pub fn run(args: &MeterArgs, terminal: Terminal) -> Outcome {
     open::limit_threads(args.scene_options.threads);
     let opened = open::open_unseen(&args.scene, &args.scene_options);
-    let scene = opened.into_scene(&args.scene, args.scene_options.strict, terminal)?.scene;
+    let scene = open::ready(opened, &args.scene, args.scene_options.strict, terminal)?.scene;
     let unit = |v: [f32; 3]| Vec3::from(v).normalize();
     let at = scene.from_file(args.at.into());
     let receiver = match (args.normal, args.direction, args.flux) {

@@ -11,14 +11,13 @@ use crate::{
 use std::{
     borrow::Cow,
     io::{self, Read},
-    path::{Path, PathBuf},
+    path::Path,
     sync::Arc,
     time::Duration,
 };
 use steradian::{
-    Accelerator, ColorMode, CompileOptions, Inputs, Loaded, Scene,
+    Accelerator, ColorMode, CompileOptions, Inputs, Loaded, LoadedScene, Scene,
     formats::Options,
-    image::tone::Tone,
     math::DVec3,
     scene::{Diagnostic, Diagnostics, Family, Node, SceneDesc, Severity},
 };
@@ -28,23 +27,6 @@ const MOST_OF_STDIN: u64 = 1 << 30;
 
 /// What standard input is called.
 pub const STDIN: &str = "standard input";
-
-/// A scene that was opened, with or without success.
-#[derive(Debug)]
-pub struct Opened {
-    /// As it was read.
-    pub desc: SceneDesc,
-    /// As it is rendered; `None` where there are errors.
-    pub scene: Option<Scene>,
-    /// Everything there is to say.
-    pub diagnostics: Diagnostics,
-    /// Files that were read and that the description does not name.
-    files: Vec<PathBuf>,
-    /// Time of reading files.
-    pub load: Duration,
-    /// Time of making what is rendered, the hierarchy among it.
-    pub build: Duration,
-}
 
 /// What the command line says about compiling, for a number of samples per pixel if it is known already.
 pub fn compile_options(options: &SceneOptions, spp: Option<u32>) -> CompileOptions {
@@ -67,12 +49,12 @@ pub fn compile_options(options: &SceneOptions, spp: Option<u32>) -> CompileOptio
 }
 
 /// Reads and compiles a scene, for a number of samples per pixel if it is known already.
-pub fn open(name: &Path, options: &SceneOptions, spp: Option<u32>) -> Opened {
+pub fn open(name: &Path, options: &SceneOptions, spp: Option<u32>) -> LoadedScene {
     opened(load(name, options.format.as_deref(), &reading(&options.define, options.framing)), options, spp)
 }
 
 /// Reads and compiles a scene whose camera shows nothing to anybody; it may have none.
-pub fn open_unseen(name: &Path, options: &SceneOptions) -> Opened {
+pub fn open_unseen(name: &Path, options: &SceneOptions) -> LoadedScene {
     let mut loaded = load(name, options.format.as_deref(), &reading(&options.define, options.framing));
     if loaded.desc.cameras.is_empty() && options.camera.is_none() {
         let camera = loaded.desc.add(Node::new(Family::Camera, "perspective", None));
@@ -81,40 +63,15 @@ pub fn open_unseen(name: &Path, options: &SceneOptions) -> Opened {
     opened(loaded, options, None)
 }
 
-fn opened(loaded: Loaded, options: &SceneOptions, spp: Option<u32>) -> Opened {
-    let (mut desc, mut diagnostics) = (loaded.desc, loaded.diagnostics);
+fn opened(mut loaded: Loaded, options: &SceneOptions, spp: Option<u32>) -> LoadedScene {
     if let Some(view) = options.look_at
-        && let Some(camera) = desc.camera(options.camera.as_deref())
-        && !view.place(&mut desc, camera)
+        && let Some(camera) = loaded.desc.camera(options.camera.as_deref())
+        && !view.place(&mut loaded.desc, camera)
     {
-        diagnostics.error(&desc.sources, None, "--look-at cannot move the camera, whose own transform is singular");
+        let message = "--look-at cannot move the camera, whose own transform is singular";
+        loaded.diagnostics.error(&loaded.desc.sources, None, message);
     }
-    let (files, load) = (Vec::new(), loaded.time);
-    let mut opened = Opened { desc, scene: None, diagnostics, files, load, build: Duration::ZERO };
-    if opened.diagnostics.has_errors() {
-        return opened;
-    }
-    // Whatever compiling does besides the hierarchy is loading: images are read there.
-    let start = std::time::Instant::now();
-    let compiled = steradian::compile(&opened.desc, &compile_options(options, spp));
-    opened.load += start.elapsed().saturating_sub(compiled.build_time);
-    opened.build = compiled.build_time;
-    opened.diagnostics.extend(compiled.diagnostics);
-    opened.files = compiled.files;
-    opened.scene = compiled.scene;
-    opened
-}
-
-impl Opened {
-    /// All files that were read.
-    pub fn inputs(&self) -> Inputs {
-        Inputs::of(self.desc.files().chain(self.files.iter().map(PathBuf::as_path)))
-    }
-
-    /// The tone curve that suits the scene.
-    pub fn tone(&self) -> Tone {
-        Tone::parse(steradian::load::suited_tone(self.desc.format)).unwrap_or_default()
-    }
+    loaded.compile(&compile_options(options, spp))
 }
 
 /// What a scene is called in messages and files.
@@ -168,32 +125,30 @@ fn read_at_most(from: &mut impl Read, most: u64) -> io::Result<Vec<u8>> {
     }
 }
 
-impl Opened {
-    /// Tells the messages and gives the scene, if it can be rendered.
-    ///
-    /// # Errors
-    /// Where there are errors among the messages, or losses when these are refused.
-    pub fn into_scene(mut self, name: &Path, strict: bool, terminal: Terminal) -> Result<Ready, Failure> {
-        if strict {
-            self.diagnostics = diagnostics::refuse_losses(&self.diagnostics);
+/// Tells the messages and gives the scene, if it can be rendered.
+///
+/// # Errors
+/// Errors among the messages, or losses with `--strict`.
+pub fn ready(mut opened: LoadedScene, name: &Path, strict: bool, terminal: Terminal) -> Result<Ready, Failure> {
+    if strict {
+        opened.diagnostics = diagnostics::refuse_losses(&opened.diagnostics);
+    }
+    diagnostics::tell(&opened.diagnostics, terminal);
+    let (counts, inputs) = (Counts::of(&opened.diagnostics), opened.inputs());
+    match opened.scene {
+        Some(scene) if !opened.diagnostics.has_errors() => {
+            Ok(Ready { scene: Arc::new(scene), inputs, counts, load: opened.load, build: opened.build })
         }
-        diagnostics::tell(&self.diagnostics, terminal);
-        let (counts, inputs) = (Counts::of(&self.diagnostics), self.inputs());
-        match self.scene {
-            Some(scene) if !self.diagnostics.has_errors() => {
-                Ok(Ready { scene: Arc::new(scene), inputs, counts, load: self.load, build: self.build })
-            }
-            _ => {
-                let is_located = |d: &Diagnostic| d.severity == Severity::Error && d.location.is_some();
-                let name = shown(name);
-                let message = match self.diagnostics.error_count() {
-                    // A single error with its place has said everything.
-                    1 if self.diagnostics.iter().any(is_located) => String::new(),
-                    1 => format!("'{name}' has 1 error"),
-                    n => format!("'{name}' has {n} errors"),
-                };
-                Err(Failure::bad_input(message))
-            }
+        _ => {
+            let is_located = |d: &Diagnostic| d.severity == Severity::Error && d.location.is_some();
+            let name = shown(name);
+            let message = match opened.diagnostics.error_count() {
+                // A single error with its place has said everything.
+                1 if opened.diagnostics.iter().any(is_located) => String::new(),
+                1 => format!("'{name}' has 1 error"),
+                n => format!("'{name}' has {n} errors"),
+            };
+            Err(Failure::bad_input(message))
         }
     }
 }

@@ -283,7 +283,7 @@ impl<'a> Job<'a> {
         let fingerprint = fingerprint.map_err(unreadable)?;
         let lit = self.solution.as_ref().map(|_| radiosity::fingerprint(&opened.desc)).transpose();
         let lit = lit.map_err(unreadable)?;
-        let mut ready = opened.into_scene(path, args.scene_options.strict, self.terminal)?;
+        let mut ready = open::ready(opened, path, args.scene_options.strict, self.terminal)?;
         if ready.scene.film().sensor.is_some()
             && let Some(scene) = Arc::get_mut(&mut ready.scene)
         {

@@ -61,7 +61,7 @@ pub fn run(args: &VerifyArgs, terminal: Terminal) -> Outcome {
         options.color = Color::Rgb;
     }
     let opened = open::open(&args.scene, &options, Some(args.spp));
-    let ready = opened.into_scene(&args.scene, args.scene_options.strict, terminal)?;
+    let ready = open::ready(opened, &args.scene, args.scene_options.strict, terminal)?;
     // What a sensor adds to pictures says nothing of the light.
     let mut scene = ready.scene;
     if let Some(scene) = Arc::get_mut(&mut scene) {

@@ -34,7 +34,7 @@ mod viewpoint;
 pub use develop::develop;
 pub use error::Error;
 pub use inputs::Inputs;
-pub use load::{Loaded, load, load_bytes, open};
+pub use load::{Loaded, LoadedScene, load, load_bytes, open};
 pub use method::{LeftOut, Render, film_bytes_per_pixel, method_of, methods, suited_mode};
 pub use missed::missing_light;
 pub use quality::Quality;

@@ -1,6 +1,6 @@
 //! Opening scenes of any format.
 
-use crate::{CompileOptions, Error, Scene, compile, cornell};
+use crate::{CompileOptions, Error, Inputs, Scene, compile, cornell};
 use std::{
     path::{Path, PathBuf},
     sync::Arc,
@@ -9,6 +9,7 @@ use std::{
 };
 pub use steradian_formats::readers::extensions;
 use steradian_formats::{Import, Options, Reader};
+use steradian_image::tone::Tone;
 use steradian_math::DVec3;
 use steradian_scene::{
     Diagnostic, Diagnostics, Format, SceneDesc, Severity,
@@ -24,6 +25,56 @@ pub struct Loaded {
     pub diagnostics: Diagnostics,
     /// Time spent reading.
     pub time: Duration,
+}
+
+/// A scene that was read and compiled, with or without success.
+#[derive(Debug)]
+pub struct LoadedScene {
+    /// The description as it was read.
+    pub desc: SceneDesc,
+    /// The scene as it is rendered; `None` where there are errors.
+    pub scene: Option<Scene>,
+    /// Messages of reader and compiler.
+    pub diagnostics: Diagnostics,
+    /// Files that were read and that the description does not name.
+    pub files: Vec<PathBuf>,
+    /// Time spent reading files, images among them.
+    pub load: Duration,
+    /// Time spent building the hierarchy.
+    pub build: Duration,
+}
+
+impl Loaded {
+    /// Compiles the scene, unless it has errors.
+    pub fn compile(self, options: &CompileOptions) -> LoadedScene {
+        let Self { desc, diagnostics, time } = self;
+        let (files, load, build) = (Vec::new(), time, Duration::ZERO);
+        let mut loaded = LoadedScene { desc, scene: None, diagnostics, files, load, build };
+        if loaded.diagnostics.has_errors() {
+            return loaded;
+        }
+        // All of compiling but the hierarchy is loading: images are read there.
+        let start = Instant::now();
+        let compiled = compile(&loaded.desc, options);
+        loaded.load += start.elapsed().saturating_sub(compiled.build_time);
+        loaded.build = compiled.build_time;
+        loaded.diagnostics.extend(compiled.diagnostics);
+        loaded.files = compiled.files;
+        loaded.scene = compiled.scene.filter(|_| !loaded.diagnostics.has_errors());
+        loaded
+    }
+}
+
+impl LoadedScene {
+    /// All files that were read.
+    pub fn inputs(&self) -> Inputs {
+        Inputs::of(self.desc.files().chain(self.files.iter().map(PathBuf::as_path)))
+    }
+
+    /// The tone curve that suits the scene.
+    pub fn tone(&self) -> Tone {
+        Tone::parse(suited_tone(self.desc.format)).unwrap_or_default()
+    }
 }
 
 /// The tone curve that suits scenes of a format: models are lit so that no colour burns out with this one.
@@ -59,13 +110,8 @@ pub fn framing(path: &Path, options: &Options, moments: &[f64]) -> Option<[DVec3
 /// # Errors
 /// [`Error::Scene`] with all messages, where it has errors.
 pub fn open(name: impl AsRef<Path>) -> Result<(Arc<Scene>, Diagnostics), Error> {
-    let Loaded { desc, mut diagnostics, .. } = load(name, &Options::default());
-    if diagnostics.has_errors() {
-        return Err(Error::Scene(diagnostics));
-    }
-    let compiled = compile(&desc, &CompileOptions::default());
-    diagnostics.extend(compiled.diagnostics);
-    match compiled.scene.filter(|_| !diagnostics.has_errors()) {
+    let LoadedScene { scene, diagnostics, .. } = load(name, &Options::default()).compile(&CompileOptions::default());
+    match scene {
         Some(scene) => Ok((Arc::new(scene), diagnostics)),
         None => Err(Error::Scene(diagnostics)),
     }

@@ -85,7 +85,7 @@ pub fn run(args: &AccelArgs, terminal: Terminal) -> Outcome {
     let faces = opened.desc.face_count();
     let structures = structures(&args.structures, faces)?;
     let desc = std::mem::take(&mut opened.desc);
-    let Ready { scene, .. } = opened.into_scene(&args.scene, args.scene_options.strict, terminal)?;
+    let Ready { scene, .. } = open::ready(opened, &args.scene, args.scene_options.strict, terminal)?;
     let sets = bench::ray_sets(&scene, args.rays as usize);
     drop(scene);
     let mut rows: Vec<Row> = Vec::new();
