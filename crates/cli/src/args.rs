@@ -9,7 +9,7 @@ use steradian::image::{
     signal::Prefilter,
     tone::Tone,
 };
-use steradian::{Viewpoint, math::DVec3, quality::MAX_THREADS};
+use steradian::{SensorNoise, Viewpoint, math::DVec3, quality::MAX_THREADS};
 
 /// Which scene, and how to read it.
 #[derive(Args, Clone, Debug, Default)]
@@ -50,6 +50,9 @@ pub struct SceneOptions {
     /// The box that the camera of a model without one shows, over all frames of a sequence
     #[arg(skip)]
     pub framing: Option<[DVec3; 2]>,
+    /// Noise of the film's sensor
+    #[arg(skip)]
+    pub sensor_noise: SensorNoise,
     /// Refuse a scene if anything is approximated, dropped, or unused (such as a mistyped parameter)
     #[arg(long, help_heading = "Scene")]
     pub strict: bool,

@@ -14,7 +14,7 @@ use std::{
     sync::Arc,
 };
 use steradian::{
-    ColorMode, CompileOptions, Inputs, Loaded, Quality,
+    ColorMode, CompileOptions, Inputs, Loaded, Quality, SensorNoise,
     formats::{Options, write},
     image::{self, Image, metrics},
     scene::{Diagnostic, Diagnostics, Fidelity, Location, Node, SceneDesc, Severity},
@@ -115,10 +115,11 @@ fn small(desc: &SceneDesc) -> (u32, u32) {
 }
 
 fn picture(desc: &SceneDesc, size: (u32, u32), mode: Option<ColorMode>) -> Result<(Image, ColorMode), Failure> {
-    let options = CompileOptions { size: Some(size), mode, ..CompileOptions::default() };
+    let sensor_noise = SensorNoise::Off;
+    let options = CompileOptions { size: Some(size), mode, sensor_noise, ..CompileOptions::default() };
     let scene = steradian::compile(desc, &options).scene;
     let none = || Failure::bad_input("the scene cannot be rendered, so it is not compared");
-    let scene = Arc::new(scene.ok_or_else(none)?.changed(|parts| parts.film.sensor = None));
+    let scene = Arc::new(scene.ok_or_else(none)?);
     let quality = Quality { spp: Some(CHECKED.1), ..Quality::default() };
     let picture = steradian::render(&scene, &quality).map_err(|e| Failure::failed(e.to_string()))?;
     Ok((picture, scene.mode()))

@@ -42,6 +42,7 @@ pub fn compile_options(options: &SceneOptions, spp: Option<u32>) -> CompileOptio
         accelerator: Accelerator::by_name(&options.accelerator).unwrap_or_default(),
         texture_limit: options.texture_limit,
         stochastic_textures: options.stochastic_textures,
+        sensor_noise: options.sensor_noise,
         spp,
         memory: memory::available(),
         ..CompileOptions::default()

@@ -22,11 +22,10 @@ use std::{
     borrow::Cow,
     collections::BTreeMap,
     path::{Path, PathBuf},
-    sync::Arc,
     time::{Duration, Instant},
 };
 use steradian::{
-    ColorMode, History, Inputs, Layer, LeftOut, Quality, Render, Scene, Session,
+    ColorMode, History, Inputs, Layer, LeftOut, Quality, Render, Scene, SensorNoise, Session,
     denoise::{Outcome as Denoised, Sequence},
     engine::{Feature, Support},
     film::LayerInputs,
@@ -283,12 +282,7 @@ impl<'a> Job<'a> {
         let fingerprint = fingerprint.map_err(unreadable)?;
         let lit = self.solution.as_ref().map(|_| radiosity::fingerprint(&opened.desc)).transpose();
         let lit = lit.map_err(unreadable)?;
-        let mut ready = open::ready(opened, path, args.scene_options.strict, self.terminal)?;
-        if ready.scene.film().sensor.is_some()
-            && let Some(scene) = Arc::get_mut(&mut ready.scene)
-        {
-            scene.change(|parts| parts.film.sensor.iter_mut().for_each(|s| s.frame = args.frame));
-        }
+        let ready = open::ready(opened, path, args.scene_options.strict, self.terminal)?;
         Ok(Opening { ready, write_options, fingerprint, lit })
     }
 
@@ -360,6 +354,7 @@ fn scene_options(args: &RenderArgs) -> SceneOptions {
     if let (Some(ColorMode::Rgb), Color::Auto) = (suited, options.color) {
         options.color = Color::Rgb;
     }
+    options.sensor_noise = SensorNoise::OfFrame(args.frame);
     options
 }
 

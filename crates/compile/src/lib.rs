@@ -91,11 +91,28 @@ pub struct Options {
     pub texture_limit: Option<usize>,
     /// Enables stochastic lookups of all pictures: one texel drawn at random, whose mean is the filter's value.
     pub stochastic_textures: bool,
+    /// Noise of the film's sensor.
+    pub sensor_noise: SensorNoise,
     /// Limits on images.
     pub image_limits: steradian_image::Limits,
     /// Bytes of memory that there are for pictures and film; scenes that need more are refused before anything is
     /// loaded. `None` for no limit.
     pub memory: Option<u64>,
+}
+
+/// Noise of sensors, whose films have a full well.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SensorNoise {
+    /// None: pictures have the noise of their samples alone.
+    Off,
+    /// That of a picture of a sequence, by its number; pictures of different numbers have independent noise.
+    OfFrame(u32),
+}
+
+impl Default for SensorNoise {
+    fn default() -> Self {
+        Self::OfFrame(0)
+    }
 }
 
 /// Memory of a film while it is rendered, in bytes per pixel: the sums of a pixel, and a copy of them.

@@ -1,6 +1,6 @@
 //! The sensor of a film: how it sees colours, and what adds noise to the picture.
 
-use super::Compiler;
+use super::{Compiler, SensorNoise};
 use std::sync::Arc;
 use steradian_image::Sensor;
 use steradian_math::spectra::{ColorMode, Response};
@@ -60,6 +60,7 @@ impl Compiler<'_> {
             let what = format!("parameter '{}' of the film has no effect without 'full_well'", p.name);
             self.diagnostics.unused(&self.desc.sources, p.span.or(film.span), what, None);
         }
+        let SensorNoise::OfFrame(frame) = self.options.sensor_noise else { return None };
         let default = Sensor::default();
         let sensor = Sensor {
             full_well: f64::from(self.float(node, "full_well", 0.0)),
@@ -69,7 +70,7 @@ impl Compiler<'_> {
             iso: film.float("iso").filter(|v| *v > 0.0).unwrap_or(default.iso),
             exposure_time: film.float("exposure_time").filter(|v| *v > 0.0).unwrap_or(default.exposure_time),
             seed: self.int(node, "noise_seed").unwrap_or(0) as u64,
-            ..default
+            frame,
         };
         (sensor.full_well > 0.0).then_some(sensor)
     }

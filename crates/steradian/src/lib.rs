@@ -42,7 +42,7 @@ pub use single::{SinglePath, trace_path};
 pub use steradian_accel as accel;
 pub use steradian_accel::Accelerator;
 pub use steradian_bsdf as bsdf;
-pub use steradian_compile::{Compiled, Kept, Options as CompileOptions, compile, recompile};
+pub use steradian_compile::{Compiled, Kept, Options as CompileOptions, SensorNoise, compile, recompile};
 pub use steradian_core as core;
 pub use steradian_core::film::Pixel;
 pub use steradian_core::{ColorMode, Scene};
