@@ -39,7 +39,7 @@ pub enum Feature {
     UnconnectedCamera,
     /// A picture without its background.
     Transparency,
-    /// The same, of a scene with participating media.
+    /// A picture without its background, of a scene with participating media.
     TransparencyBehindMedia,
     /// A choice of point sets.
     Samplers,

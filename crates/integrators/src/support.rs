@@ -15,7 +15,7 @@ pub(crate) fn of_camera_rays(feature: Feature) -> Support {
     }
 }
 
-/// The same, of methods that follow light neither below surfaces nor to other wavelengths or moments.
+/// Of methods that scatter light at the point where it arrives, without a shift in wavelength or time.
 pub(crate) fn of_local_scattering(feature: Feature) -> Support {
     match feature {
         Feature::Subsurface | Feature::Fluorescence | Feature::Schedules => Refuses(""),
