@@ -15,7 +15,7 @@ pub(crate) fn of_camera_rays(feature: Feature) -> Support {
     }
 }
 
-/// Of methods that scatter light at the point where it arrives, without a shift in wavelength or time.
+/// Answers of methods that scatter light at the point where it arrives, without a shift in wavelength or time.
 pub(crate) fn of_local_scattering(feature: Feature) -> Support {
     match feature {
         Feature::Subsurface | Feature::Fluorescence | Feature::Schedules => Refuses(""),
