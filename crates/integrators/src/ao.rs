@@ -10,7 +10,7 @@ use steradian_math::{Frame, Ray, Spectrum, spectra::role, warp};
 /// Ambient occlusion.
 #[derive(Clone, Copy, Debug)]
 pub struct AmbientOcclusion {
-    /// How far away something may be to stop light; scene units.
+    /// Largest distance of an occluder; scene units.
     pub distance: f32,
 }
 

@@ -27,7 +27,7 @@ const STUDENT: f64 = 2.039_513;
 /// Samples at which a measurement that asks for an error ends all the same.
 pub const MOST_SAMPLES: u32 = 1 << 26;
 
-/// How a reading is taken.
+/// Settings of a reading.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
     /// Samples, rounded up to a multiple of [`REPLICATES`]; where an error is asked for, those to begin with.
@@ -36,9 +36,9 @@ pub struct Settings {
     pub error: Option<f64>,
     /// Random seed.
     pub seed: u64,
-    /// Whether light is scattered by media.
+    /// Enables scattering by media.
     pub media: bool,
-    /// How far paths are followed; light straight from lights counts as no event.
+    /// Path depth; light straight from lights counts as no event.
     pub depth: Depth,
 }
 
@@ -51,10 +51,10 @@ pub struct Estimate {
     pub plus_minus: f64,
 }
 
-/// What a meter shows.
+/// Reading of a meter.
 #[derive(Clone, Debug)]
 pub struct Reading {
-    /// What is measured; scalar irradiance counts as irradiance.
+    /// Measured quantity; scalar irradiance counts as irradiance.
     pub quantity: Quantity,
     /// Linear Rec.709, in units per nanometre ([`Quantity::spectral_unit`]) of D65 of CIE Y = 1.
     pub rgb: [Estimate; 3],

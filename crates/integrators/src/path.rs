@@ -12,8 +12,7 @@ use steradian_transport::{Guide, NoGuide, PathState, Sink, Vertex};
 /// The path tracer. Without `MEDIA` these are ignored; surfaces that scatter nothing are passed.
 #[derive(Clone, Copy, Debug)]
 pub struct PathTracer<const MEDIA: bool> {
-    /// How far paths are followed; events in media count as those on surfaces. Passing straight through a thin pane is
-    /// none.
+    /// Path depth; events in media count as those on surfaces. Passing straight through a thin pane is none.
     pub depth: Depth,
 }
 
@@ -36,7 +35,7 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
         steradian_transport::along::<MEDIA, S>(path_state, &self.depth, guide, context, sink)
     }
 
-    /// What a path brings that arrived at a vertex, in a sink.
+    /// Continues a path from a vertex at which it arrived; adds its light to a sink.
     #[inline]
     pub(crate) fn leaving<'s, S: Sink>(
         &self,

@@ -1,16 +1,16 @@
-//! What path tracers know of a scene beforehand.
+//! Prepared data of path tracers: group size, photons, effort, and path splitting.
 
 use crate::{Plan, Stop, caustics::Caustics};
 use steradian_core::film::LayerInputs;
 use steradian_request::MethodRequest;
 
-/// What path tracers do against noise. It changes how much samples err, not their mean.
+/// Variance reduction of path tracers. It changes the error of samples, not their mean.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct VarianceReduction {
     /// Paths of neighbouring pixels that share what they find: 1 (none do), 4 or 16; `None` where a trial is to tell.
     pub reuse: Option<u32>,
-    /// Whether photons look for light behind mirrors and glass beforehand: a gain where such light rules the noise, and
-    /// some loss elsewhere. `None` where a trial is to tell.
+    /// Enables guiding by photons from behind mirrors and glass: a gain where such light rules the noise, and some loss
+    /// elsewhere. `None` where a trial is to tell.
     pub caustics: Option<bool>,
     /// Light samples and roulette threshold of paths that share, with as many paths everywhere; `None` where trials are
     /// to tell both.
@@ -27,7 +27,7 @@ impl VarianceReduction {
         }
     }
 
-    /// What a plan leaves of it: light of several groups is kept apart by paths that share nothing and take one light
+    /// Restricts it to a plan: light of several groups is kept apart by paths that share nothing and take one light
     /// sample each, and errors of pixels are independent where nothing is shared.
     pub(crate) fn by(self, plan: &Plan) -> Self {
         if plan.has(LayerInputs::LIGHT_GROUPS) {
@@ -53,7 +53,7 @@ impl Default for PathEffort {
     }
 }
 
-/// How many paths a sample is the mean of, by parts of the picture.
+/// Path splitting: number of paths that a sample is the mean of, by parts of the picture.
 #[derive(Clone, Debug, Default)]
 pub struct Splitting {
     /// By rows of squares; empty where one is enough everywhere.
@@ -65,7 +65,7 @@ pub struct Splitting {
 }
 
 impl Splitting {
-    /// Of the samples of a pixel.
+    /// Number of paths of each sample of a pixel.
     pub fn paths(&self, [x, y]: [u32; 2]) -> u32 {
         if self.paths.is_empty() {
             1
@@ -75,28 +75,28 @@ impl Splitting {
     }
 }
 
-/// What integrators know beforehand. Of path tracers it decides about how much samples err, not about their mean.
+/// Prepared data of integrators. For path tracers it decides about the error of samples, not about their mean.
 #[derive(Clone, Debug, Default)]
 pub struct Precomputed {
-    /// How many paths share what they find; none where it is zero.
+    /// Number of paths that share; 0 or 1 for none.
     pub group: u32,
-    /// Whether much of what the camera sees lies under the sky, and paths share.
+    /// True if much of what the camera sees lies under the sky, and paths share.
     pub is_open: bool,
-    /// Where light lands that mirrors and glass focused.
+    /// Photons that mirrors and glass focused.
     pub caustics: Option<Caustics>,
-    /// How often one path of the picture finds what the rarest paths bring that carry a good part of the light, as far
-    /// as a trial of photons showed.
+    /// Probability that one camera sample finds the rarest paths that carry a good part of the light, as far as a trial
+    /// of photons showed.
     pub rarest: Option<f64>,
     /// Light samples and roulette threshold.
     pub effort: PathEffort,
     /// Path splitting per cell.
     pub splitting: Splitting,
-    /// Whether paths are to end at once.
+    /// Cancellation flag.
     pub stop: Stop,
 }
 
 impl Precomputed {
-    /// How many paths share what they find: 1 where none do.
+    /// Number of paths that share: 1 where none do.
     pub fn reuse(&self) -> u32 {
         self.group.max(1)
     }

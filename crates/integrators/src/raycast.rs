@@ -9,7 +9,7 @@ use steradian_math::{Ray, Spectrum, spectra::role};
 /// The ray caster.
 #[derive(Clone, Copy, Debug)]
 pub struct Raycast {
-    /// Whether lights are invisible.
+    /// Makes lights invisible.
     pub hide_emitters: bool,
 }
 

@@ -10,7 +10,7 @@ use steradian_engine::PathContext;
 use steradian_math::{Frame, Ray, Spectrum, Vec2, Vec3, warp};
 use steradian_transport::{NoGuide, PathState, attenuation, power_heuristic, volume_emission};
 
-/// What a receiver takes. Its medium is that of the camera.
+/// Receiver of a light meter. Its medium is that of the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Receiver {
     /// Radiance that arrives at a point along a ray, from a unit direction.
@@ -50,7 +50,7 @@ impl Receiver {
         }
     }
 
-    /// How much of the radiance of a direction counts.
+    /// Weight of the radiance from a direction.
     fn weight(&self, w: Vec3) -> f32 {
         match self {
             Self::Plane(_, n) => n.dot(w).max(0.0),

@@ -20,7 +20,7 @@ use steradian_transport::NoGuide;
 pub struct SharedPath<const MEDIA: bool> {
     /// The path tracer.
     pub path: PathTracer<MEDIA>,
-    /// What is done against noise.
+    /// Variance reduction.
     pub variance_reduction: VarianceReduction,
 }
 

@@ -179,7 +179,7 @@ fn trials_look_at_frames_of_every_size() {
     }
 }
 
-/// What is seen of a crop is the part of the whole, bit for bit, wherever it begins.
+/// A render of a crop is that part of the whole, bit for bit, wherever it begins.
 #[test]
 fn crops_at_odd_offsets_are_parts_of_the_whole() {
     let (width, height) = (41, 39);

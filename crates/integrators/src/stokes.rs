@@ -21,9 +21,9 @@ use steradian_transport::roulette::{number, roulette};
 /// The path tracer of polarised light.
 #[derive(Clone, Copy, Debug)]
 pub struct Stokes {
-    /// How far paths are followed.
+    /// Path depth.
     pub depth: Depth,
-    /// Which component is the picture, 0 to 3.
+    /// Stokes component that is the picture, 0 to 3.
     pub component: usize,
 }
 

@@ -33,8 +33,8 @@ pub(crate) fn ball(kind: &str) -> Scene {
     compile(&desc, &Options { mode: Some(ColorMode::Rgb), spp: Some(1), ..Options::default() }).scene.unwrap()
 }
 
-/// Where a stop is asked for before a path begins, at most one ray of it is followed; without, a path in such a ball
-/// has hundreds, before roulette ends it.
+/// A path with a stop asked for before it begins follows one ray at most; without, a path in such a ball has hundreds,
+/// before roulette ends it.
 #[test]
 fn paths_end_where_they_are() {
     let depth = Depth { roulette_after: 0, ..FOREVER };

@@ -5,7 +5,7 @@ use steradian_engine::{
     Support::{self, Exact, Refuses},
 };
 
-/// Of methods that follow rays from the camera, one sample of a pixel after the other.
+/// Answers of methods that follow rays from the camera, one sample of a pixel after the other.
 pub(crate) fn of_camera_rays(feature: Feature) -> Support {
     match feature {
         // What media add to a pixel has no coverage.
@@ -23,7 +23,7 @@ pub(crate) fn of_local_scattering(feature: Feature) -> Support {
     }
 }
 
-/// Of methods by passes, on surfaces alone.
+/// Answers of methods by passes, on surfaces alone.
 pub(crate) fn of_passes(feature: Feature) -> Support {
     match feature {
         Feature::MovingCamera | Feature::Media | Feature::Transparency | Feature::TransparencyBehindMedia => {
@@ -39,7 +39,7 @@ pub(crate) fn of_passes(feature: Feature) -> Support {
     }
 }
 
-/// Of methods that gather photons.
+/// Answers of methods that gather photons.
 pub(crate) fn of_photons(feature: Feature) -> Support {
     match feature {
         Feature::InfinitePlanes => Refuses(""),

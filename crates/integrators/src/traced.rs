@@ -15,10 +15,10 @@ use steradian_engine::{
 use steradian_math::{Spectrum, Vec3, spectra::Wavelengths};
 use steradian_transport::{NoGuide, PathState, Segment, Sink, Step, Vertex, subsurface::EVENTS_BELOW};
 
-/// What a vertex is.
+/// Kind of a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VertexKind {
-    /// Where the path sets out.
+    /// Start of the path.
     Camera,
     /// A point of a surface.
     Surface,
@@ -39,7 +39,7 @@ pub enum End {
     Depth,
     /// By Russian roulette.
     Roulette,
-    /// What it carries is no number.
+    /// Its throughput is not finite.
     NotFinite,
     /// It has more than [`MOST_VERTICES`] vertices; what the others bring is not in its value.
     TooLong,
@@ -48,7 +48,7 @@ pub enum End {
 /// Most vertices of a traced path.
 pub const MOST_VERTICES: usize = 1 << 14;
 
-/// How a path goes on from a vertex.
+/// Continuation of a path from a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
     /// In a direction that was drawn, by a lobe.
@@ -68,16 +68,16 @@ pub struct DirectLight {
     pub towards: Vec3,
     /// Distance to the point on the light; infinite for infinite lights.
     pub distance: f32,
-    /// What it adds to the pixel's sample, linear Rec.709; zero where something is before the light.
+    /// Contribution to the pixel's sample, linear Rec.709; zero where something is before the light.
     pub light: Vec3,
 }
 
 /// A vertex of a path.
 #[derive(Clone, Debug)]
 pub struct TracedVertex {
-    /// What it is.
+    /// Kind.
     pub kind: VertexKind,
-    /// Where it is, in the world; of a path that escaped, where its last ray began.
+    /// World position; of a path that escaped, the origin of its last ray.
     pub position: Vec3,
     /// The shading normal of surfaces, of unit length, without normal maps.
     pub normal: Option<Vec3>,
@@ -88,12 +88,12 @@ pub struct TracedVertex {
     /// The weight of the path when it arrives, as factors of linear Rec.709. Of single wavelengths, which have no such
     /// factors, the mean three times.
     pub throughput: Vec3,
-    /// What light that is emitted here adds to the pixel's sample, linear Rec.709: of surfaces, of environments, and of
-    /// media on the way here.
+    /// Contribution of light that is emitted here to the pixel's sample, linear Rec.709: of surfaces, of environments,
+    /// and of media on the way here.
     pub emitted: Vec3,
     /// The light sample that was taken here.
     pub direct: Option<DirectLight>,
-    /// How the path goes on; `None` where it ends.
+    /// Continuation of the path; `None` where it ends.
     pub event: Option<Event>,
 }
 
@@ -104,7 +104,7 @@ pub struct TracedPath {
     pub vertices: Vec<TracedVertex>,
     /// Why the path ends.
     pub end: End,
-    /// What the sample adds to the pixel, linear Rec.709: the bits that the path tracer gives.
+    /// Value of the pixel's sample, linear Rec.709: the bits that the path tracer gives.
     pub value: Vec3,
     /// The moment of the exposure.
     pub time: f32,
@@ -145,7 +145,7 @@ struct Found {
     /// Normal, and numbers of object and material.
     surface: Option<(Vec3, u32, u32)>,
     throughput: Spectrum,
-    /// How often the path had scattered.
+    /// Scattering events before this vertex.
     events: u32,
     emitted: Spectrum,
     direct: Option<(Vec3, f32, Spectrum)>,
@@ -156,7 +156,7 @@ struct Found {
 struct Recorder<'s> {
     scene: &'s Scene,
     vertices: Vec<Found>,
-    /// Whether the path is between two vertices, and what was emitted there.
+    /// True if the path is between two vertices; light emitted there follows.
     is_under_way: bool,
     on_the_way: Spectrum,
     total: Spectrum,

@@ -19,7 +19,7 @@ const SPEED: f64 = 299_792_458.0;
 /// Path tracing that tells when light arrives.
 #[derive(Clone, Copy, Debug)]
 pub struct Transient {
-    /// How far paths are followed.
+    /// Path depth.
     pub depth: Depth,
     /// The optical lengths where the first interval begins and where the last one ends, m.
     pub range: [f64; 2],
@@ -27,7 +27,7 @@ pub struct Transient {
     pub bins: u32,
     /// Metres of a unit of the scene.
     pub unit: f64,
-    /// Whether the way from the camera to what it sees counts.
+    /// Counts the way from the camera to the first surface.
     pub camera: bool,
 }
 
@@ -69,16 +69,16 @@ impl Method for Transient {
     }
 }
 
-/// What a path found, by the optical length of its way.
+/// Sink that sorts a path's light into time bins by optical length.
 struct Clock<'c> {
     transient: &'c Transient,
     sum: Spectrum,
     bins: Vec<Spectrum>,
-    /// Of the way from the camera so far, in units of the scene.
+    /// Optical length from the camera so far, in units of the scene.
     length: f64,
     /// The index of refraction where the path is.
     index: f64,
-    /// How often it went on.
+    /// Number of segments so far.
     steps: u32,
     /// A sphere around the scene, from which light of infinity sets out.
     sphere: (Vec3, f32),

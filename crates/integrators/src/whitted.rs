@@ -25,7 +25,7 @@ const BRANCHING_RAYS: u64 = 1000;
 /// A branch of the tree of rays.
 struct Branch {
     ray: Ray,
-    /// What makes textures' footprints, where there are any (Igehy 1999).
+    /// Ray differential for textures' footprints, where there are any (Igehy 1999).
     differential: Option<RayDifferential>,
     /// Surfaces before it.
     events: u32,
@@ -36,7 +36,7 @@ struct Branch {
 /// Whitted's ray tracer.
 #[derive(Clone, Copy, Debug)]
 pub struct Whitted {
-    /// How far rays are followed.
+    /// Depth of rays.
     pub depth: Depth,
 }
 

@@ -1,5 +1,5 @@
-//! Where light comes from after mirrors and glass: photons that find it, and the drawing of directions by them (Jensen
-//! 1995, "Importance Driven Path Tracing Using the Photon Map").
+//! Path guiding towards caustics: photons that mirrors and glass focused, and the sampling of directions by them
+//! (Jensen 1995, "Importance Driven Path Tracing Using the Photon Map").
 //!
 //! A path tracer finds light behind a lens or in a mirror by chance alone: no light sample passes there. So before a
 //! session a number of photons are sent from the lights towards everything that may focus light, and where they then
@@ -85,7 +85,7 @@ impl Caustics {
         caustics.split(&mut photons).then(|| Self { cells: Cells::new(&caustics.nodes, &caustics.leaves), ..caustics })
     }
 
-    /// Whether anything in the node of these photons guides.
+    /// Builds the subtree of these photons; true if any leaf in it guides.
     fn split(&mut self, photons: &mut [Photon]) -> bool {
         if photons.len() <= LANES {
             let leaf = Leaf::new(photons);

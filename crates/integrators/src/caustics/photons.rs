@@ -25,31 +25,31 @@ const EVENTS: u32 = 12;
 const FOCUSED: f32 = 2.0;
 /// Roughness α above which metals and glass do not focus.
 const BROAD: f32 = 0.25;
-/// How often a photon lands.
+/// Most landings of one photon path.
 const LANDINGS: usize = 3;
-/// How much indirect light and light samples count against what is focused, for the share. Indirect light is noise that
+/// Weights of indirect light and of light samples against focused light, for the share. Indirect light is noise that
 /// the photons add to.
 const OTHER: (f32, f32) = (0.75, 0.025);
 /// The share of the mean of that light that counts everywhere: what was not estimated.
 const AMBIENT: f32 = 0.05;
 
-/// Where a photon landed.
+/// Landing of a photon.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Photon {
     /// There.
     pub p: Vec3,
-    /// Where it last was before.
+    /// Last vertex before the landing.
     pub q: Vec3,
-    /// How far it came, from the light; infinite from infinite ones.
+    /// Path length from the light, scene units; infinite from infinite lights.
     pub length: f32,
-    /// What it carries (luminance).
+    /// Flux (luminance).
     pub power: f32,
     /// An estimate of the irradiance there that the surface's own sampling has to find, and some of that from light
     /// samples.
     pub other: f32,
 }
 
-/// What photons are sent to.
+/// Box around a focusing object, at which photons are aimed.
 struct Target {
     bounds: Bounds3,
     /// Probabilities of this and the ones before it.
@@ -80,7 +80,7 @@ pub(super) fn send(scene: &Scene, stop: &Stop) -> Vec<Photon> {
     photons
 }
 
-/// Whether photons are of use where a surface scatters like this.
+/// True if a surface with this model is guided by photons.
 #[inline]
 pub(super) fn is_receiver(bsdf: &Bsdf) -> bool {
     match bsdf {
@@ -156,9 +156,9 @@ mod dimension {
     pub const POINT: u32 = 1;
     pub const DEPTH: u32 = 2;
     pub const WAVELENGTH: u32 = 3;
-    /// Of a direction in which indirect light is asked for, among those of an event.
+    /// Direction of the indirect ray in [`irradiance`]; among the decisions of an event.
     pub const AROUND: u32 = 8;
-    /// Of the light; past those of any later event.
+    /// Event of the light sample, beyond those of all scattering events.
     pub const LIGHT_EVENT: u32 = 100;
 }
 

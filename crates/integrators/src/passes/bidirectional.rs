@@ -45,7 +45,7 @@ pub enum Strategy {
 /// The methods of this file, with their settings.
 #[derive(Clone, Copy, Debug)]
 pub struct Bidirectional {
-    /// How far paths are followed: events of both subpaths count.
+    /// Path depth: events of both subpaths count.
     pub depth: Depth,
     /// Which ways are gone.
     pub strategy: Strategy,
@@ -124,7 +124,7 @@ impl Tracer {
     }
 }
 
-/// What a pair of subpaths brings.
+/// Contributions of a pair of subpaths.
 #[derive(Debug, Default)]
 pub(super) struct Found<'s> {
     /// To the camera ray's own place.
@@ -234,7 +234,7 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
         }
     }
 
-    /// Whether light is seen at all where the camera subpath met a light.
+    /// True if emission that the camera subpath meets here is hidden.
     fn is_hidden(&self, path: &Subpath) -> bool {
         path.events == 0 && self.tracer.settings.depth.hide_emitters
     }

@@ -18,8 +18,8 @@ use steradian_math::Vec3;
 /// Light paths of the estimate.
 const PATHS: u32 = 1 << 14;
 
-/// What the caustics of lights without size add to the mean of the picture, in linear Rec.709, where the camera sees
-/// them on surfaces that are not specular: an estimate to a few per cent of itself, always the same for a scene.
+/// Mean over the picture, in linear Rec.709, of the caustics of lights without size, where the camera sees them on
+/// surfaces that are not specular: an estimate to a few per cent of itself, always the same for a scene.
 pub fn missed_caustics(scene: &Scene, depth: &Depth) -> Vec3 {
     let lights = &scene.lights().lights;
     if scene.has_media()
@@ -37,7 +37,7 @@ pub fn missed_caustics(scene: &Scene, depth: &Depth) -> Vec3 {
     sum / (scene.film().crop.width() as f32 * scene.film().crop.height() as f32)
 }
 
-/// What a light path brings to the crop.
+/// Contribution of a light path to the crop.
 fn path(run: &Run<'_>, emission: &Emission, depth: &Depth, numbers: &PixelSampler) -> Vec3 {
     let (scene, ways) = (run.scene, Ways::connections(PATHS as f32, true));
     let (mut counters, mut sum) = (Counters::default(), Vec3::ZERO);
@@ -61,7 +61,7 @@ fn path(run: &Run<'_>, emission: &Emission, depth: &Depth, numbers: &PixelSample
     sum
 }
 
-/// What a vertex of a light path brings to the crop.
+/// Contribution of a vertex of a light path to the crop: its connection to the camera.
 fn seen(run: &Run<'_>, v: &Vertex<'_>, numbers: &PixelSampler, depth: &Depth) -> Vec3 {
     let (scene, crop) = (run.scene, run.scene.film().crop);
     let lens = numbers.get_2d(dimension::at(LIGHT_EVENTS + v.events, dimension::BRANCHES));

@@ -35,7 +35,7 @@ const LARGEST: f32 = 1.0 / 64.0;
 /// The settings.
 #[derive(Clone, Copy, Debug)]
 pub struct Metropolis {
-    /// How far paths are followed: events of both subpaths count.
+    /// Path depth: events of both subpaths count.
     pub depth: Depth,
     /// Probability of a sample that does not depend on the last one, above 0 and up to 1.
     pub large_step: f32,
@@ -87,7 +87,7 @@ struct Coordinate {
 struct State {
     rng: HashRng,
     coordinates: HashMap<u32, Coordinate>,
-    /// What the proposal changed, to be taken back.
+    /// Coordinates before the proposal, for rejection.
     before: Vec<(u32, Option<Coordinate>)>,
     time: u64,
     last_large: u64,
@@ -183,7 +183,7 @@ impl Numbers for Proposal {
     }
 }
 
-/// What a sample brings to the film, and by what it is chosen.
+/// Contributions of a sample to the film, and its target function.
 #[derive(Clone, Default)]
 struct Sample {
     splats: Vec<Splat>,

@@ -36,8 +36,8 @@ fn pass_wavelengths(run: &Run<'_>, number: u32) -> Wavelengths {
     run.wavelengths(&run.sampler.pixel(u32::MAX, u32::MAX, number))
 }
 
-/// Whether the camera, at a direction and a distance, does not see a point of a surface. Where lights are hidden from
-/// it, it sees nothing that emits, and sees past all that does.
+/// True if a surface point is hidden from the camera, which lies at a direction and a distance. A camera that hides
+/// lights sees nothing that emits, and sees past all that does.
 fn is_hidden_from_camera(scene: &Scene, depth: &Depth, i: &Interaction, (to_camera, distance): (Vec3, f32)) -> bool {
     let ray = i.spawn_towards(to_camera, distance);
     match depth.hide_emitters && !scene.settings().hidden_emitters_block {

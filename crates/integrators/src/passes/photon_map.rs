@@ -19,7 +19,7 @@ use steradian_math::Vec3;
 /// The settings.
 #[derive(Clone, Copy, Debug)]
 pub struct PhotonMap {
-    /// How far paths are followed: events of both subpaths count.
+    /// Path depth: events of both subpaths count.
     pub depth: Depth,
     /// The largest distance of a photon that counts, in the first pass.
     pub radius: Radius,
@@ -27,7 +27,8 @@ pub struct PhotonMap {
     pub photons: u32,
     /// Photons that an estimate takes, the nearest ones; 0 for all within the radius.
     pub nearest: u32,
-    /// Whether indirect light is gathered over a bounce, or read from the global map where it is seen.
+    /// Enables the final gather: indirect light is gathered over a bounce, else read from the global map where it is
+    /// seen.
     pub gather: bool,
 }
 
@@ -172,18 +173,18 @@ impl Mapped {
     }
 }
 
-/// What is still to be found along a camera path. Photons do not pass curves that face the ray; where there are some,
-/// paths go on to them.
+/// Light that is still to be found along a camera path. Photons do not pass curves that face the ray; where there are
+/// some, paths go on to them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
     /// All light.
     Open,
-    /// What leaves the next surface that is not specular: the global map has it. Light straight from lights, also by
-    /// mirrors, was found where the bounce began.
+    /// Light that leaves the next surface that is not specular: the global map has it. Light straight from lights, also
+    /// by mirrors, was found where the bounce began.
     Bounce,
     /// As for a bounce, but of mirrors.
     PastCurve,
-    /// What passes a curve.
+    /// Only light that passes a curve.
     Gathered,
 }
 

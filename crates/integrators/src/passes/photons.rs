@@ -19,7 +19,7 @@ pub(super) struct Photon {
     /// Events before it landed.
     pub events: u32,
     pub sums: Sums,
-    /// Whether it came through mirrors and glass alone, and through one at least.
+    /// True if all its events were specular, and there was one at least.
     pub is_focused: bool,
 }
 
@@ -39,7 +39,7 @@ impl Photon {
         }
     }
 
-    /// Whether it lies on a surface, rather than on another one about the corner.
+    /// True if the photon lies on this surface, rather than on another one about the corner: |n·n'| > 0.8.
     pub fn lies_on(&self, i: &Interaction) -> bool {
         self.n.dot(i.surface.n).abs() > 0.8
     }

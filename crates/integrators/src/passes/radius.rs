@@ -1,4 +1,4 @@
-//! How far photons are gathered from.
+//! Gather radius of photons.
 
 use steradian_core::Scene;
 use steradian_math::Vec2;
@@ -39,8 +39,8 @@ impl Radius {
     }
 }
 
-/// How fast squared radii shrink: those of passes are `r² (n + 1)^(α − 1)`, so that bias and variance both vanish
-/// (Knaus, Zwicker 2011, "Progressive Photon Mapping: A Probabilistic Approach").
+/// Exponent α of the shrinking radius: squared radii of passes are `r² (n + 1)^(α − 1)`, so that bias and variance both
+/// vanish (Knaus, Zwicker 2011, "Progressive Photon Mapping: A Probabilistic Approach").
 const ALPHA: f32 = 2.0 / 3.0;
 
 /// The radius of a pass, counted from zero.

@@ -33,7 +33,7 @@ pub(super) fn paths(photons: u32, run: &Run<'_>) -> usize {
 /// The settings.
 #[derive(Clone, Copy, Debug)]
 pub struct Sppm {
-    /// How far paths are followed: events of both subpaths count.
+    /// Path depth: events of both subpaths count.
     pub depth: Depth,
     /// Within which photons are gathered in the first pass.
     pub radius: Radius,
@@ -78,7 +78,8 @@ impl Progressive {
     }
 }
 
-/// Where light paths land that scattered before: photons, in an order that does not depend on threads.
+/// Traces light paths and stores photons at their vertices that are not specular and that `keeps` accepts, in an order
+/// that does not depend on threads.
 pub(super) fn land(
     run: &Run<'_>,
     emission: &Emission,

@@ -55,7 +55,7 @@ pub(super) struct Sums {
     pub vc: f64,
 }
 
-/// How many ways there are, and how often each is tried.
+/// Techniques that find a path, and the number of samples of each.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ways {
     /// Paths from lights for all camera rays of a pass.
@@ -63,7 +63,7 @@ pub(super) struct Ways {
     /// Square of the expected number of paths from lights that merge at an opaque surface, per unit density; 0 where
     /// none does.
     pub merge: f64,
-    /// Whether vertices are connected to the camera.
+    /// Enables connections of vertices to the camera.
     pub to_camera: bool,
 }
 
@@ -87,28 +87,30 @@ pub(super) struct Subpath {
     pub lambda: Wavelengths,
     /// Scattering events so far.
     pub events: u32,
-    /// Where light could have been asked for at the last event; `None` from the camera and after specular events.
+    /// Reference point of light sampling at the last event; `None` from the camera and after specular events.
     pub context: Option<LightContext>,
-    /// Whether all events so far were specular.
+    /// True if all events so far were specular.
     pub is_specular: bool,
     sums: Sums,
     mode: TransportMode,
-    /// Of the light, until the first vertex.
+    /// Emitted ray, until the first vertex.
     emitted: Option<EmittedRay>,
-    /// Whether densities do not fall with distance up to the first vertex.
+    /// True if densities do not fall with distance up to the first vertex.
     is_parallel: bool,
     /// The way so far since the last vertex.
     distance: f32,
-    /// What roulette compares with: what the subpath began with, without the compression of radiance.
+    /// Factor on the throughput in Russian roulette: relative to the start of the subpath, without the compression of
+    /// radiance by refraction.
     scale: f32,
     /// Surfaces passed straight.
     passes: u32,
     first_event: u32,
-    /// Whether it passes what emits until its first event: camera rays do where lights are hidden from the camera.
+    /// True if the subpath passes emitters until its first event: camera rays do where lights are hidden from the
+    /// camera.
     passes_emitters: bool,
 }
 
-/// What a subpath comes to.
+/// End of a subpath's ray.
 #[allow(clippy::large_enum_variant)]
 pub(super) enum Arrival<'s> {
     Vertex(Vertex<'s>),
@@ -169,7 +171,7 @@ impl Subpath {
         })
     }
 
-    /// Whether it comes from a light without size; asked before it arrives anywhere.
+    /// True if it comes from a light without size; asked before it arrives anywhere.
     pub fn is_from_delta(&self, scene: &Scene) -> bool {
         self.emitted.as_ref().is_some_and(|e| scene.lights().lights[e.light as usize].kind().is_delta)
     }

@@ -1,4 +1,4 @@
-//! Where a subpath scatters, and how it does towards another one.
+//! Vertices of subpaths: scattering there, and towards another subpath.
 //!
 //! What a camera sees there may depend on where it looks from: normal and bump maps turn the shading normal by the
 //! viewer (`SurfaceDetail`), and curves turn towards the ray. The light that a path carries is that of the camera's
@@ -22,7 +22,7 @@ use steradian_core::{
 };
 use steradian_math::{Frame, Spectrum, Vec2, Vec3, spectra::Wavelengths, warp};
 
-/// How far a surface depends on where it is seen from.
+/// Dependence of a surface on the viewer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum View {
     /// Not at all.
@@ -33,13 +33,13 @@ pub(super) enum View {
     Curve,
 }
 
-/// Where a subpath scatters.
+/// Vertex of a subpath.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Vertex<'s> {
     pub i: Interaction,
     pub scattering: Scattering<'s>,
     pub frame: Frame,
-    /// What the subpath carries there.
+    /// Throughput of the subpath on arrival.
     pub beta: Spectrum,
     pub lambda: Wavelengths,
     /// Scattering events before this one.
@@ -48,7 +48,7 @@ pub(super) struct Vertex<'s> {
     pub view: View,
     /// The probability with which rays meet the surface.
     pub opacity: f32,
-    /// What chose among the materials of a mixture.
+    /// Random number of the choice among the materials of a mixture.
     choice: f32,
 }
 
@@ -64,13 +64,13 @@ pub(super) struct Scattered {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Drawn {
     pub wi: Vec3,
-    /// What the subpath's throughput is multiplied by.
+    /// Factor on the throughput of the subpath.
     pub weight: Spectrum,
     /// The relative index of refraction that was passed.
     pub eta: f32,
     /// Densities of going on and of coming back; `None` for specular events.
     pub densities: Option<(f32, f32)>,
-    /// Whether light subpaths come this way too.
+    /// True if light subpaths come this way too.
     pub is_two_way: bool,
 }
 
@@ -81,7 +81,7 @@ const EVEN: f32 = 0.125;
 type Side<'s> = (Scattering<'s>, Frame);
 
 impl<'s> Vertex<'s> {
-    /// Where a subpath meets a surface that scatters.
+    /// Vertex where a subpath meets a surface that scatters.
     pub fn new(
         scene: &'s Scene,
         i: Interaction,
@@ -304,7 +304,7 @@ fn pdf((s, frame): &Side<'_>, wo: Vec3, wi: Vec3, mode: TransportMode) -> f32 {
     s.pdf(frame.to_local(wo), frame.to_local(wi), mode)
 }
 
-/// Whether two frames have one normal.
+/// True if two frames have one normal.
 fn same(a: &Frame, b: &Frame) -> bool {
     a.z.dot(b.z) > 1.0 - 1e-6
 }

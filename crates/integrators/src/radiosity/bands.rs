@@ -27,7 +27,7 @@ impl Bands {
         Self { mode, wavelengths }
     }
 
-    /// How many there are.
+    /// Number of bands.
     pub fn count(&self) -> usize {
         self.wavelengths.len()
     }

@@ -38,7 +38,7 @@ impl Cell {
         &self.corners[..if self.is_triangle { 3 } else { 4 }]
     }
 
-    /// Whether it was not split.
+    /// True for a leaf.
     pub fn is_leaf(&self) -> bool {
         self.children == 0
     }
@@ -136,7 +136,7 @@ impl Cells {
         (0..self.cells.len() as u32).filter(|k| self.cells[*k as usize].is_leaf())
     }
 
-    /// How many leaves there are.
+    /// Number of leaves.
     pub fn leaf_count(&self, surfaces: &Surfaces) -> usize {
         surfaces.pieces.len() + 3 * self.splits.len()
     }

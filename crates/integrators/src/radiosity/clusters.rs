@@ -36,7 +36,7 @@ pub struct Clusters {
 /// Patches that are to be split, with how much they differ and along which of their measures.
 struct Group {
     members: Vec<u32>,
-    /// Whether the sides behind these make a cluster too.
+    /// True if the sides behind these make a cluster too.
     is_double: bool,
     difference: f64,
     axis: usize,
@@ -63,7 +63,7 @@ impl Ord for Group {
     }
 }
 
-/// What members of a group are compared by: places relative to half the scene's diagonal, and normals.
+/// Coordinates by which members of a group are compared: places relative to half the scene's diagonal, and normals.
 fn measures(patches: &Patches) -> Vec<[f64; 6]> {
     let centers: Vec<DVec3> = patches.list.iter().map(|p| p.polygon.center()).collect();
     let (low, high) = centers.iter().fold((DVec3::MAX, DVec3::MIN), |(low, high), p| (low.min(*p), high.max(*p)));
@@ -207,7 +207,7 @@ impl Clusters {
     }
 }
 
-/// What the equation is solved for: patches, or clusters of them.
+/// Unknowns of the equation: patches, or clusters of them.
 pub struct Unknowns<'a> {
     exchange: &'a Exchange<'a>,
     clusters: Option<Clusters>,

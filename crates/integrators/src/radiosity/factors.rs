@@ -12,14 +12,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use steradian_core::{Scene, scene::Hit};
 use steradian_math::{Frame, Ray, Vec2, Vec3, ray::offset_ray_origin, warp};
 
-/// How form factors are found.
+/// Computation of form factors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FormFactors {
     /// The closed form for polygons, times the part of their points that see each other, weighted by the kernel.
     Analytic,
     /// Rays with density cosθ/π from points of the patch; so many.
     MonteCarlo(u32),
-    /// What is seen from the middle of the patch through the pixels of half a cube (Cohen, Greenberg 1985); so many
+    /// View from the middle of the patch through the pixels of half a cube (Cohen, Greenberg 1985); number of pixels
     /// along an edge.
     Hemicube(u32),
 }
@@ -27,7 +27,7 @@ pub enum FormFactors {
 /// A row of the matrix: the patches that receive, and the part that they receive.
 pub type Row = Vec<(u32, f64)>;
 
-/// What rows are made from.
+/// Inputs of the rows of form factors.
 #[derive(Clone, Copy)]
 pub struct Exchange<'a> {
     /// The scene.
@@ -102,7 +102,7 @@ impl Exchange<'_> {
         (0..count).into_par_iter().map(made).collect()
     }
 
-    /// What a patch exchanges with some others, by the closed form. Ends early where told to stop.
+    /// `A_i F_ij` of a patch and some others, by the closed form. Ends early where told to stop.
     fn pairs(&self, i: usize, others: std::ops::Range<usize>) -> impl Iterator<Item = (u32, f64)> {
         let goes_on = |j: &usize| !j.is_multiple_of(PAIRS_AT_ONCE) || (self.tell)(0);
         others.take_while(goes_on).filter_map(move |j| self.pair(i, j).map(|a| (j as u32, a)))

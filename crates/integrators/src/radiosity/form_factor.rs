@@ -88,7 +88,7 @@ fn edges(polygon: &Polygon) -> impl Iterator<Item = (DVec3, DVec3)> {
     (0..c.len()).map(move |k| (c[k], c[(k + 1) % c.len()]))
 }
 
-/// Where polygons are this many times their reach apart, the logarithm is smooth enough for two points.
+/// Distance, in reaches of the polygons, from which the logarithm is smooth enough for two points.
 const FAR_AWAY: f64 = 8.0;
 
 /// The same as [`edge_pair`] by two points of each edge; `unit` is for squares of lengths here.

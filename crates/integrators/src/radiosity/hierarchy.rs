@@ -20,12 +20,12 @@ use steradian_core::Scene;
 pub const LIMIT: usize = 3000;
 /// Most times that links are looked at.
 const ROUNDS: usize = 24;
-/// How much more links count where something stands between.
+/// Factor on the doubt of links between which something stands.
 const PARTLY: f64 = 8.0;
 /// Most iterations of a round.
 const MOST_ITERATIONS: usize = 200;
 
-/// What is wanted of a solution.
+/// Goals of a solution.
 #[derive(Clone, Copy, Debug)]
 pub struct Wanted {
     /// The largest share of all light that a link may carry.
@@ -34,7 +34,7 @@ pub struct Wanted {
     pub patches: usize,
     /// The change at which iteration ends.
     pub precision: f64,
-    /// How often light is carried from node to node at most, where there is a limit.
+    /// Most times that light is carried from node to node; `None` for no limit.
     pub bounces: Option<u32>,
 }
 
@@ -53,14 +53,14 @@ struct Node {
     radiosity: Vec<DVec4>,
 }
 
-/// What a node gathers from another one.
+/// Link of a receiver to a source that it gathers from.
 #[derive(Clone, Copy, Debug)]
 struct Link {
     source: u32,
     /// The form factor without what stands between, and the part that is seen.
     factor: f64,
     seen: f64,
-    /// Whether all rays between them passed.
+    /// True if all rays between them passed.
     is_clear: bool,
 }
 
@@ -160,7 +160,7 @@ impl Hierarchy<'_> {
         Some(Box::new(Node { patch, matter, direct, links: Vec::new(), gathered, irradiance, radiosity: none }))
     }
 
-    /// Whether it was not told to stop; else what is found counts for nothing.
+    /// False once told to stop; all that is found after it counts for nothing.
     fn goes_on(&self) -> bool {
         (self.exchange.tell)(0)
     }

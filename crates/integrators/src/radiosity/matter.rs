@@ -1,4 +1,4 @@
-//! What patches are made of: their Lambertian reflectance and transmittance, and what they emit.
+//! Materials of patches: their Lambertian reflectance and transmittance, and their emission.
 
 use super::{bands::Bands, cells::Cell, surfaces::Piece};
 use steradian_bsdf::{Bsdf, Lobe, TransportMode};

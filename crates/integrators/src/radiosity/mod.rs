@@ -53,7 +53,7 @@ use steradian_core::Scene;
 use surfaces::Surfaces;
 use system::{Solved, System};
 
-/// How the equation is solved.
+/// Solver of the radiosity equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// All patches from those before.
@@ -80,7 +80,7 @@ pub const METHODS: &[(&str, Method)] = &[
     ("stochastic", Method::Stochastic),
 ];
 
-/// What is wanted.
+/// Settings of a solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// The method.
@@ -90,8 +90,8 @@ pub struct Settings {
     /// Number of patches. Where there are more pieces of surface, those that are near each other and face the same way
     /// share one irradiance for each side, so that the equation has so many unknowns.
     pub patches: usize,
-    /// How many times the patches that differ most from their neighbours are split after a solution; the first has a
-    /// quarter of the patches then.
+    /// Number of refinements: after each solution the patches that differ most from their neighbours are split; the
+    /// first has a quarter of the patches then.
     pub adaptive: u32,
     /// The relative change, or the share of light unshot, at which iteration ends; of the hierarchy the share of all
     /// light that a link may carry.
@@ -100,10 +100,10 @@ pub struct Settings {
     pub rays: u32,
     /// Bands of four wavelengths in spectral mode.
     pub bands: usize,
-    /// Whether light that is not shot yet is shown as ambient light.
+    /// Enables the ambient term: light that is not shot yet is shown as ambient light.
     pub ambient: bool,
-    /// How often light is carried from patch to patch at most; `None` for any number. The methods `direct` and
-    /// `shooting` have no order of bounces and refuse it; `gauss-seidel` becomes `jacobi`.
+    /// Most times that light is carried from patch to patch; `None` for any number. The methods `direct` and `shooting`
+    /// have no order of bounces and refuse it; `gauss-seidel` becomes `jacobi`.
     pub bounces: Option<u32>,
     /// Chooses the random numbers.
     pub seed: u64,
@@ -164,7 +164,7 @@ impl Watcher for Stop {
     }
 }
 
-/// Whether a scene can be solved with these settings.
+/// Tests if a scene can be solved with these settings.
 ///
 /// # Errors
 /// [`Refusal`]: why it cannot.

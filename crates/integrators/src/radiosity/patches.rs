@@ -21,7 +21,7 @@ pub const POINTS: usize = 16;
 /// A point of a patch.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
-    /// Where it is.
+    /// Position.
     pub p: Vec3,
     /// Half size of a box around it that holds the surface.
     pub error: Vec3,
@@ -34,7 +34,7 @@ pub struct Point {
 pub struct Patch {
     /// The leaf.
     pub cell: u32,
-    /// Whether it is the side that the normal points to.
+    /// True for the side that the normal points to.
     pub front: bool,
     /// Its polygon, as seen from the side.
     pub polygon: Polygon,
@@ -119,7 +119,7 @@ impl Patches {
         tell(0).then_some(all)
     }
 
-    /// How many there are.
+    /// Number of patches.
     pub fn len(&self) -> usize {
         self.list.len()
     }
@@ -152,7 +152,7 @@ pub struct Made {
     /// The patch, and what it is made of by band; `None` for sides that neither scatter nor emit as Lambert has it, and
     /// those without area.
     pub patch: Option<(Patch, Vec<Matter>)>,
-    /// Whether it scatters as Lambert has it and in no other way.
+    /// True if it scatters as Lambert has it and in no other way.
     pub is_pure: bool,
 }
 

@@ -19,7 +19,7 @@ pub enum LoadError {
     /// The system's answer.
     #[error("{0}")]
     Io(#[from] io::Error),
-    /// What is in it does not fit the scene.
+    /// Content that does not fit the scene.
     #[error("does not fit this scene: it has {0}")]
     OtherScene(&'static str),
     /// The scene is none for radiosity.

@@ -71,8 +71,8 @@ impl Shooting {
         self.shots += 1;
     }
 
-    /// What was found; with the ambient term of Cohen et al. where it is asked for: as if the unshot light, over the
-    /// mean albedo, lit all patches evenly.
+    /// Solution so far; with the ambient term of Cohen et al. where it is asked for: as if the unshot light, over one
+    /// less the mean albedo, lit all patches evenly.
     pub fn solved(mut self, system: &System, ambient: bool) -> Solved {
         let residual = self.left(system);
         if ambient {

@@ -17,11 +17,11 @@ use steradian_math::{Spectrum, spectra::Wavelengths};
 pub struct Side {
     /// The leaf.
     pub cell: u32,
-    /// Whether it is the side that the normal points to.
+    /// True for the side that the normal points to.
     pub front: bool,
 }
 
-/// What is known of the light on patches; values are by patch and band.
+/// Light on the patches; values are by patch and band.
 #[derive(Clone, Debug, Default)]
 pub struct Light {
     /// The patches, by leaf.
@@ -46,11 +46,11 @@ pub struct Solution {
     at_vertices: Vec<Spectrum>,
     /// Lights without extent, which are asked for at every point that is seen.
     pub(super) sharp_lights: Vec<u32>,
-    /// What there is to say about how it was found.
+    /// Report of the solver.
     pub report: Report,
 }
 
-/// How a solution was found.
+/// Statistics of a solution.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
     /// Number of patches.
@@ -153,8 +153,8 @@ impl Solution {
         self.bands.at(&self.light.reflected[patch * n..(patch + 1) * n], lambda)
     }
 
-    /// How much each leaf needs to be split: the largest difference between its irradiance and that of its corners,
-    /// times its area, for the sides together.
+    /// Refinement need of each leaf: the largest difference between its irradiance and that of its corners, times its
+    /// area, for the sides together.
     pub(super) fn needs(&self) -> Vec<f32> {
         let n = self.bands.count();
         let of = |cell: u32, front: bool| {

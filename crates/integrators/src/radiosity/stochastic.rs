@@ -31,12 +31,12 @@ fn pieces(counts: impl Iterator<Item = u32>) -> impl Iterator<Item = Piece> {
     })
 }
 
-/// How light is shot.
+/// Settings of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Shots {
     /// Rays for light as strong as the sources.
     pub rays: u64,
-    /// How often light is carried from patch to patch at most, where there is a limit.
+    /// Most times that light is carried from patch to patch; `None` for no limit.
     pub bounces: Option<u32>,
 }
 

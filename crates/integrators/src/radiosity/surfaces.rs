@@ -21,7 +21,7 @@ const PLANE_MARGIN: f32 = 3.0;
 const COLUMNS: u32 = 8;
 const ROWS: u32 = 4;
 
-/// How parameters become points.
+/// Mapping from parameters to points.
 #[derive(Clone, Debug)]
 enum Sheet {
     /// Corners; the parameters are barycentric coordinates of the second and third.
@@ -42,7 +42,7 @@ pub struct Piece {
     /// The part of the parameters that it covers: least and greatest.
     pub domain: [Vec2; 2],
     sheet: Sheet,
-    /// Whether the surface's normal is that of the parameters turned over.
+    /// True if the surface's normal is that of the parameters turned over.
     flipped: bool,
 }
 
@@ -53,9 +53,9 @@ pub enum Refusal {
     /// More planes than are cut against each other.
     #[error("radiosity takes up to {limit} infinite planes; the scene has {count}")]
     TooManyPlanes {
-        /// How many there are.
+        /// Number in the scene.
         count: usize,
-        /// How many there may be.
+        /// Largest number.
         limit: usize,
     },
     /// Light is lost or scattered between surfaces.
@@ -89,9 +89,9 @@ pub enum Refusal {
     TooManyPatches {
         /// The method.
         what: &'static str,
-        /// How many there are.
+        /// Number in the scene.
         count: usize,
-        /// How many there may be.
+        /// Largest number.
         limit: usize,
         /// A method that takes them.
         instead: &'static str,
@@ -119,12 +119,12 @@ struct Block {
     first: u32,
     columns: u32,
     rows: u32,
-    /// How many pieces the geometry has.
+    /// Number of pieces of the geometry.
     count: u32,
 }
 
 impl Piece {
-    /// Whether parameters are barycentric.
+    /// True if parameters are barycentric.
     pub fn is_triangle(&self) -> bool {
         matches!(self.sheet, Sheet::Triangle(_))
     }

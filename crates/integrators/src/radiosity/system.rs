@@ -57,7 +57,7 @@ impl Moved {
     }
 }
 
-/// What an iteration came to.
+/// Result of an iteration.
 #[derive(Clone, Debug, Default)]
 pub struct Solved {
     /// Irradiance by patch and band, from patches alone.

@@ -16,13 +16,13 @@ const MOST_EVENTS: u32 = 32;
 /// The integrator of a solved scene, which the preparation has.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
-    /// How it is solved.
+    /// Settings of the solution.
     pub settings: Settings,
-    /// How far rays are followed.
+    /// Depth of rays.
     pub depth: Depth,
     /// Rays of the final gather for each camera sample; 0 for none.
     pub gather: u32,
-    /// Whether irradiance is interpolated between vertices.
+    /// Enables interpolation of irradiance between vertices.
     pub smooth: bool,
 }
 
@@ -36,7 +36,7 @@ impl View {
 impl Integrator for View {
     type Prepared = Option<Arc<Solution>>;
 
-    /// What cannot be solved is refused before a session is made; it is black here.
+    /// Solves the scene. A scene that cannot be solved is refused before a session is made; it is black here.
     fn prepare(&self, scene: &Scene, _: &Plan, stop: &Stop) -> Self::Prepared {
         solve(scene, &self.settings, stop).ok().flatten().map(Arc::new)
     }

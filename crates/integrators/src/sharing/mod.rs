@@ -50,9 +50,9 @@ const NARROW: f32 = 0.04;
 #[derive(Clone, Copy, Debug)]
 struct Member<'s> {
     pixel_sample: usize,
-    /// Where its path arrived first.
+    /// First vertex that is not specular.
     x: Arrival<'s>,
-    /// What the path carries to x.
+    /// Path throughput at x.
     beta: Spectrum,
     /// Scattering events before x.
     events: u32,
@@ -61,7 +61,7 @@ struct Member<'s> {
     /// The density by the surface over the one it was drawn with: claims are weighed by the former.
     ratio: f32,
     path_state: PathState,
-    /// What it met beyond x.
+    /// End of the ray beyond x.
     y: Arrival<'s>,
     /// The wavelengths that y left.
     lambda: Wavelengths,
@@ -268,8 +268,8 @@ fn bounce<'s, const MEDIA: bool>(
     }
 }
 
-/// Whether members may stand in for each other at a vertex: a model whose evaluation has the density of its samples,
-/// and not one that none are drawn from, nor one with a lobe so narrow that nobody else ever would.
+/// True if members may stand in for each other at a vertex: a model whose evaluation has the density of its samples,
+/// and not one from which no samples are drawn, nor one with a lobe so narrow that nobody else ever would.
 fn is_shareable(v: &Vertex<'_>) -> bool {
     match v {
         Vertex::Surface { scattering, .. } => match &scattering.bsdf {

@@ -1,4 +1,5 @@
-//! What one member of a group found at y is given to all who see it: claims on the point, and light that leaves it.
+//! Sharing of the light that one member of a group found at y with all who see it: claims on the point, and light that
+//! leaves it.
 
 use super::{MAX_GROUP, Member, NO_RAY, PixelSample, is_shareable};
 use crate::{Counters, path::PathTracer, precomputed::Precomputed};
@@ -28,13 +29,13 @@ fn sky(scene: &Scene, x: &Vertex<'_>, w: Vec3, pdf: f32, lambda: &Wavelengths) -
     nee::background(scene, x.p(), w, &Some((x.context(), pdf)), lambda)
 }
 
-/// Whether y is another point of a surface for each viewer: bumps bend the shading normal as the viewer's direction
+/// True if y is another point of a surface for each viewer: bumps bend the shading normal as the viewer's direction
 /// asks, and curves turn towards the ray.
 fn is_bent(scene: &Scene, y: &Vertex<'_>) -> bool {
     matches!(y, Vertex::Surface { scattering, i, .. } if scattering.detail.is_some() || scene.faces_rays(i.geometry))
 }
 
-/// Whether light that leaves y is the same in all directions of a side.
+/// True if light that leaves y is the same in all directions of a side.
 fn is_lambertian(scene: &Scene, y: &Vertex<'_>) -> bool {
     match y {
         Vertex::Surface { scattering, .. } => {

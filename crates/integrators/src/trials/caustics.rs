@@ -1,5 +1,5 @@
-//! Whether photons pay: a few paths whose directions they helped to draw tell how much pixels vary, and how much they
-//! would without.
+//! Trial of photons: the variance of pixels with and without them, from a few paths whose directions they helped to
+//! draw.
 //!
 //! Where a path brings contributions `c_k` by directions of which the surfaces alone have the share `r_k` of the
 //! density so far, it would bring `c_k / r_k` without photons, `r_k` times as often. So its square would be
@@ -27,20 +27,20 @@ const MISSED: f64 = 0.02;
 /// Added to squares of pixels, to which errors are relative.
 const FLOOR: f64 = crate::adaptive::FLOOR;
 
-/// What a path brought: luminances, each with the density of the directions before it by surfaces alone over that with
-/// photons.
+/// Contributions of a path: luminances, each with the density of the directions before it by surfaces alone over that
+/// with photons.
 type Contributions = Vec<(f64, f64)>;
 
-/// What the trial came to.
+/// Result of the trial.
 pub(crate) struct Outcome {
     /// By how much the photons lower the variance of the picture's samples.
     pub gain: f64,
-    /// How often one path without photons brings one of the brightest contributions, so many of which are taken
+    /// Probability that one path without photons brings one of the brightest contributions, so many of which are taken
     /// together that they carry a fiftieth of the light; `None` where photons do not lead to these.
     pub rarest: Option<f64>,
 }
 
-/// What the photons of `precomputed` are good for.
+/// Measures the gain of the photons of `precomputed`.
 pub(crate) fn trial<const MEDIA: bool>(scene: &Scene, path: &PathTracer<MEDIA>, precomputed: &Precomputed) -> Outcome {
     let cells = [scene.film().width, scene.film().height].map(|pixels| (pixels / CELL).clamp(1, MOST_CELLS));
     let count = PATHS.max(FEWEST_PATHS / (cells[0] * cells[1])).next_power_of_two();

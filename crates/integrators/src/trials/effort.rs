@@ -33,7 +33,7 @@ const GROUPS: u32 = 64;
 /// Samples of a pixel, spread over each other as those of a picture are, in each of two renders.
 const SAMPLES: u32 = 4;
 
-/// What is tried: the rule of all paths, roulette, and the last again with two light samples.
+/// Candidates: the rule of all paths, roulette, and the last again with two light samples.
 const TRIED: [PathEffort; THRESHOLDS.len() + 2] = [
     PathEffort { lights: 1, roulette_below: None },
     PathEffort { lights: 1, roulette_below: Some(THRESHOLDS[0]) },
@@ -42,14 +42,14 @@ const TRIED: [PathEffort; THRESHOLDS.len() + 2] = [
 ];
 const LAST: usize = TRIED.len() - 1;
 
-/// What a trial finds, summed over the picture.
+/// Measurements of a trial, summed over the picture.
 #[derive(Clone, Copy, Debug, Default)]
 struct Found {
-    /// Of samples without roulette.
+    /// Variance of samples without roulette.
     variance: f64,
-    /// Of that, what light samples contribute.
+    /// Part of it that light samples contribute.
     by_lights: f64,
-    /// What roulette adds, by threshold; none without.
+    /// Variance that roulette adds, by threshold; none without.
     by_roulette: [f64; LAST],
     /// Cost of each that was tried.
     cost: [f64; TRIED.len()],
@@ -72,7 +72,7 @@ impl Found {
         (self.variance - spared + self.by_roulette[tried]) * (self.cost[tried] + (n - 1.0) * light)
     }
 
-    /// What makes the product least.
+    /// Candidate of the least product.
     fn best(&self) -> PathEffort {
         let all = (0..LAST).flat_map(|tried| (1..=LIGHTS).map(move |lights| (lights, tried)));
         let best = all.min_by(|a, b| self.product(a.0, a.1).total_cmp(&self.product(b.0, b.1)));
@@ -80,7 +80,7 @@ impl Found {
     }
 }
 
-/// What pays.
+/// Selects the effort of the least variance × cost.
 pub(crate) fn trial<const MEDIA: bool>(
     path: &PathTracer<MEDIA>,
     scene: &Scene,
@@ -102,7 +102,7 @@ fn tile(scene: &Scene, k: u32, seed: u32) -> [i32; 2] {
     [0, 1].map(|axis| (place[axis] * tiles[axis] as f32) as i32)
 }
 
-/// Of a group of a tile.
+/// Measurements of a group of a tile.
 fn of_group<const MEDIA: bool>(
     path: &PathTracer<MEDIA>,
     scene: &Scene,

@@ -24,7 +24,7 @@ const FEWEST: u64 = 1 << 20;
 /// The same of sharing: nothing is shared where the trial would take a good part of the time.
 const FEWEST_SHARING: u64 = 1 << 18;
 
-/// What is found out about a scene, for the paths and pictures of a plan.
+/// Runs the trials of a scene, for the paths and pictures of a plan.
 pub(crate) fn run<const MEDIA: bool>(
     scene: &Scene,
     path: &PathTracer<MEDIA>,
@@ -70,7 +70,7 @@ pub(crate) fn run<const MEDIA: bool>(
     precomputed
 }
 
-/// Whether the sky is met by more than a quarter of the directions from what the camera sees, by a few hundred of them.
+/// True if the sky is met by more than a quarter of the directions from what the camera sees, by a few hundred of them.
 fn is_open(scene: &Scene, stop: &Stop) -> bool {
     if scene.lights().environments.is_empty() {
         return false;

@@ -1,4 +1,4 @@
-//! What trials take of a picture: samples of a group of pixels, by their luminance and cost.
+//! Samples of a group of pixels for trials, by their luminance and cost.
 
 use crate::{
     Counters,

@@ -1,4 +1,4 @@
-//! Whether sharing pays, and among how many: told by a few groups of pixels from all over the picture, before a render.
+//! Trial of sharing: the group size that pays, by a few groups of pixels from all over the picture, before a render.
 //!
 //! Pictures are looked at from afar, made smaller, and denoised: what counts is the error of single pixels and of means
 //! over 4 × 4, 8 × 8 and 16 × 16 of them, all alike. A mean over n × n pixels has the variance `(v + κ(n) c)/n²`, with
@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use steradian_core::Scene;
 use steradian_math::sobol;
 
-/// How many paths may share.
+/// Group sizes that are tried.
 pub const SIZES: [u32; 3] = [1, 4, MAX_GROUP as u32];
 /// The CPU time of a ray with so many, over that of one of paths that share nothing, which go in waves. Measured.
 const RAY: [f64; SIZES.len()] = [1.0, 2.0, 1.5];
@@ -32,7 +32,7 @@ const WORTH: f64 = 1.25;
 /// neighbours err in opposite directions.
 const SPREAD: f64 = 0.75;
 
-/// Of one size of groups, summed over the picture.
+/// Measurements of one size of groups, summed over the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Found {
     /// Relative squared differences of two renders over two, summed over pixels.
@@ -68,8 +68,8 @@ impl Found {
     }
 }
 
-/// How many pixels of a square share with one of it, in the mean over its pixels and over samples; edges in blocks, of
-/// the square and of windows.
+/// Mean number of pixels of a square that share with one of it, over its pixels and over samples; edges of the square
+/// and of windows, in blocks.
 fn partners(square: u32, window: u32) -> f64 {
     let axis: f64 = (0..square * square)
         .map(|k| f64::from(window.saturating_sub((k / square).abs_diff(k % square))) / f64::from(window))
@@ -77,7 +77,7 @@ fn partners(square: u32, window: u32) -> f64 {
     (axis / f64::from(square)).powi(2) - 1.0
 }
 
-/// How many paths had best share, in a picture of so many samples.
+/// Selects the group size for a picture of so many samples.
 pub(crate) fn trial<const MEDIA: bool>(
     path: &PathTracer<MEDIA>,
     scene: &Scene,
@@ -97,7 +97,7 @@ fn best(found: &[Found; SIZES.len()]) -> u32 {
     best.filter(|best| product(*best) * WORTH < product(0)).map_or(1, |best| SIZES[best])
 }
 
-/// Of the pixels of one large group, by groups of all sizes.
+/// Measurements of the pixels of one large group, by groups of all sizes.
 fn of_group<const MEDIA: bool>(
     path: &PathTracer<MEDIA>,
     scene: &Scene,

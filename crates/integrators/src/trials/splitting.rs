@@ -30,7 +30,7 @@ const PROMISING: f64 = 1.2;
 const SAMPLES: u64 = 1024;
 const MOST_CELLS: u64 = 1 << 14;
 
-/// What pays for a picture of so many samples in all.
+/// Selects the path splitting for a picture of so many samples in all.
 pub(crate) fn trial<const MEDIA: bool>(
     path: &PathTracer<MEDIA>,
     scene: &Scene,
@@ -52,7 +52,7 @@ pub(crate) fn trial<const MEDIA: bool>(
     if best.gain < WORTH { Splitting::default() } else { pilot.splitting(best.unit) }
 }
 
-/// What was found out about the picture, by rows of squares.
+/// Statistics of a pilot, by rows of squares.
 struct PilotStatistics {
     needs: Vec<Need>,
     columns: u32,
@@ -110,7 +110,7 @@ impl PilotStatistics {
     }
 }
 
-/// How much is demanded for a variance.
+/// Demand for paths, `√(v/c)`.
 fn demand(variance: f64, need: &Need) -> f64 {
     (variance / need.rays.max(1.0)).sqrt().min(1e150)
 }
@@ -120,7 +120,7 @@ fn paths(demand: f64, unit: f64) -> u8 {
     (demand / unit).max(1.0).log2().round().exp2().min(f64::from(MOST_PATHS)) as u8
 }
 
-/// What a square needs, by one of its cells.
+/// Variance and cost of a square, by one of its cells.
 fn need<const MEDIA: bool>(
     path: &PathTracer<MEDIA>,
     scene: &Scene,

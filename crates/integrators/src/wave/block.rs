@@ -30,16 +30,16 @@ pub struct Block {
     pub corners: [[Column; 3]; 3],
     /// Normals at these, of meshes that have them.
     pub normals: [[Column; 3]; 3],
-    /// Whether the mesh has them, and whether it is turned over.
+    /// Flags of the mesh: it has normals, and it is turned over.
     pub is_smooth: Column<u32>,
     pub is_flipped: Column<u32>,
     /// Barycentric coordinates.
     pub uv: [Column; 2],
-    /// Of the ray.
+    /// Ray direction.
     pub direction: [Column; 3],
     pub beta: [Column; 4],
     pub for_roulette: Column,
-    /// Whether one wavelength is left.
+    /// True if one wavelength is left.
     pub is_single: Column<u32>,
     /// Scattering events before this one, and surfaces passed.
     pub events: Column<u32>,
@@ -55,9 +55,9 @@ pub struct Block {
     pub sigma_a: [Column; 4],
     pub sigma_s: [Column; 4],
     pub asymmetry: Column,
-    /// How many lanes of these count.
+    /// Number of lanes of these that count.
     pub lanes: Column<u32>,
-    /// What becomes of the flight: [`PASSES`](super::media::PASSES), [`SCATTERS`](super::media::SCATTERS) or
+    /// Outcome of the flight: [`PASSES`](super::media::PASSES), [`SCATTERS`](super::media::SCATTERS) or
     /// [`IS_BLACK`](super::media::IS_BLACK).
     pub flight: Column<u32>,
 
@@ -66,9 +66,9 @@ pub struct Block {
     pub error: [Column; 3],
     pub n: [Column; 3],
     pub ns: [Column; 3],
-    /// Whether the triangle is too small or too large for that.
+    /// True if the triangle is too small or too large for that.
     pub is_unusual: Column<u32>,
-    /// Whether the ray comes from the side that the shading normal points to.
+    /// True if the ray comes from the side that the shading normal points to.
     pub is_front: Column<u32>,
 
     // By `numbers`.
@@ -93,8 +93,8 @@ pub struct Block {
     pub light_radiance: [Column; 4],
     pub light_pdf: Column,
     pub light_is_delta: Column<u32>,
-    /// Where that is left to [`flat_lights`]: a flat light, which is a triangle or a rectangle and may shine to both
-    /// sides. The density is that of its choice then.
+    /// True for a flat light, which is a triangle or a rectangle and may shine to both sides: its sample is left to
+    /// [`flat_lights`], and the density is that of its choice then.
     pub is_flat: Column<u32>,
     /// Which light the columns below are of; they stay from block to block.
     pub flat_number: Column<u32>,
@@ -110,7 +110,7 @@ pub struct Block {
     pub wi: [Column; 3],
 
     // By `diffuse` and `depart`.
-    /// What the light brings if nothing is before it, and whether that is anything.
+    /// Contribution of the light sample if nothing is before it, and a flag that it is not black.
     pub light: [Column; 4],
     pub is_lit: Column<u32>,
     pub shadow_origin: [Column; 3],
@@ -119,7 +119,7 @@ pub struct Block {
     /// Density of the sampled direction.
     pub pdf: Column,
     pub origin: [Column; 3],
-    /// How the path goes on: [`ENDS`], [`GOES_ON`] or [`IS_NOT_FINITE`].
+    /// Outcome of the path: [`ENDS`], [`GOES_ON`] or [`IS_NOT_FINITE`].
     pub fate: Column<u32>,
 }
 
@@ -170,7 +170,7 @@ impl Child {
 
 pub const ENDS: u32 = 0;
 pub const GOES_ON: u32 = 1;
-/// What it carries is no number.
+/// The throughput is not finite.
 pub const IS_NOT_FINITE: u32 = 2;
 
 impl Default for Block {
@@ -377,7 +377,7 @@ fn diffuse_at(b: &mut Block, k: usize, depth: &Depth, in_media: bool) {
     depart_from(b, k, depth);
 }
 
-/// What a medium leaves of the light of a light sample.
+/// Attenuates the light of a light sample by the medium, `exp(−σt d)`.
 #[inline(always)]
 pub fn attenuated(b: &Block, k: usize, light: [f32; 4]) -> [f32; 4] {
     let (sigma_a, sigma_s, distance) = (get4(&b.sigma_a, k), get4(&b.sigma_s, k), b.light_distance[k]);

@@ -19,7 +19,7 @@ use steradian_transport::{
     power_heuristic,
 };
 
-/// What becomes of a flight.
+/// Outcome of a flight.
 pub const PASSES: u32 = 0;
 pub const SCATTERS: u32 = 1;
 /// Nothing is carried on.

@@ -72,7 +72,7 @@ impl Shadows {
         self.light.push((sample, light));
     }
 
-    /// Those of a vertex of a block.
+    /// Adds the shadow ray of a vertex of a block.
     #[inline]
     fn push_of(&mut self, b: &Block, k: usize, sample: u32, time: f32) {
         let (origin, direction) = (get3(&b.shadow_origin, k), get3(&b.shadow_direction, k));
@@ -86,30 +86,30 @@ impl Shadows {
 pub struct WaveBuffer<'s> {
     /// As many as samples, in their order.
     walkers: Vec<Walker>,
-    /// Those under way.
+    /// Live paths.
     live: Vec<u32>,
     order: Vec<u32>,
     classes: Vec<u8>,
     rays: Vec<Ray>,
     hits: Vec<Option<Hit>>,
-    /// Those under way that arrived at Lambertian surfaces, with their hits.
+    /// Live paths at Lambertian surfaces, with their hits.
     diffuse: Vec<(u32, Hit)>,
-    /// Those that go through media that are the same everywhere.
+    /// Live paths in media that are the same everywhere.
     in_media: Vec<(u32, Option<Hit>)>,
-    /// Those that arrived elsewhere.
+    /// Live paths at vertices of other kinds.
     vertices: Vertices<'s>,
     block: Box<Block>,
     shadows: Shadows,
     occluded: Vec<bool>,
 }
 
-/// What paths are followed with.
+/// Inputs of a wave.
 #[derive(Clone, Copy)]
 struct Walk<'a, 's, const MEDIA: bool> {
     path: &'a PathTracer<MEDIA>,
     scene: &'s Scene,
     precomputed: &'a Precomputed,
-    /// Whether what has columns is computed in these.
+    /// Enables the columns for all that has some.
     has_columns: bool,
     lanes: Lanes,
 }

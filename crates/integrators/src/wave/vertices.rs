@@ -36,7 +36,7 @@ impl<'s> Vertices<'s> {
         self.numbers.len() == WIDTH
     }
 
-    /// Where the next one is to be written.
+    /// Slot of the next vertex.
     pub fn next(&mut self) -> &mut Arrival<'s> {
         &mut self.arrivals[self.numbers.len()]
     }

@@ -70,8 +70,8 @@ fn variances_of_rounds_add_up() {
     assert!((f64::from(samples) / (12.0 * 1024.0) - 64.0).abs() < 0.5, "{samples}");
 }
 
-/// Where a quarter of the picture has all the noise, the same number of samples leaves less than half of it: at best
-/// 1/3.6, but for the even first round and what neighbours get.
+/// Adaptive sampling of a picture with all its noise in one quarter: the same number of samples leaves less than half
+/// of it: at best 1/3.6, but for the even first round and what neighbours get.
 #[test]
 fn samples_go_where_the_noise_is() {
     let scene = veil(0.5, 0.5);

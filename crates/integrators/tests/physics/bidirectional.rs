@@ -173,8 +173,8 @@ fn blocks(film: &Film) -> Vec<(f64, f64)> {
     all
 }
 
-/// What is wrong if two pictures do not agree: every block within the standard errors that Šidák's correction allows,
-/// and the whole with little noise.
+/// Reports a disagreement of two pictures: every block has to be within the standard errors that Šidák's correction
+/// allows, and the whole has to have little noise.
 fn disagreement(what: &str, a: &Film, b: &Film, precision: f64) -> Option<String> {
     let (a, b) = (blocks(a), blocks(b));
     let level = steradian_testkit::sidak(0.01, a.len() * 100);
@@ -231,7 +231,7 @@ fn unbiased_methods_agree_with_path_tracing() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-/// What is left of the difference between two pictures when noise is taken out, as part of the mean.
+/// Difference between two pictures without their noise, as part of the mean.
 fn bias(film: &Film, reference: &Film) -> f64 {
     let (a, b) = (blocks(film), blocks(reference));
     let squares: f64 = a.iter().zip(&b).map(|((m, v), (n, w))| (m - n).powi(2) - v - w).sum();

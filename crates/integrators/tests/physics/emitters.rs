@@ -52,8 +52,8 @@ fn irradiance(scene: &Scene, integrator: &'static str, spp: u32) -> Estimate {
     mean(&Shot::of(integrator, spp).depth(1).take(scene)).times(PI)
 }
 
-/// Whether light samples find what scattering alone finds, with less noise by a factor at equal samples, and so do
-/// paths from the light.
+/// Light samples find what scattering alone finds, with less noise by a factor at equal samples, and so do paths from
+/// the light.
 #[track_caller]
 fn found_both_ways(scene: Scene, what: &str, less: f64) {
     let by_light = irradiance(&scene, "path", 1 << 16);
@@ -204,7 +204,8 @@ fn moving_lights() {
     }
 }
 
-/// What a mask cuts away does not shine, nor what rays pass from behind; pictures on spheres are where they are seen.
+/// An emitter that a mask cuts away does not shine there, nor what rays pass from behind; pictures on spheres are where
+/// they are seen.
 #[test]
 fn masked_and_textured() {
     let checks = |stage: &mut Stage| {

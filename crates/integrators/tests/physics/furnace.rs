@@ -122,7 +122,7 @@ fn albedo(bsdf: &Bsdf, wo: Vec3) -> [f64; 3] {
     sum
 }
 
-/// What a probe's ray meets first.
+/// First hit of a probe's ray.
 fn met(scene: &Scene) -> Interaction {
     let ray = scene.camera().ray(scene.film(), Vec2::splat(0.5), Vec2::splat(0.5));
     let hit = scene.intersect(&ray).expect("the probe looks at the disk");

@@ -23,8 +23,8 @@ fn masked_disk(opacity: f64, by_alpha: bool) -> Stage {
     stage
 }
 
-/// What a mask lets through is what its opacity leaves, in the mean over rays, 4σ; all or nothing is exact. A mask on
-/// the material and an alpha on the shape are one: the same bits.
+/// A mask lets through what its opacity leaves, in the mean over rays, 4σ; all or nothing is exact. A mask on the
+/// material and an alpha on the shape are one: the same bits.
 #[test]
 fn masks_let_a_part_through() {
     for opacity in [0.0, 0.25, 0.5, 0.9, 1.0] {

@@ -11,7 +11,7 @@ pub struct Case {
     /// Its kind in the registry.
     pub kind: &'static str,
     pub make: fn(&mut SceneDesc) -> NodeId,
-    /// Whether all light that comes goes on, so that it cannot be told from its surroundings in a furnace.
+    /// True if all light that comes goes on, so that it cannot be told from its surroundings in a furnace.
     pub lossless: bool,
 }
 

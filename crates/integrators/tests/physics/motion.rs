@@ -1,4 +1,4 @@
-//! What moves while the shutter is open: pictures are the mean over the exposure, and every path sees one moment.
+//! Motion while the shutter is open: pictures are the mean over the exposure, and every path sees one moment.
 
 use crate::{
     shot::{Shot, mean, same_bits},
@@ -45,8 +45,8 @@ fn camera() -> Node {
         .with("shutter_close", 4.0)
 }
 
-/// How much of the time and of a column of pixels a square shows the sky whose middle goes from -1 to 1 while the
-/// shutter is open for the middle half of the time.
+/// Share of the time and of a column of pixels in which a square, whose middle goes from -1 to 1 while the shutter is
+/// open for the middle half of the time, shows the sky.
 fn uncovered(column: usize) -> f64 {
     const STEPS: usize = 20_000;
     let [left, right] = [column, column + 1].map(|x| x as f64 / 8.0 - 2.0);

@@ -274,7 +274,7 @@ fn solutions_are_kept_bit_by_bit() {
     }
 }
 
-/// What radiosity cannot do is refused by name, what takes part in part is told.
+/// Unsupported features are refused by name, those that take part in part are told.
 #[test]
 fn limits_are_named() {
     let mut stage = room();
@@ -321,8 +321,8 @@ fn fine_box(n: u32) -> Scene {
     stage.scene()
 }
 
-/// Where there are more triangles than patches asked for, patches share the light of so many clusters: the work does
-/// not grow with the triangles, and the picture is that of few triangles.
+/// With more triangles than patches asked for, patches share the light of so many clusters: the work does not grow with
+/// the triangles, and the picture is that of few triangles.
 #[test]
 fn patches_bound_the_work_on_fine_meshes() {
     let (coarse, fine) = (fine_box(1), fine_box(12));
@@ -345,7 +345,7 @@ fn patches_bound_the_work_on_fine_meshes() {
 struct Asked {
     times: AtomicU64,
     until: u64,
-    /// How often it was asked before the last exchange of light began.
+    /// Number of questions before the last exchange of light began.
     before: AtomicU64,
 }
 

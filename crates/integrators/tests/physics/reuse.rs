@@ -132,8 +132,8 @@ fn sharing_keeps_wavelengths_apart() {
     is_unbiased("blue glass", Shot::of("path", 200).depth(3), &stage.scene_in(ColorMode::Spectral), 0.05);
 }
 
-/// What rough glass and metal beyond the first surface scatter towards each member is shared: through a rough ball and
-/// from one to the next, a small lamp's light has less than two thirds of the noise.
+/// Light that rough glass and metal beyond the first surface scatter towards each member is shared: through a rough
+/// ball and from one to the next, a small lamp's light has less than two thirds of the noise.
 #[test]
 fn sharing_takes_noise_from_rough_surfaces() {
     let mut stage = Stage::new();

@@ -11,7 +11,7 @@ use steradian_integrators::{
 };
 use steradian_request::{MethodRequest, Request};
 
-/// How a picture is taken.
+/// Settings of a picture.
 #[derive(Clone, Copy)]
 pub struct Shot {
     pub integrator: &'static str,
@@ -24,7 +24,7 @@ pub struct Shot {
     pub sampler: SamplerKind,
     /// Paths that share. Comparisons of means take pixels as independent, so it is one unless sharing itself is tested.
     pub reuse: u32,
-    /// Whether photons look for caustics; `None` where a trial tells.
+    /// Enables photons for caustics; `None` where a trial tells.
     pub caustics: Option<bool>,
     /// Light samples and roulette of paths that share; `None` where trials tell, and which samples are the mean of
     /// several paths.

@@ -10,7 +10,7 @@ fn time(stage: &mut Stage) -> NodeId {
     stage.add(Node::new(Family::Texture, "time", None))
 }
 
-/// What takes the colours of a list in turn, at even places of the exposure.
+/// Texture that takes the colours of a list in turn, at even places of the exposure.
 fn film_strip(stage: &mut Stage, interpolation: &str, colors: &[f64]) -> NodeId {
     let input = time(stage);
     let ramp = Node::new(Family::Texture, "ramp", None).with("input", input).with("interpolation", interpolation);

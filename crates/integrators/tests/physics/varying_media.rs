@@ -36,8 +36,8 @@ fn absorbing(node: Node, sigma_a: [f64; 3]) -> Node {
     node.with("sigma_a", rgb(sigma_a)).with("sigma_s", white(0.0))
 }
 
-/// What passes densities that rise linearly along the view is exp(−∫σ), for every lane, whatever the order of the cells
-/// and where the grid is turned in the world.
+/// Transmittance of a density that rises linearly along the view is exp(−∫σ), for every lane, whatever the order of the
+/// cells and where the grid is turned in the world.
 #[test]
 fn what_passes_a_ramp_is_the_exponential_of_its_integral() {
     // Eight numbers at centres from -7/8 to 7/8; the outermost fade to half within their half cells.
