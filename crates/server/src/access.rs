@@ -9,7 +9,7 @@ use std::net::{IpAddr, SocketAddr};
 /// Bytes of the token.
 const TOKEN_BYTES: usize = 24;
 
-/// What requests are held against.
+/// Access check of requests: token, port and names of this server.
 #[derive(Clone, Debug)]
 pub struct Access {
     token: String,
@@ -49,7 +49,7 @@ impl Access {
         &self.token
     }
 
-    /// What of a path follows the token, if the request may be answered.
+    /// Part of a path after the token, if the request may be answered.
     ///
     /// # Errors
     /// Why not.
@@ -67,7 +67,7 @@ impl Access {
         Ok(rest)
     }
 
-    /// Whether a `Host` names this server: by an address, as `localhost`, or as what it was bound to.
+    /// True if a `Host` names this server: by an address, as `localhost`, or as the name that it was bound to.
     fn is_own(&self, host: &str) -> bool {
         let (name, port) = match host.rsplit_once(':') {
             Some((name, port)) if !port.is_empty() && port.bytes().all(|b| b.is_ascii_digit()) => (name, port),

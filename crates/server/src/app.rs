@@ -1,4 +1,4 @@
-//! What all requests share, and how they are refused.
+//! Shared state of all requests, and their refusal.
 
 use crate::{access::Access, kept::Keeper, log::Log, viewer};
 use axum::{
@@ -8,7 +8,7 @@ use axum::{
 use std::sync::{Arc, Mutex, atomic::AtomicUsize};
 use steradian::image::TemporaryFolder;
 
-/// What all requests share.
+/// Shared state of all requests.
 #[derive(Clone)]
 pub struct App {
     /// Who may ask.
@@ -21,7 +21,7 @@ pub struct App {
     pub sockets: Arc<AtomicUsize>,
     /// The last upload, which the scene may be made of.
     pub upload: Arc<Mutex<Option<TemporaryFolder>>>,
-    /// What the picture is held against.
+    /// Reference of the picture.
     pub reference: Arc<Keeper>,
 }
 

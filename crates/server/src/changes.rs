@@ -1,4 +1,4 @@
-//! What requests change.
+//! Changes of the scene and its view by requests.
 
 use crate::{
     document::Document,

@@ -29,7 +29,7 @@ const BREATH: Duration = Duration::from_millis(100);
 pub struct Limits {
     /// Connections at once, besides those that became sockets of pages.
     pub connections: usize,
-    /// How long the head of a request may take, also when the connection had requests before.
+    /// Longest time for the head of a request, also when the connection had requests before.
     pub silence: Duration,
 }
 

@@ -1,4 +1,4 @@
-//! What removes noise from the pictures that are shown.
+//! Denoisers of the pictures that are shown.
 
 use crate::{
     frame::Shown,
@@ -15,7 +15,7 @@ use steradian::{
 /// The file of Open Image Denoise's library, or why there is none.
 pub type Library = Result<PathBuf, String>;
 
-/// What pages choose from.
+/// Denoisers that pages choose from.
 pub const CHOICES: [Named; 3] = [
     Named { name: Denoiser::Nlm.name(), doc: "non-local means in the end, a wavelet filter on the way" },
     Named { name: Denoiser::Atrous.name(), doc: "a wavelet filter, which takes a small part of the time" },
@@ -37,7 +37,7 @@ impl Denoiser {
         if self == Self::Oidn { &OIDN_GUIDES } else { &GUIDES }
     }
 
-    /// Whether it can be had.
+    /// Tests if the denoiser can be had.
     ///
     /// # Errors
     /// Why not.

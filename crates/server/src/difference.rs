@@ -19,7 +19,7 @@ use steradian::image::{
     tone::Tone,
 };
 
-/// How far pixels are apart.
+/// Metric of the difference of pixels.
 #[derive(Clone, Copy, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 enum Metric {
@@ -39,16 +39,16 @@ pub struct Asked {
     exposure: Option<f32>,
 }
 
-/// What a map is of, and its figures; those that are not finite are `null`.
+/// Header of a map of differences: its subject and its figures; those that are not finite are `null`.
 #[derive(Serialize)]
 struct Figures {
     metric: Metric,
     generation: u32,
     crop: [u32; 4],
     samples: f64,
-    /// Of the map's values.
+    /// Mean of the map's values.
     mean: Option<f64>,
-    /// What 95 % of them do not exceed.
+    /// Value that 95 % of them do not exceed.
     quantile95: Option<f64>,
     relmse: Option<f64>,
     /// Decibels, of display values without a tone curve.

@@ -23,7 +23,7 @@ const MOST_EDITS: usize = 256;
 
 /// Most files that are watched.
 const MOST_FILES: usize = 1024;
-/// What tells of files that they were changed.
+/// Stamps of files, by which changes of them are noticed.
 pub type Stamps = BTreeMap<PathBuf, Stamp>;
 /// Bytes of environment maps in all edits.
 const MOST_BYTES: usize = 1 << 30;
@@ -32,12 +32,12 @@ const MOST_PLACEMENTS: usize = 1000;
 /// Longest text of a value that pages are told.
 const LONGEST: usize = 4096;
 
-/// How a scene is opened.
+/// Source of a scene, and options for opening it.
 #[derive(Clone, Debug, Default)]
 pub struct Source {
     /// A file, or `builtin:NAME`.
     pub name: PathBuf,
-    /// How it is read.
+    /// Options of reading.
     pub reading: Options,
     /// The scene itself, where it is in memory.
     pub scene: Option<Arc<SceneDesc>>,
@@ -48,11 +48,11 @@ pub struct Source {
 /// A scene that is looked at and edited.
 #[derive(Debug)]
 pub struct Document {
-    /// Where it comes from.
+    /// Source of the scene.
     pub source: Source,
     /// As it is now, but for a camera that was moved.
     pub desc: SceneDesc,
-    /// What was said of it when it was read and compiled.
+    /// Diagnostics of reading and compiling.
     pub diagnostics: Diagnostics,
     undo: Vec<Change>,
     redo: Vec<Change>,
@@ -113,12 +113,12 @@ impl Document {
         desc
     }
 
-    /// How many edits can be taken back, and done again.
+    /// Numbers of edits that can be taken back, and done again.
     pub fn edits(&self) -> [usize; 2] {
         [self.undo.len(), self.redo.len()]
     }
 
-    /// Whether it is other than its file.
+    /// True if the scene differs from its file.
     pub fn is_edited(&self) -> bool {
         !self.undo.is_empty()
     }
@@ -283,7 +283,7 @@ impl Document {
     }
 }
 
-/// Where something is placed, as a parameter.
+/// Placement as a parameter.
 fn place(ids: &[String], place: Transform) -> ParameterState {
     ParameterState {
         name: PLACE.into(),

@@ -12,19 +12,19 @@ use steradian::{
 
 /// Begins the names of placements that are no node's own.
 const PLACEMENT: &str = "#placement";
-/// Where things are, as parameter.
+/// Name of the parameter for placements.
 pub const PLACE: &str = "to_world";
 
 /// A change of the scene.
 #[derive(Clone, Debug)]
 pub struct Edit {
-    /// What is changed.
+    /// Subject of the change.
     pub what: What,
-    /// Whether the next edit of the same replaces it.
+    /// True if the next edit of the same replaces it.
     pub moving: bool,
 }
 
-/// What an edit changes.
+/// Subject of an edit, with its new value.
 #[derive(Clone, Debug)]
 pub enum What {
     /// A parameter of a node, or where a shape or a group is placed, is set, or taken away.
@@ -58,7 +58,7 @@ impl Edit {
 }
 
 impl What {
-    /// Whether the other edit changes the same.
+    /// True if the other edit changes the same.
     fn is_of_same(&self, other: &Self) -> bool {
         let of = |what: &Self| match what {
             Self::Parameter { node, parameter, .. } => Some((node.clone(), parameter.clone())),
@@ -74,12 +74,12 @@ pub struct Change {
     /// The edit.
     pub edit: Edit,
     held: Held,
-    /// How many nodes there were before it, and those that came.
+    /// Number of nodes before it, and the nodes that it added.
     count: usize,
     added: Vec<Node>,
 }
 
-/// What was there.
+/// Former value.
 #[derive(Debug)]
 enum Held {
     Params(NodeId, Vec<Param>),
@@ -123,13 +123,13 @@ impl Placement {
     }
 }
 
-/// Where something is placed, as pages are told.
+/// Placement, as pages are told.
 pub struct Placed {
     /// The name of what is placed, that of a shape's node where it is placed once.
     pub id: String,
-    /// What is placed.
+    /// Kind of the thing that is placed.
     pub kind: String,
-    /// Where.
+    /// Transform.
     pub place: Transform,
 }
 
@@ -170,7 +170,7 @@ impl Change {
         Ok(Self { edit, held, count, added: Vec::new() })
     }
 
-    /// Whether the next edit goes on with it.
+    /// True if the next edit goes on with it.
     pub fn goes_on(&self, next: &Edit) -> bool {
         self.edit.moving && self.edit.what.is_of_same(&next.what)
     }

@@ -27,25 +27,25 @@ pub const LAYERS: [Layer; 9] = [
 
 /// A picture with what is known of it.
 pub struct Shown {
-    /// Of which state of the view.
+    /// Generation of the view's state.
     pub generation: u32,
     /// The part of the full picture that it shows, in that one's pixels.
     pub crop: [u32; 4],
     /// `preview` or `render`.
     pub kind: &'static str,
-    /// What was rendered.
+    /// Rendered scene.
     pub scene: Arc<Scene>,
     /// The sums.
     pub film: Film,
     /// Samples per pixel, in the mean.
     pub samples: f64,
-    /// Those that there are to be.
+    /// Samples per pixel of the finished render.
     pub target: u32,
     /// Relative error.
     pub error: Option<f64>,
     /// Time of rendering.
     pub seconds: f64,
-    /// Whether nothing is to come.
+    /// True if no samples are to come.
     pub is_done: bool,
     /// Samples that count as black.
     pub nonfinite: u64,
@@ -119,7 +119,7 @@ pub fn layer(name: &str) -> Result<Layer, String> {
 pub struct Frame {
     /// Binary tiles.
     pub tiles: Vec<axum::body::Bytes>,
-    /// What ends it, as JSON; empty before the first one.
+    /// Message that ends it, as JSON; empty before the first one.
     pub end: String,
 }
 
@@ -165,7 +165,7 @@ impl Frame {
     }
 }
 
-/// What is there where a picture has no samples yet.
+/// Picture that shows where another one has no samples yet.
 pub struct Backdrop {
     size: [usize; 2],
     /// R, G, B of pixels.

@@ -11,10 +11,10 @@ use std::{
 };
 use steradian::{Control, Quality, Scene, Session};
 
-/// How often it is looked whether something else was asked.
+/// Interval between looks for another task.
 const LOOK_EVERY: Duration = Duration::from_millis(4);
 
-/// How far a render is: its samples, and whether it is done. Renders of the same progress show the same picture.
+/// Progress of a render: its samples, and whether it is done. Renders of the same progress show the same picture.
 pub type Progress = (u64, bool);
 
 /// A render under way.
@@ -23,7 +23,7 @@ pub struct Job {
     session: Box<dyn Session>,
     spp: u32,
     pixels: u64,
-    /// How much longer than asked a step may take, where methods lose what they break off.
+    /// Factor on the time of a step, for methods that lose what they break off.
     patience: u32,
 }
 
@@ -79,12 +79,12 @@ impl Job {
         });
     }
 
-    /// How far it is.
+    /// Progress.
     pub fn progress(&self) -> Progress {
         (self.session.counters().samples, self.is_done())
     }
 
-    /// Whether all is done.
+    /// True if the render is done.
     pub fn is_done(&self) -> bool {
         self.session.is_done()
     }
@@ -120,7 +120,7 @@ impl Job {
     }
 }
 
-/// How many tasks wait for the thread that renders.
+/// Number of tasks that wait for the thread that renders.
 #[derive(Clone, Debug, Default)]
 pub struct Waiting(Arc<AtomicUsize>);
 
@@ -135,13 +135,13 @@ impl Waiting {
         self.0.fetch_sub(1, Ordering::SeqCst);
     }
 
-    /// Whether there is one.
+    /// True if a task waits.
     pub fn is_any(&self) -> bool {
         self.0.load(Ordering::SeqCst) > 0
     }
 }
 
-/// That a step has ended.
+/// Signal that a step has ended.
 #[derive(Default)]
 struct Ended(Mutex<bool>, Condvar);
 
@@ -151,7 +151,7 @@ impl Ended {
         self.1.notify_all();
     }
 
-    /// Whether it ends within a time.
+    /// Waits for the end for a time at most; true if it came.
     fn within(&self, time: Duration) -> bool {
         let ended = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let waited = self.1.wait_timeout_while(ended, time, |ended| !*ended);

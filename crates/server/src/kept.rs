@@ -14,16 +14,16 @@ pub struct Keeper {
 
 /// A picture to hold others against.
 pub struct Reference {
-    /// What pages know of it.
+    /// Description for pages.
     pub about: About,
     /// The picture.
     pub image: Image,
 }
 
-/// What pages know of a reference.
+/// Description of a reference for pages.
 #[derive(Clone, Serialize)]
 pub struct About {
-    /// What it is called.
+    /// Name.
     pub name: String,
     /// Pixels.
     pub width: u32,
@@ -34,7 +34,7 @@ pub struct About {
 }
 
 impl Reference {
-    /// Of a picture that tiles can hold, with colours.
+    /// Reference from a picture that tiles can hold, with colours.
     ///
     /// # Errors
     /// Where it is none of these.

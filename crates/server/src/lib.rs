@@ -50,14 +50,14 @@ use std::{
 };
 use tokio::sync::Notify;
 
-/// What pages are told of Open Image Denoise where nobody said where it is.
+/// Message to pages where no path of Open Image Denoise was given.
 const NO_OIDN: &str = "Open Image Denoise is not known here; `steradian view --oidn PATH` names it";
 
-/// What is looked at, and where.
+/// Options of a view: the scene, and the server's address.
 pub struct Options {
     /// The scene.
     pub source: Source,
-    /// How it is rendered at first.
+    /// First settings of the render.
     pub settings: SettingsChange,
     /// Address or name of this machine that the server listens at; `127.0.0.1` reaches no other machine.
     pub bind: String,
@@ -95,7 +95,7 @@ pub enum Error {
     Address {
         /// Address and port.
         at: String,
-        /// What the system said.
+        /// Error of the system.
         cause: std::io::Error,
     },
 }

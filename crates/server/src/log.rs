@@ -1,18 +1,18 @@
-//! What is told of refused requests: so much of it as people read, however many there are.
+//! Log of refused requests: only as many lines as people read, however many requests there are.
 
 use std::{
     sync::{Arc, Mutex, PoisonError},
     time::{Duration, Instant},
 };
 
-/// How long lines are counted before the count begins anew.
+/// Time after which lines are counted anew.
 const WINDOW: Duration = Duration::from_secs(60);
 /// Lines about refusals within that time.
 const MOST_LINES: u64 = 60;
 /// Characters of a line.
 const LONGEST: usize = 240;
 
-/// Where lines go.
+/// Log with a limit on lines about refusals.
 pub struct Log {
     tell: Arc<dyn Fn(&str) + Send + Sync>,
     count: Mutex<Count>,

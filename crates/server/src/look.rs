@@ -1,4 +1,4 @@
-//! How the scene is looked at: camera, part of the picture, layers, settings.
+//! View of the scene: camera, part of the picture, layers, settings.
 
 use crate::{
     frame,
@@ -15,7 +15,7 @@ pub const MOST_PIXELS: u64 = 1 << 24;
 /// Longest edge of a picture: tiles count with 16 bits.
 const LONGEST_EDGE: u32 = 1 << 15;
 
-/// What a scene is compiled for.
+/// Purpose of a compiled scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
     /// To be rendered.
@@ -24,26 +24,26 @@ pub enum Purpose {
     Preview,
 }
 
-/// How the scene is looked at.
+/// View of the scene.
 #[derive(Clone, Debug, Default)]
 pub struct Look {
     /// The camera that was chosen.
     pub camera: Option<String>,
-    /// Where it was moved.
+    /// Viewpoint of a camera that was moved.
     pub view: Option<View>,
     /// The part that is rendered.
     pub region: Option<[u32; 4]>,
     /// Layers that are sent along.
     pub layers: Vec<Layer>,
-    /// What was chosen.
+    /// Settings that were chosen.
     pub settings: SettingsChange,
-    /// Whether nothing goes on.
+    /// Pauses the render.
     pub paused: bool,
-    /// Whether a hand is on the camera.
+    /// True while a hand is on the camera.
     pub moving: bool,
 }
 
-/// Where a camera was moved, and its field of view if that was changed, degrees.
+/// Viewpoint of a moved camera, and its field of view if that was changed, degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// The place.
@@ -62,7 +62,7 @@ impl View {
     }
 }
 
-/// How the scene is compiled.
+/// Options of compiling the scene.
 pub fn options(look: &Look, format: Format, purpose: Purpose) -> CompileOptions {
     let settings = &look.settings;
     let suited = settings.integrator.as_deref().and_then(suited_mode);
@@ -84,7 +84,7 @@ pub fn options(look: &Look, format: Format, purpose: Purpose) -> CompileOptions 
     }
 }
 
-/// What the session is asked for.
+/// Quality that is asked of the session.
 pub fn quality(look: &Look) -> Quality {
     let s = &look.settings;
     let groups = s.light_groups.filter(|on| *on).map(|_| Layer::LIGHT_GROUPS);

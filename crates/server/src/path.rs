@@ -28,7 +28,7 @@ pub struct Asked {
     sample: u32,
 }
 
-/// What a page draws.
+/// Path as a page draws it.
 #[derive(Serialize)]
 struct Told {
     x: u32,
@@ -38,7 +38,7 @@ struct Told {
     /// `path` or `volpath`, and whether the picture is made by it.
     tracer: &'static str,
     of_picture: bool,
-    /// What the sample adds to the pixel.
+    /// Contribution of the sample to the pixel.
     value: [f32; 3],
     end: &'static str,
     vertices: Vec<VertexTold>,
@@ -155,7 +155,7 @@ fn vertex(subject: &Subject, path: &TracedPath, k: usize) -> VertexTold {
     }
 }
 
-/// How a path goes on, in words.
+/// Continuation of a path, in words.
 fn words(event: Event) -> String {
     let lobe = match event {
         Event::Phase => return "phase function".into(),

@@ -1,26 +1,25 @@
-//! What page and server say to each other over the socket: JSON texts both ways, and pictures as binary tiles
-//! ([`crate::tile`]).
+//! Protocol of page and server over the socket: JSON texts both ways, and pictures as binary tiles ([`crate::tile`]).
 
 use serde::{Deserialize, Serialize};
 
-/// How colours are computed with.
+/// Colour modes of the computation.
 pub const COLORS: [&str; 3] = ["auto", "rgb", "spectral"];
 
-/// What a page asks for.
+/// Request of a page.
 #[derive(Clone, Debug, Deserialize, PartialEq)]
 #[serde(tag = "type", rename_all = "kebab-case", rename_all_fields = "camelCase", deny_unknown_fields)]
 pub enum Request {
     /// Moves the camera.
     Camera {
-        /// Where it stands.
+        /// Position.
         eye: [f64; 3],
-        /// What it looks at.
+        /// Point that it looks at.
         target: [f64; 3],
         /// Upwards.
         up: [f64; 3],
         /// Field of view in degrees, where it is to change.
         fov: Option<f64>,
-        /// Whether the hand is still on it: pictures are coarse then.
+        /// True while the hand is still on it: pictures are coarse then.
         #[serde(default)]
         moving: bool,
     },
@@ -51,8 +50,8 @@ pub enum Request {
         parameter: String,
         /// In Steradian's own language; `None` takes it away.
         value: Option<String>,
-        /// Whether the hand is still on it: pictures are coarse then, and the next edit of the parameter replaces this
-        /// one.
+        /// True while the hand is still on it: pictures are coarse then, and the next edit of the parameter replaces
+        /// this one.
         #[serde(default)]
         moving: bool,
     },
@@ -62,12 +61,12 @@ pub enum Request {
     Redo,
     /// Stops and goes on.
     Pause {
-        /// Whether to stop.
+        /// Stops if true, goes on if false.
         on: bool,
     },
 }
 
-/// What is to be changed of how pictures are made; what is absent stays.
+/// Change of the render settings; fields that are absent stay.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq)]
 #[serde(rename_all = "camelCase", deny_unknown_fields, default)]
 #[allow(missing_docs)]
@@ -89,7 +88,7 @@ pub struct SettingsChange {
     pub height: Option<u32>,
 }
 
-/// What removes noise.
+/// Denoiser.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub enum Denoiser {
@@ -106,7 +105,7 @@ fn given<'de, T: Deserialize<'de>, D: serde::Deserializer<'de>>(from: D) -> Resu
     Option::deserialize(from).map(Some)
 }
 
-/// How pictures are made.
+/// Render settings.
 #[derive(Clone, Debug, Default, Serialize, PartialEq)]
 #[serde(rename_all = "camelCase")]
 pub struct Settings {
@@ -122,9 +121,9 @@ pub struct Settings {
     pub seed: Option<u64>,
     /// Most scattering events; `None` for the scene's.
     pub max_depth: Option<u32>,
-    /// What removes the noise in the end; on the way the quick filter does. `None` where it stays.
+    /// Denoiser of the finished picture; on the way the quick filter is used. `None` where noise stays.
     pub denoise: Option<Denoiser>,
-    /// Whether the light of each group of lights is rendered apart, and sent along.
+    /// Renders the light of each group of lights apart, and sends it along.
     pub light_groups: bool,
 }
 
@@ -145,7 +144,7 @@ pub struct About {
 pub struct Said {
     /// `error`, `warning` or `note`.
     pub severity: &'static str,
-    /// What, and where.
+    /// Message, with its place.
     pub text: String,
 }
 
@@ -165,9 +164,9 @@ pub struct CameraState {
     pub handedness: i32,
     pub moved: bool,
     pub movable: bool,
-    /// What edits call it.
+    /// Name for edits.
     pub id: String,
-    /// How long one along its axis is in the world.
+    /// World length of one unit along its axis.
     pub unit: f64,
     /// Radius of its lens, 0 for a pinhole; `None` where it has no focal distance.
     pub lens: Option<f64>,
@@ -193,13 +192,13 @@ pub struct State {
     pub paused: bool,
     pub undo: usize,
     pub redo: usize,
-    /// What makes the same picture on the command line.
+    /// Command line that makes the same picture.
     pub command: String,
-    /// What the scene is called when it is saved.
+    /// File name for saving the scene.
     pub save_name: String,
 }
 
-/// Of a picture, in pixels.
+/// Size of a picture, pixels.
 #[derive(Clone, Copy, Debug, Default, Serialize, PartialEq)]
 #[allow(missing_docs)]
 pub struct Size {
@@ -207,7 +206,7 @@ pub struct Size {
     pub height: u32,
 }
 
-/// What there is to choose from.
+/// Choices for pages.
 #[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs)]
 pub struct Choices {
@@ -247,16 +246,16 @@ pub struct ToneParameter {
     pub range: [f32; 2],
 }
 
-/// What ends a frame, after its tiles.
+/// End of a frame, after its tiles.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "type", rename = "frame", rename_all = "camelCase")]
 #[allow(missing_docs)]
 pub struct FrameEnd {
     pub generation: u32,
-    /// Of this frame: a fraction of the film's while the camera moves.
+    /// Size of this frame: a fraction of the film's while the camera moves.
     pub width: u32,
     pub height: u32,
-    /// Where its first pixel is in the whole picture.
+    /// Position of its first pixel in the whole picture.
     pub origin: [u32; 2],
     /// The part of the whole picture that it shows: x0, y0, x1, y1, the last two exclusive.
     pub crop: [u32; 4],
@@ -269,7 +268,7 @@ pub struct FrameEnd {
     pub error: Option<f64>,
     pub seconds: f64,
     pub done: bool,
-    /// Whether noise was removed.
+    /// True if noise was removed.
     pub denoised: bool,
     /// Samples that were not finite and count as black.
     pub nonfinite: u64,

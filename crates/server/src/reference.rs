@@ -19,12 +19,12 @@ use steradian::image::{Error, Limits, read};
 pub const MOST_BYTES: usize = 512 << 20;
 /// The layer of the reference's tiles and of maps.
 pub const LAYER: u16 = u16::MAX;
-/// What tells pages that there is another reference, or none.
+/// Message to pages that there is another reference, or none.
 const CHANGED: &str = r#"{"type":"reference"}"#;
 /// Letters of a name.
 const LONGEST_NAME: usize = 120;
 
-/// Where a reference comes from.
+/// Source of a reference.
 #[derive(Deserialize)]
 pub struct Origin {
     from: Option<String>,

@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 use steradian::{develop, film::FirstHit};
 use tokio::sync::oneshot;
 
-/// What pages know.
+/// State for pages.
 pub async fn state(State(app): State<App>) -> Response {
     let state = app.viewer.states.borrow().to_string();
     ([(header::CONTENT_TYPE, "application/json")], state).into_response()
@@ -45,7 +45,7 @@ pub struct Place {
     y: u32,
 }
 
-/// What is known of a pixel.
+/// Data of a pixel.
 #[derive(Serialize)]
 struct Known<'a> {
     x: u32,

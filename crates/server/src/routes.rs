@@ -1,4 +1,4 @@
-//! What is answered under which path, and to whom.
+//! Routes: handlers of paths, and the checks before them.
 
 use crate::{
     app::{App, Refused},
@@ -16,8 +16,8 @@ use axum::{
 /// Bytes of a request, but for uploads.
 const MOST_BYTES: usize = 64 << 10;
 
-/// What the page may load and connect to, and who may show it: itself alone, and any site that knows its address, as
-/// notebooks do.
+/// Content security policy: the page loads from and connects to its own server alone, and any site that knows its
+/// address may show it, as notebooks do.
 const POLICY: &str = "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; \
                       connect-src 'self'; base-uri 'none'; form-action 'none'; object-src 'none'";
 
@@ -81,7 +81,7 @@ async fn admit(State(app): State<App>, mut request: Request, next: Next) -> Resp
     response
 }
 
-/// What an address is without the token, where the request may be answered; `None` where it is the token alone.
+/// Address without the token, where the request may be answered; `None` where it is the token alone.
 fn inner_address(app: &App, request: &Request) -> Result<Option<Uri>, Refused> {
     let header = |name| request.headers().get(name).and_then(|v: &HeaderValue| v.to_str().ok());
     // Of two names only one can have been looked at.

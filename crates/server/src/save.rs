@@ -21,7 +21,7 @@ use steradian::{
     image::{FileKind, WriteOptions, encode, tone::Tone, write_together},
 };
 
-/// How values become colours of a display.
+/// Conversion of values to colours of a display.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Display {
@@ -31,7 +31,7 @@ pub struct Display {
     layers: String,
 }
 
-/// What is to be saved.
+/// Request to save a picture or the scene.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Save {
@@ -45,8 +45,8 @@ pub struct Save {
 /// Bytes of the longest name of a file.
 pub const LONGEST_NAME: usize = 255;
 
-/// Whether a name shows as it is: without control characters, and without those that turn the direction of text and
-/// let a name end in what is not its extension.
+/// True if a name shows as it is: without control characters, and without those that turn the direction of text and let
+/// a name end in what is not its extension.
 pub fn is_printable(name: &str) -> bool {
     let turns =
         |c: char| matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');

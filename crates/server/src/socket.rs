@@ -29,7 +29,7 @@ const ANSWERED: &str = r#"{"type":"answered"}"#;
 const MOST_SOCKETS: usize = 64;
 /// Bytes of a request.
 const MOST_BYTES: usize = 64 << 10;
-/// How long a page may take to read what it is sent.
+/// Longest time for a page to read a message.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Opens a page's connection.

@@ -1,4 +1,4 @@
-//! What pages know of the view.
+//! State of the view for pages.
 
 use crate::{
     denoiser::{self, Library},
@@ -98,7 +98,7 @@ fn node<'d>(document: &'d Document, look: &Look) -> Option<&'d Node> {
     document.desc.camera(look.camera.as_deref()).map(|id| document.desc.node(id))
 }
 
-/// Whether the camera can be put elsewhere.
+/// True if the camera can be put elsewhere.
 pub fn is_movable(document: &Document, look: &Look) -> bool {
     node(document, look).is_some_and(|n| !matches!(n.kind.as_str(), "irradiance_meter" | "radiance_meter"))
 }
@@ -149,7 +149,7 @@ pub fn environment_to_world(document: &Document, look: &Look, scene: &Scene) -> 
     if is_mirrored { turned * Transform::scale(DVec3::new(-1.0, 1.0, 1.0)) } else { turned }
 }
 
-/// Where a camera stands, with what is in the middle of its picture as target, and as `up` the axis of the world that
+/// Viewpoint of a camera, with what is in the middle of its picture as target, and as `up` the axis of the world that
 /// its picture shows upright, if one is.
 fn upright(place: &Transform, scene: &Scene) -> Option<Viewpoint> {
     let ahead = Viewpoint::of(place, 1.0)?;
@@ -169,7 +169,7 @@ fn upright(place: &Transform, scene: &Scene) -> Option<Viewpoint> {
     Some(Viewpoint { target: ahead.eye + forward * distance, up, ..ahead })
 }
 
-/// What pages choose from, whatever the scene.
+/// Choices for pages, whatever the scene.
 static CHOICES: LazyLock<Choices> = LazyLock::new(choices);
 
 fn choices() -> Choices {
@@ -232,7 +232,7 @@ fn command(document: &Document, look: &Look, library: Option<&Path>) -> String {
     words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
 }
 
-/// What an edited scene is called when it is saved.
+/// File name of an edited scene when it is saved.
 pub fn saved_name(document: &Document) -> String {
     let name = document.source.name.to_string_lossy();
     let stem = match name.strip_prefix("builtin:") {

@@ -3,7 +3,7 @@
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 
-/// What each tile begins with: "STRT".
+/// Magic number at the beginning of each tile: "STRT".
 const MAGIC: u32 = u32::from_le_bytes(*b"STRT");
 /// Bytes before the values.
 const HEADER: usize = 24;

@@ -38,21 +38,21 @@ use tokio::sync::{broadcast, oneshot, watch};
 
 /// Pixels of the first preview, before it is known how long they take.
 const FIRST_PREVIEW: f64 = 10_000.0;
-/// How long a preview may take while the camera moves, and before paths begin.
+/// Longest time of a preview while the camera moves, and before paths begin; seconds.
 const PREVIEW_SECONDS: f64 = 0.04;
-/// How long a preview goes on while tasks wait, the first time; so pictures come while something is dragged.
+/// Time for which a preview goes on while tasks wait, the first time; so pictures come while something is dragged.
 const PATIENCE: Duration = Duration::from_millis(200);
-/// How often a preview is begun, with twice the patience each time, before paths begin without it.
+/// Most times that a preview is begun, with twice the patience each time, before paths begin without it.
 const MOST_PREVIEWS: u32 = 3;
 /// First pictures are at most this much smaller than the whole, on each side.
 const COARSEST: u32 = 16;
-/// How long first paths should take, before the render itself begins; they end after twice that.
+/// Time that first paths should take, before the render itself begins; they end after twice that.
 const FIRST_PATHS: Duration = Duration::from_millis(200);
 /// Paths per second, before it is known.
 const FIRST_SPEED: f64 = 100_000.0;
 /// Messages that wait for a page to read them.
 const MOST_MESSAGES: usize = 64;
-/// How often it is looked whether files have changed.
+/// Interval between looks for changed files.
 const WATCH_EVERY: Duration = Duration::from_millis(400);
 /// On the way pictures are rendered for so many times as long as it takes to remove their noise.
 const DENOISING: f64 = 4.0;
@@ -64,10 +64,10 @@ const SHOW_EVERY: [f64; 2] = [0.12, 1.0];
 /// A question about the scene as it is.
 type Question = Box<dyn FnOnce(&Document, &Look) + Send>;
 
-/// What came of a request: what is wrong with it, where something is.
+/// Result of a request; an error says what is wrong with it.
 type Done = Result<(), String>;
 
-/// What the thread is asked.
+/// Task of the thread.
 pub enum Task {
     /// By a page, with an answer for it: what is wrong. Pages are told the state with the change first.
     Page(Request, oneshot::Sender<Done>),
@@ -79,26 +79,26 @@ pub enum Task {
     Ask(Question),
 }
 
-/// What is rendered, where what is shown may still be a coarser picture of it.
+/// Subject of the render; the picture that is shown may still be a coarser one of it.
 pub struct Subject {
-    /// Of which state of the view.
+    /// Generation of the view's state.
     pub generation: u32,
     /// The scene.
     pub scene: Arc<Scene>,
-    /// How it is rendered.
+    /// Quality of the render.
     pub quality: Quality,
 }
 
-/// What others see of the thread.
+/// Handle of the thread for others.
 #[derive(Clone)]
 pub struct Handle {
     tasks: Sender<Task>,
     waiting: Waiting,
     /// The last frame.
     pub frames: watch::Receiver<Arc<Frame>>,
-    /// What pages know, as JSON.
+    /// State for pages, as JSON.
     pub states: watch::Receiver<Arc<str>>,
-    /// What is said to all pages, as JSON.
+    /// Messages to all pages, as JSON.
     pub messages: broadcast::Sender<String>,
     shown: Arc<Mutex<Option<Arc<Shown>>>>,
     subjects: watch::Receiver<Arc<Subject>>,
@@ -111,7 +111,7 @@ impl Handle {
         let _ = self.tasks.send(task);
     }
 
-    /// What is rendered.
+    /// Subject of the render.
     pub fn subject(&self) -> Arc<Subject> {
         self.subjects.borrow().clone()
     }
@@ -191,14 +191,14 @@ fn open(source: Source, settings: SettingsChange, library: Library) -> Result<(V
     Ok((viewer, Handle { tasks, waiting, frames, states, messages, shown, subjects }))
 }
 
-/// How far a change reaches.
+/// Reach of a change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Reach {
     /// Nowhere.
     Nothing,
-    /// What pages know.
+    /// State that pages are told.
     State,
-    /// What is sent of the picture.
+    /// Part of the picture that is sent.
     Sent,
     /// The picture.
     Picture,
@@ -210,7 +210,7 @@ pub enum Reach {
 pub struct Viewer {
     /// The scene as it is described.
     pub document: Document,
-    /// How it is looked at.
+    /// View of the scene.
     pub look: Look,
     /// As it is rendered.
     pub scene: Arc<Scene>,
@@ -221,28 +221,28 @@ pub struct Viewer {
     pixels_per_second: f64,
     /// Speed of first paths.
     paths_per_second: f64,
-    /// What shows where the render has no samples yet.
+    /// Picture that shows where the render has no samples yet.
     backdrop: Option<Backdrop>,
-    /// Of the files that the scene was read from, and as they were seen last.
+    /// Stamps of the files that the scene was read from, and the stamps seen last.
     stamps: Stamps,
     seen: Stamps,
     /// When they were looked at.
     watched: Instant,
-    /// What Open Image Denoise is loaded from.
+    /// Library of Open Image Denoise.
     pub library: Library,
-    /// How long it took to remove noise on the way, in seconds.
+    /// Time of the last denoising on the way, seconds.
     denoising: f64,
     /// The render under way.
     pub job: Option<Job>,
-    /// How far it was when it was shown last.
+    /// Progress of the render when it was shown last.
     published: Option<Progress>,
     tasks: Receiver<Task>,
-    /// What pages are to be answered once the state is told.
+    /// Answers to pages, sent once the state is told.
     answers: Vec<(oneshot::Sender<Done>, Done)>,
     waiting: Waiting,
-    /// How often the preview of this state was broken off for tasks.
+    /// Number of times that the preview of this state was broken off for tasks.
     broken_off: u32,
-    /// Whether the picture of this state has not begun.
+    /// True if the picture of this state has not begun.
     owed: bool,
     frame: watch::Sender<Arc<Frame>>,
     state: watch::Sender<Arc<str>>,
@@ -354,7 +354,7 @@ impl Viewer {
         }
     }
 
-    /// Whether files of the scene were changed, and nobody is writing them any more.
+    /// True if files of the scene were changed, and nobody is writing them any more.
     fn files_changed(&mut self) -> bool {
         if self.watched.elapsed() < WATCH_EVERY {
             return false;
@@ -498,7 +498,7 @@ impl Viewer {
         }
     }
 
-    /// How the scene is looked at for a picture of about so many pixels.
+    /// View for a picture of about so many pixels.
     fn coarse(&self, pixels: f64) -> Look {
         let film = self.scene.film();
         let full = [film.width, film.height];
@@ -536,7 +536,7 @@ impl Viewer {
         }
     }
 
-    /// Whether the render is further than what was shown of it.
+    /// True if the render is further than the picture that was shown of it.
     fn has_news(&self) -> bool {
         self.job.as_ref().is_some_and(|job| self.published != Some(job.progress()))
     }

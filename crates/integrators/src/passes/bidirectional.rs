@@ -72,7 +72,8 @@ impl Bidirectional {
 impl Method for Bidirectional {
     fn supports(&self, feature: Feature) -> Support {
         match (self.strategy, feature) {
-            // Between neighbours of a Cornell box, errors of `light` have a correlation of 0.3, and those of `bdpt` 0.04.
+            // Between neighbours of a Cornell box, errors of `light` have a correlation of 0.3, and those of `bdpt`
+            // 0.04.
             (Strategy::Connections, Feature::Denoising) => Support::Exact,
             (Strategy::Light, Feature::Curves) => Refuses("they face the ray, and light paths do not pass them"),
             (Strategy::Light, Feature::UnconnectedCamera | Feature::InfinitePlanes) => Refuses(""),

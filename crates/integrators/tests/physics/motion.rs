@@ -121,7 +121,8 @@ fn a_path_sees_one_moment() {
             let (start, end) = if open_first { (high, low) } else { (low, high) };
             moves(&mut stage, shift(start), shift(end), [0.0, 1.0]);
         };
-        // To the right of x the plate covers: that over the lamp at x = 12, that of the camera at x = -12, whose view crosses its height at -7.2, is mirrored.
+        // To the right of x the plate covers: that over the lamp at x = 12, that of the camera at x = -12, whose view
+        // crosses its height at -7.2, is mirrored.
         plate(6.0, lamp_opens_first);
         let black = stage.add(diffuse(0.0));
         stage.place_mesh(rectangle([-100.0, 1.2, -50.0], [0.0, 0.0, 100.0], [100.0, 0.0, 0.0])).material = Some(black);

@@ -1,4 +1,4 @@
-//! What the thread does, step by step, without the thread.
+//! Tests of the viewer's tasks, step by step, without the thread.
 
 use super::*;
 
@@ -21,7 +21,7 @@ fn finish(viewer: &mut Viewer) {
     }
 }
 
-/// What a request came to.
+/// Reach of a request.
 fn ask(viewer: &mut Viewer, request: Request) -> Reach {
     let (reply, _) = oneshot::channel();
     let reach = viewer.take(Task::Page(request, reply));
@@ -76,8 +76,8 @@ fn previews_are_broken_off_for_tasks() {
     assert!(!viewer.owed && viewer.job.is_some());
 }
 
-/// What there is no memory for is refused before it is begun, and the picture stays; what the picture has counts as
-/// there.
+/// Pictures for which there is no memory are refused before they are begun, and the picture stays; its own memory
+/// counts as there.
 #[test]
 fn pictures_without_memory_are_refused() {
     let (mut viewer, _handle) = viewer();

@@ -11,7 +11,7 @@ use std::{
 use steradian_server::{Options, SettingsChange, View};
 use tungstenite::{Message, WebSocket, client::IntoClientRequest};
 
-/// How long anything may take before a test fails, on machines that are busy, too.
+/// Longest wait for anything before a test fails, on machines that are busy, too.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A view, and what it logged.
@@ -115,7 +115,7 @@ impl Server {
         self.ask("POST", &(self.base() + path), &headers, &body)
     }
 
-    /// Whether something was logged.
+    /// True if something was logged.
     pub fn logged(&self, what: &str) -> bool {
         self.log.lock().unwrap().iter().any(|line| line.contains(what))
     }
@@ -193,14 +193,14 @@ impl Page {
         self.until("the end", |v| v["generation"] == generation && v["kind"] == "render" && v["done"] == true).0
     }
 
-    /// What the server says to a request that is wrong.
+    /// Message of the server to a request that is wrong.
     pub fn refusal(&mut self, request: Value) -> String {
         self.send(request);
         self.until("a refusal", |v| v["type"] == "message").0["text"].as_str().unwrap().to_owned()
     }
 }
 
-/// Where a camera may stand in the Cornell box.
+/// Place for a camera in the Cornell box.
 pub fn camera(x: f64) -> Value {
     json!({"type": "camera", "eye": [x, 0.0, -3.0], "target": [0.0, 0.0, 0.0], "up": [0.0, 1.0, 0.0]})
 }

@@ -1,4 +1,4 @@
-//! What is refused: those who do not know the token, names and pages of others, paths elsewhere, bad frames, too much.
+//! Refusals: those who do not know the token, names and pages of others, paths elsewhere, bad frames, too much.
 
 use crate::client::{Server, camera};
 use serde_json::json;

@@ -52,7 +52,7 @@ fn paths_begin_where_the_layers_say() {
     assert_eq!(moved["generation"], page.state["generation"]);
 }
 
-/// Where the filter is a box, first vertices lie within their pixels.
+/// First vertices lie within their pixels if the filter is a box.
 #[test]
 fn paths_begin_within_their_pixels() {
     let server = Server::of(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/verify/glass.pbrt"));

@@ -1,4 +1,4 @@
-//! What the picture is held against.
+//! References of the picture.
 
 use crate::client::{Answer, Page, Server};
 use serde_json::{Value, json};
@@ -126,7 +126,7 @@ fn files_are_compared_as_the_library_compares() {
     }
 }
 
-/// What is no picture, too large, or of another size is refused, and the reference before stays.
+/// A file that is no picture, too large, or of another size is refused, and the reference before stays.
 #[test]
 fn what_does_not_fit_is_refused() {
     let (server, mut page) = done();

@@ -1,4 +1,4 @@
-//! What a page sees and does: pictures as the library makes them, cameras, settings, edits, files.
+//! Sessions of a page: pictures as the library makes them, cameras, settings, edits, files.
 
 use crate::client::{self, Server, camera, served};
 use serde_json::json;
@@ -271,7 +271,7 @@ fn placing(node: &serde_json::Value, value: &str, moving: bool) -> serde_json::V
     json!({"type": "edit", "node": node, "parameter": parameter, "value": value, "moving": moving})
 }
 
-/// Where shapes and groups are placed is edited as all else is: the picture is the library's, slider edits are one, and
+/// Placements of shapes and groups are edited as all else is: the picture is the library's, slider edits are one, and
 /// it is taken back. A shape that is placed several times has a name for each place, as instances have.
 #[test]
 fn places_of_shapes_are_edited() {
