@@ -1,4 +1,4 @@
-//! What the subcommands take.
+//! Arguments of the subcommands.
 
 use crate::values::{self, Frames, Layers, Rectangle, Size, Threshold};
 use clap::{ArgAction, Args, ValueEnum, builder::PossibleValuesParser};
@@ -26,7 +26,7 @@ pub struct SceneOptions {
     /// Camera to use, by name or by number from 0; default: the first
     #[arg(long, value_name = "NAME|N", help_heading = "Scene")]
     pub camera: Option<String>,
-    /// Where the camera stands, a point it looks at, and the direction that is up, in the world; it keeps its lens
+    /// Camera position, a point it looks at, and the direction that is up, in the world; it keeps its lens
     #[arg(long, value_name = "EX,EY,EZ,TX,TY,TZ,UX,UY,UZ", value_parser = values::viewpoint)]
     #[arg(allow_hyphen_values = true, help_heading = "Scene")]
     pub look_at: Option<Viewpoint>,
@@ -61,7 +61,7 @@ pub struct SceneOptions {
     pub threads: u16,
 }
 
-/// How colours are computed with.
+/// Colour arithmetic.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Color {
     /// As the scene's format has it.
@@ -167,7 +167,7 @@ fn sampler_names() -> PossibleValuesParser {
     PossibleValuesParser::new(family.into_iter().flat_map(|f| f.1).map(|s| s.0).chain(["scene"]))
 }
 
-/// How pictures are stored.
+/// Options of picture files.
 #[derive(Args, Clone, Debug)]
 pub struct FileOptions {
     /// Tone curve of .png, .jpg and .ppm (`steradian list tones`); `none` is plain sRGB. Default: `none`, and
@@ -212,7 +212,7 @@ pub enum ExrCompression {
 }
 
 impl FileOptions {
-    /// What the image library is told.
+    /// Options for the image library.
     ///
     /// # Errors
     /// An exposure out of range.
@@ -471,7 +471,7 @@ pub struct ConvertArgs {
     pub files: FileOptions,
 }
 
-/// What denoises.
+/// Denoiser.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Denoiser {
     /// Non-local means, built in.
@@ -502,7 +502,7 @@ pub struct DenoiseArgs {
     /// More removes more noise, and more detail [default: 1]
     #[arg(long, value_name = "S", value_parser = values::strength)]
     pub strength: Option<f32>,
-    /// What denoises [default: nlm, or oidn where --oidn names it]
+    /// Denoiser [default: nlm, or oidn where --oidn names it]
     #[arg(long, value_name = "NAME", value_enum)]
     pub with: Option<Denoiser>,
     /// The library of Open Image Denoise 2, or a folder that has it: an archive of it, or where `pip install --target
@@ -571,8 +571,8 @@ pub struct SignalArgs {
     /// Number of strongest waves to print
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub waves: u32,
-    /// What to draw; may be repeated. A picture: the signal, its spectrum, the spectrum after sampling, the samples,
-    /// and the samples after the prefilter. A .svg: a plot of the spectrum
+    /// Drawing; may be repeated. A picture: the signal, its spectrum, the spectrum after sampling, the samples, and the
+    /// samples after the prefilter. A .svg: a plot of the spectrum
     #[arg(short, long, value_name = "OUT")]
     pub output: Vec<PathBuf>,
     /// Print one line of JSON to stdout

@@ -6,10 +6,11 @@ use steradian::image::{FileKind, Image};
 /// Luminance of mid-grey, and of what is bright but not white.
 const GREY: f32 = 0.18;
 const BRIGHT: f32 = 0.8;
-/// Where nearly all is below this, a display shows black.
+/// Value below which a display shows black, if nearly all of a picture lies there.
 const DARK: f32 = 0.02;
 
-/// What is to be said of a picture that no exposure was asked for, where a file for displays is among the outputs.
+/// Hint about the brightness of a picture that no exposure was asked for, where a file for displays is among the
+/// outputs.
 pub fn hint(picture: &Image, outputs: &[PathBuf], exposure: Option<f32>) -> Option<String> {
     let file = outputs.iter().find(|path| FileKind::from_extension(path).is_some_and(FileKind::is_display))?;
     if exposure.is_some() {

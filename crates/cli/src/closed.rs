@@ -1,6 +1,6 @@
-//! Whether standard output was closed when the program started (`>&-`). Rust's runtime opens a device in its place that
-//! takes everything, before `main` can see that it was: what is written would be lost without a word. So this is looked
-//! at earlier, where the system lets a program do so.
+//! Detection of standard output that was closed when the program started (`>&-`). Rust's runtime opens a device in its
+//! place that takes everything, before `main` can see that it was: output would be lost without a word. So this is
+//! looked at earlier, where the system lets a program do so.
 
 // A function in the table of those that run before `main` cannot be declared otherwise.
 #![allow(unsafe_code)]

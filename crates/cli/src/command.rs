@@ -26,7 +26,7 @@ use clap::{Parser, Subcommand};
                   (verify), 130/143 stopped."
 )]
 pub struct Cli {
-    /// What to do.
+    /// Command.
     #[command(subcommand)]
     pub command: Command,
 }
@@ -79,7 +79,7 @@ pub enum Command {
 }
 
 impl Command {
-    /// Whether only errors are to be told.
+    /// True if only errors are to be told.
     pub fn is_quiet(&self) -> bool {
         matches!(self, Self::Render(args) if args.quiet)
     }

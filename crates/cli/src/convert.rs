@@ -86,7 +86,7 @@ fn is_depth(channel: &str) -> bool {
     matches!(channel.split('.').next_back(), Some("Z" | "depth")) || channel.starts_with("depth.")
 }
 
-/// Whether what is written is numbers, such as depths and normals, and no colours.
+/// True if the output is numbers, such as depths and normals, and no colours.
 fn is_data(whole: &Image, layer: Option<&str>) -> bool {
     match layer {
         Some(name) => {

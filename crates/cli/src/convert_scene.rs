@@ -23,7 +23,7 @@ use steradian::{
 /// Pixels of the pictures that are compared, and their samples per pixel.
 const CHECKED: (f64, u32) = (6144.0, 16);
 
-/// Whether a name stands for a scene: by its extension, as a built-in one, or as standard input.
+/// True if a name stands for a scene: by its extension, as a built-in one, or as standard input.
 pub fn is_scene(path: &Path) -> bool {
     let name = path.to_string_lossy().to_ascii_lowercase();
     if open::is_stdin(path) || name.starts_with("builtin:") {
@@ -130,7 +130,7 @@ fn place(l: &Location) -> (&str, u32, u32) {
     (l.path.as_str(), l.line, l.column)
 }
 
-/// What became of each construct.
+/// Report on the fate of each construct.
 fn report(args: &ConvertArgs, desc: &SceneDesc, messages: &[&Diagnostic], check: Option<&str>) -> String {
     let mut out = format!("# {} → {}\n", open::shown(&args.input), args.output.display());
     let of = |fidelity| messages.iter().filter(move |d| d.fidelity == Some(fidelity));

@@ -16,7 +16,7 @@ use steradian::{
     image::{self, FileKind, Image, Limits, WriteOptions},
 };
 
-/// What denoises.
+/// Denoiser with its settings.
 #[derive(Debug)]
 pub enum Filter {
     /// The built-in filter, of a strength.

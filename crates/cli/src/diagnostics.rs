@@ -1,11 +1,11 @@
-//! What readers and compiler have to say, told on stderr and counted.
+//! Messages of readers and compiler, told on stderr and counted.
 
 use crate::terminal::{Terminal, Tint};
 use serde::Serialize;
 use std::collections::HashMap;
 use steradian::scene::{Diagnostic, Diagnostics, Fidelity, Severity};
 
-/// How often each kind of message arose.
+/// Number of messages of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counts {
     /// The scene cannot be rendered.
@@ -42,7 +42,7 @@ impl Counts {
     }
 }
 
-/// Whether `--strict` refuses what this message is about.
+/// True if `--strict` refuses the loss that this message is about.
 fn is_lossy(d: &Diagnostic) -> bool {
     d.fidelity.is_some()
 }
@@ -66,8 +66,8 @@ pub fn refuse_losses(diagnostics: &Diagnostics) -> Diagnostics {
     refused
 }
 
-/// How many errors that differ in nothing but their place are told. Of other messages one is told, and how many there
-/// are.
+/// Most errors that are told of those that differ in nothing but their place. Of other messages one is told, and how
+/// many there are.
 const ERRORS: usize = 5;
 
 /// Tells the messages; only errors when the terminal is quiet.

@@ -1,4 +1,4 @@
-//! How a command ends.
+//! Exit codes and failures of commands.
 
 /// Exit code: done.
 pub const DONE: u8 = 0;
@@ -20,7 +20,7 @@ pub type Outcome = Result<u8, Failure>;
 pub struct Failure {
     /// The exit code.
     pub code: u8,
-    /// What is said on stderr.
+    /// Message on stderr.
     pub message: String,
 }
 
@@ -30,7 +30,7 @@ impl Failure {
         Self { code: FAILED, message: message.into() }
     }
 
-    /// What was given is wrong.
+    /// Failure by wrong input.
     pub fn bad_input(message: impl Into<String>) -> Self {
         Self { code: BAD_INPUT, message: message.into() }
     }

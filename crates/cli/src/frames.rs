@@ -10,7 +10,7 @@ use crate::{
 use std::path::{Path, PathBuf};
 use steradian::{Layer, math::DVec3};
 
-/// How many moments tell what automatic cameras show.
+/// Most moments by which automatic cameras are framed.
 const MOST_FRAMED: u32 = 17;
 /// Digits of a frame's number.
 const DIGITS: usize = 4;

@@ -24,7 +24,7 @@ pub struct Setting {
     limits: String,
 }
 
-/// What everyday names of materials are called here, and what is set of it.
+/// Everyday names of materials, with the kinds and parameters that they stand for here.
 const EVERYDAY: [(&str, &str); 16] = [
     ("gold", "conductor -p eta=metal-Au-eta k=metal-Au-k alpha_u=0.2"),
     ("silver", "conductor -p eta=metal-Ag-eta k=metal-Ag-k alpha_u=0.2"),
@@ -44,7 +44,7 @@ const EVERYDAY: [(&str, &str); 16] = [
     ("fabric", "principled -p sheen=1"),
 ];
 
-/// Whether a kind of material is known.
+/// Refuses an unknown kind of material.
 ///
 /// # Errors
 /// Where it is not: with the nearest kind, or the kind that an everyday name means.
@@ -60,7 +60,7 @@ pub fn known(name: &str) -> Result<(), Failure> {
     Err(Failure::bad_input(format!("there is no material '{name}'{hint} (known: {known})")))
 }
 
-/// What has to be given for a kind to be measured.
+/// Parameters that have to be given for a kind to be measured.
 pub fn needed(kind: &str) -> impl Iterator<Item = &'static Parameter> {
     let model = Family::Material.model(kind);
     model.into_iter().flat_map(|m| m.all()).filter(|p| p.default == "needed")

@@ -22,7 +22,7 @@ use steradian::{
 /// Pixels of the longer side of a thumbnail.
 const THUMBNAIL: u32 = 256;
 
-/// What is told about a scene.
+/// Information about a scene.
 #[derive(Debug, Serialize)]
 struct Info {
     schema: u32,
@@ -42,7 +42,7 @@ struct Info {
     messages: Vec<Diagnostic>,
 }
 
-/// How much there is of what.
+/// Counts of a scene's parts.
 #[derive(Debug, Serialize)]
 struct Counted {
     /// Models by family and kind; names in Steradian's vocabulary.
@@ -50,7 +50,7 @@ struct Counted {
     shapes: usize,
     groups: usize,
     instances: usize,
-    /// Of meshes as they are stored, before subdivision.
+    /// Triangles of meshes as they are stored, before subdivision.
     triangles: u64,
     patches: u64,
     /// Triangles and patches, instances counted each time they are placed.
@@ -102,7 +102,7 @@ struct Table {
 struct Memory {
     /// Hierarchy and geometry.
     geometry_bytes: Option<usize>,
-    /// What the compiled scene holds, table by table.
+    /// Contents of the compiled scene, table by table.
     tables: Vec<Table>,
     /// Film of a render without layers.
     film_bytes: Option<u64>,

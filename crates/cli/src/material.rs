@@ -38,7 +38,7 @@ const ANGLES: [f64; 9] = [0.0, 15.0, 30.0, 45.0, 60.0, 70.0, 80.0, 85.0, 89.0];
 /// Size of the picture of a ball.
 const PICTURE: (u32, u32) = (150, 150);
 
-/// What was read off.
+/// Readings of a material.
 #[derive(Debug, Default, Serialize)]
 struct Report {
     schema: u32,
@@ -50,7 +50,7 @@ struct Report {
     parameters: Vec<Setting>,
     #[serde(skip_serializing_if = "Option::is_none")]
     summary: Option<Summary>,
-    /// What the lanes of values are: `rgb`, or four wavelengths in nm.
+    /// Lanes of values: `rgb`, or four wavelengths in nm.
     #[serde(skip_serializing_if = "Option::is_none")]
     wavelengths: Option<[f32; 4]>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -77,7 +77,7 @@ struct Pair {
     wi: [f32; 3],
 }
 
-/// What a material says of a pair.
+/// Evaluation of a material for a pair of directions.
 #[derive(Debug, Serialize)]
 struct Evaluated {
     /// `f·|cosθ_i|` per lane, sr⁻¹.
@@ -179,13 +179,13 @@ pub fn run(args: &MaterialArgs, terminal: Terminal) -> Outcome {
     Ok(failure::DONE)
 }
 
-/// Whether nothing in particular was asked for: then the parameters and a summary are told.
+/// True if nothing in particular was asked for: then the parameters and a summary are told.
 fn is_summary(args: &MaterialArgs) -> bool {
     let readings = args.albedo || args.gloss || args.fit || args.laws || args.eval.is_some();
     !readings && args.plot.is_none() && args.table.is_none() && args.picture.is_none()
 }
 
-/// What a plot is called: the material and what was set of it.
+/// Title of a plot: the material and its parameters that were set.
 fn titled(args: &MaterialArgs) -> String {
     let set = args.params.iter().map(|(name, value)| format!(" {name}={value}"));
     format!("{}{}", args.material, set.collect::<String>())

@@ -67,7 +67,7 @@ pub struct MeterArgs {
     pub scene_options: SceneOptions,
 }
 
-/// How paths are followed.
+/// Integrator of the meter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Integrator {
     /// On surfaces.
@@ -83,7 +83,7 @@ struct Answer<'a> {
     at: [f64; 3],
     normal: Option<[f32; 3]>,
     direction: Option<[f32; 3]>,
-    /// Of the disc or ball.
+    /// Radius of the disc or ball.
     radius: Option<f32>,
     color: &'static str,
     /// `radiance`, `irradiance`, `scalar irradiance` or `flux`.

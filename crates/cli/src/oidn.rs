@@ -1,4 +1,4 @@
-//! Where the library of Open Image Denoise lies.
+//! Search for the library of Open Image Denoise.
 
 use crate::failure::Failure;
 use std::{
@@ -9,12 +9,13 @@ use steradian::denoise::Oidn;
 
 /// The environment variable that names it.
 const VARIABLE: &str = "STERADIAN_OIDN";
-/// How file names of version 2 begin.
+/// Beginning of the file names of version 2.
 const NAME: &str = "libOpenImageDenoise.so.2";
-/// Where in a folder it lies: of an archive of Open Image Denoise, of the package pyoidn, of a Python environment.
+/// Places of the library in a folder: of an archive of Open Image Denoise, of the package pyoidn, of a Python
+/// environment.
 const IN_FOLDER: [&str; 5] = ["", "lib", "lib64", "oidn/lib", "pyoidn/oidn/lib"];
 const IN_PYTHON: &str = "site-packages/pyoidn/oidn/lib";
-/// Where systems have it. Nothing else is searched, not what the dynamic linker would.
+/// Usual folders of systems. Nothing else is searched, not what the dynamic linker would.
 const USUAL: [&str; 9] = [
     "/usr/local/lib",
     "/usr/local/lib64",

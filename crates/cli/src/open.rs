@@ -25,10 +25,10 @@ use steradian::{
 /// Most bytes that are read from standard input, of which nobody tells how much is to come.
 const MOST_OF_STDIN: u64 = 1 << 30;
 
-/// What standard input is called.
+/// Name of standard input.
 pub const STDIN: &str = "standard input";
 
-/// What the command line says about compiling, for a number of samples per pixel if it is known already.
+/// Options of compiling from the command line, for a number of samples per pixel if it is known already.
 pub fn compile_options(options: &SceneOptions, spp: Option<u32>) -> CompileOptions {
     CompileOptions {
         mode: match options.color {
@@ -75,17 +75,17 @@ fn opened(mut loaded: Loaded, options: &SceneOptions, spp: Option<u32>) -> Loade
     loaded.compile(&compile_options(options, spp))
 }
 
-/// What a scene is called in messages and files.
+/// Name of a scene in messages and files.
 pub fn shown(name: &Path) -> Cow<'_, str> {
     if is_stdin(name) { STDIN.into() } else { name.to_string_lossy() }
 }
 
-/// Whether a scene is read from standard input.
+/// True if a scene is read from standard input.
 pub fn is_stdin(name: &Path) -> bool {
     name.as_os_str() == "-"
 }
 
-/// How scenes are read, with definitions of the user's, and the box that automatic cameras show.
+/// Options of reading scenes, with definitions of the user's, and the box that automatic cameras show.
 pub fn reading(define: &[(String, String)], framing: Option<[DVec3; 2]>) -> Options {
     let mut reading = Options { defines: define.iter().cloned().collect(), framing, ..Options::default() };
     reading.limits.memory = Some(memory::available);
@@ -161,7 +161,7 @@ pub struct Ready {
     pub scene: Arc<Scene>,
     /// All files that were read.
     pub inputs: Inputs,
-    /// How many messages of each kind there were.
+    /// Number of messages of each kind.
     pub counts: Counts,
     /// Time of reading files.
     pub load: Duration,

@@ -139,7 +139,7 @@ pub fn check_size(path: &Path, kind: FileKind, (width, height): (u32, u32)) -> R
     Ok(())
 }
 
-/// What a picture's metadata say about its making.
+/// Provenance of a picture, for its metadata.
 #[derive(Debug)]
 pub struct Provenance<'a> {
     /// Scene as named on the command line.
@@ -160,11 +160,11 @@ pub struct Provenance<'a> {
     pub error: Option<f64>,
     /// Why that is not to be trusted.
     pub doubt: Option<Doubt>,
-    /// Whether parts of the picture that err more got more samples.
+    /// True if parts of the picture that err more got more samples.
     pub adaptive: bool,
-    /// Whether photons told where light comes from behind mirrors and glass.
+    /// True if photons told where light comes from behind mirrors and glass.
     pub caustics: bool,
-    /// How many paths shared what they found.
+    /// Number of paths that shared what they found.
     pub sharing: u32,
     /// Estimated relative errors of means over squares of pixels, by their edges.
     pub of_means: Option<&'a BTreeMap<u32, f64>>,

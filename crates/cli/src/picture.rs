@@ -25,14 +25,14 @@ struct Info {
     metadata: Vec<(String, String)>,
 }
 
-/// What a channel holds; of its finite values.
+/// Statistics of a channel; of its finite values.
 #[derive(Serialize)]
 struct Channel {
     name: String,
     least: Option<f32>,
     mean: Option<f64>,
     greatest: Option<f32>,
-    /// How many values are infinite or no numbers.
+    /// Number of values that are infinite or no numbers.
     not_finite: usize,
 }
 

@@ -1,4 +1,5 @@
-//! How far a render is: a bar on a terminal; elsewhere a line when each pixel has a sample, and then every ten seconds.
+//! Progress of a render: a bar on a terminal; elsewhere a line when each pixel has a sample, and then every ten
+//! seconds.
 
 use crate::terminal::Terminal;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -7,17 +8,17 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// How often a line is written where there is no terminal.
+/// Interval between lines where there is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(10);
 /// When the first line is written, if each pixel has a sample by then.
 const FIRST_LINE: Duration = Duration::from_secs(1);
 /// Steps of the bar.
 const STEPS: u64 = 10_000;
 
-/// What is known of a render on its way.
+/// State of a render on its way.
 #[derive(Clone, Copy, Debug)]
 pub struct Snapshot {
-    /// Whether it is tried what pays, before the first sample.
+    /// True during trials, before the first sample.
     pub is_trying: bool,
     /// Samples that were there when it began.
     pub before: u64,

@@ -36,7 +36,7 @@ pub struct Relief {
     pub inputs: Inputs,
 }
 
-/// What it sends back of the light from a direction.
+/// Reflected light for one direction of incidence.
 #[derive(Debug, Serialize)]
 pub struct Reading {
     /// Angle from the normal, degrees.

@@ -44,12 +44,12 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
     run_after(args, terminal, &mut Before::default())
 }
 
-/// What a picture of a sequence leaves to the next one.
+/// State that a picture of a sequence leaves to the next one.
 #[derive(Debug, Default)]
 pub struct Before {
-    /// What its method left.
+    /// History of its method.
     history: Option<History>,
-    /// What its denoiser knows, and how many frames that has seen.
+    /// State of its denoiser, and the number of frames that this has seen.
     denoiser: Option<(Sequence, u64)>,
 }
 
@@ -176,7 +176,7 @@ pub fn run_after(args: &RenderArgs, terminal: Terminal, before: &mut Before) -> 
     })
 }
 
-/// How a render ends that has no sample.
+/// Outcome of a render that has no sample.
 fn without_a_sample(stop: Option<Stop>, terminal: Terminal) -> Outcome {
     match stop {
         Some(Stop::Signal(signal)) => {
@@ -188,12 +188,12 @@ fn without_a_sample(stop: Option<Stop>, terminal: Terminal) -> Outcome {
     }
 }
 
-/// What is asked for.
+/// Request of a render.
 struct Job<'a> {
     args: &'a RenderArgs,
     terminal: Terminal,
     path: &'a Path,
-    /// What the scene is called in messages.
+    /// Name of the scene in messages.
     name: Cow<'a, str>,
     quality: Quality,
     /// The file of a solution of radiosity.
@@ -210,7 +210,7 @@ struct Opening {
     lit: Option<[u8; 32]>,
 }
 
-/// What is rendered, and how much.
+/// Plan of the render, with its number of samples.
 struct Planned {
     render: Render,
     /// Samples per pixel in all, those of a kept render included.
@@ -266,7 +266,7 @@ impl<'a> Job<'a> {
         self.args.resume.iter().chain(&self.solution).map(PathBuf::as_path)
     }
 
-    /// Whether no sample is to be taken: a picture of what is kept.
+    /// True if no sample is to be taken: a picture of a kept render.
     fn takes_none(&self) -> bool {
         self.args.time.is_some_and(|time| time.is_zero())
     }
@@ -303,7 +303,7 @@ impl<'a> Job<'a> {
         self.outputs.iter().zip(&self.kinds).try_for_each(|(path, kind)| output::check_size(path, *kind, size))
     }
 
-    /// What is rendered; tells what is left out.
+    /// Plans the render; tells what is left out.
     fn plan(&self, scene: &Scene) -> Result<Planned, Failure> {
         let Self { args, terminal, quality, .. } = self;
         let mut render = quality.render(scene).map_err(|e| Failure::bad_input(e.to_string()))?;
@@ -347,7 +347,7 @@ impl<'a> Job<'a> {
     }
 }
 
-/// How the scene is opened: in the colours that suit the integrator, unless others are asked for.
+/// Options of opening the scene: in the colours that suit the integrator, unless others are asked for.
 fn scene_options(args: &RenderArgs) -> SceneOptions {
     let mut options = args.scene_options.clone();
     let suited = args.integrator.as_deref().and_then(suited_mode);
@@ -358,7 +358,7 @@ fn scene_options(args: &RenderArgs) -> SceneOptions {
     options
 }
 
-/// What a picture's metadata say beside what its session knows.
+/// Metadata of a picture beside those that its session knows.
 struct Making<'a> {
     scene: &'a Scene,
     name: &'a str,
@@ -377,14 +377,14 @@ struct Made {
     spp: f64,
     error: Option<f64>,
     doubt: Option<Doubt>,
-    /// What remains of the error where the picture was denoised.
+    /// Error that remains where the picture was denoised.
     denoised_error: Option<f64>,
     /// By the edges of squares.
     of_means: Option<BTreeMap<u32, f64>>,
 }
 
 impl Made {
-    /// Whether it has the layer of halves: each pixel has a sample in both.
+    /// True if it has the layer of halves: each pixel has a sample in both.
     fn has_halves(&self) -> bool {
         self.picture.channel(&format!("{}.R", Layer::HALVES.prefix())).is_some()
     }
@@ -531,7 +531,7 @@ impl Keeper<'_> {
     }
 }
 
-/// What the command line says about the render.
+/// Quality from the command line.
 fn quality(args: &RenderArgs) -> Quality {
     let mut layers: Vec<Layer> = Vec::new();
     for &layer in args.aov.iter().flat_map(|l| &l.0) {

@@ -1,4 +1,4 @@
-//! What a render tells when it is done: one JSON object for programs, a line for people.
+//! Report of a finished render: one JSON object for programs, a line for people.
 
 use crate::{diagnostics::Counts, progress};
 use serde::Serialize;
@@ -22,11 +22,11 @@ pub struct Report<'a> {
     pub seed: u64,
     /// Samples per pixel; the mean where pixels differ.
     pub spp: Number,
-    /// Whether parts of the picture that err more got more samples.
+    /// True if parts of the picture that err more got more samples.
     pub adaptive: bool,
-    /// Whether photons told where light comes from behind mirrors and glass.
+    /// True if photons told where light comes from behind mirrors and glass.
     pub caustics: bool,
-    /// How many paths of pixels near each other shared what they found: 1 where none did.
+    /// Number of paths of pixels near each other that shared what they found: 1 where none did.
     pub sharing: u32,
     /// The estimated relative error of the picture's pixels: the root of the expected relMSE if samples were
     /// independent; null where pixels have fewer than two.
@@ -67,11 +67,11 @@ pub struct Report<'a> {
     pub nonfinite_dropped: u64,
     /// Pixels without any sample, when stopped early.
     pub empty_pixels: u64,
-    /// What ended it early: `time`, `error`, `SIGINT`, `SIGTERM`, or null.
+    /// Reason of an early end: `time`, `error`, `SIGINT`, `SIGTERM`, or null.
     pub stopped: Option<&'static str>,
     /// The files written.
     pub outputs: &'a [PathBuf],
-    /// How many messages of each kind there were.
+    /// Number of messages of each kind.
     pub diagnostics: Counts,
 }
 

@@ -12,7 +12,7 @@ use std::sync::{
 
 static END: LazyLock<Arc<AtomicUsize>> = LazyLock::new(Arc::default);
 static PICTURE: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
-/// How many [`Signals`] there are.
+/// Number of [`Signals`].
 static WATCHERS: AtomicUsize = AtomicUsize::new(0);
 
 /// For how long writing to a pipe may stand still once a signal came.
@@ -31,8 +31,8 @@ mod unix {
     use signal_hook::{consts::SIGUSR1, flag, iterator};
 
     pub fn take_over() -> std::io::Result<()> {
-        // Lets writing fail, and be answered for, where a file is larger than allowed (`ulimit -f`), rather than end the
-        // process.
+        // Lets writing fail, and be answered for, where a file is larger than allowed (`ulimit -f`), rather than end
+        // the process.
         flag::register(signal_hook::consts::SIGXFSZ, Arc::default())?;
         flag::register(SIGUSR1, Arc::clone(&PICTURE))?;
         let again = Arc::new(AtomicBool::new(false));
@@ -90,7 +90,7 @@ impl Signals {
         Self(())
     }
 
-    /// Whether SIGUSR1 came since this was last asked.
+    /// True if SIGUSR1 came since this was last asked.
     pub fn wants_picture(&self) -> bool {
         PICTURE.swap(false, Ordering::Relaxed)
     }

@@ -1,4 +1,4 @@
-//! What is said to a command line that does not hang together, besides what the parser of command lines says.
+//! Hints on command lines that do not hang together, besides those of the parser of command lines.
 
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 use std::path::Path;

@@ -14,7 +14,7 @@ use steradian::{
     radiosity::{self, Report, Watcher},
 };
 
-/// What it took to solve the light before the session.
+/// Cost of solving the light before the session.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Effort {
     /// Wall time.
@@ -81,7 +81,7 @@ fn tell(report: &Report, seconds: f64, terminal: Terminal) {
     }
 }
 
-/// How often a line on the phase is written where there is no terminal.
+/// Interval between lines on the phase where there is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(2);
 
 /// Stops at a signal, and tells how far the phase is.
@@ -96,7 +96,7 @@ struct Watch<'a> {
     phase: Mutex<Phase>,
 }
 
-/// What is being done.
+/// Phase of the solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Phase {
     name: &'static str,

@@ -3,16 +3,16 @@
 use crate::closed;
 use std::io::{ErrorKind, IsTerminal, Result, Write, stderr, stdout};
 
-/// How to talk on stderr.
+/// Style of messages on stderr.
 #[derive(Clone, Copy, Debug)]
 pub struct Terminal {
     /// Say nothing but errors.
     pub quiet: bool,
-    /// Whether escape sequences for colour are understood and wanted.
+    /// True if escape sequences for colour are understood and wanted.
     colored: bool,
 }
 
-/// What a word stands for; decides its colour.
+/// Meaning of a word; decides its colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tint {
     /// Errors.

@@ -207,7 +207,7 @@ pub fn tone(text: &str) -> Result<Tone, String> {
     Tone::parse(text).map_err(|e| e.to_string())
 }
 
-/// How luminance is shown.
+/// Parses a mapping of luminance to false colours.
 pub fn false_color(text: &str) -> Result<FalseColor, String> {
     FalseColor::parse(text).map_err(|e| e.to_string())
 }
@@ -284,7 +284,7 @@ pub const METRICS: &[&str] = &[
 pub struct Threshold {
     /// The metric's name.
     pub metric: &'static str,
-    /// What it must not exceed.
+    /// Largest value allowed.
     pub limit: f64,
 }
 

@@ -23,17 +23,17 @@ struct Answer<'a> {
     schema: u32,
     scene: &'a Path,
     reference: &'a str,
-    /// What light no reference finds; nothing is decided then.
+    /// Light that no reference finds; nothing is decided then.
     reference_lacks: Option<&'a str>,
     integrators: Vec<Row<'a>>,
-    /// Whether all were decided, and none differs.
+    /// True if all were decided, and none differs.
     agrees: bool,
 }
 
 #[derive(Debug, Serialize)]
 struct Row<'a> {
     integrator: &'a str,
-    /// What of the scene it cannot do; nothing else is known then.
+    /// Unsupported feature of the scene; nothing else is known then.
     cannot: Option<&'a str>,
     /// `agrees`, `converges` (biased, and the limit of small radii or patches agrees), `undecided` or `differs`.
     verdict: Option<&'static str>,

@@ -61,7 +61,7 @@ pub fn run(args: &ViewArgs, terminal: Terminal) -> Outcome {
     Ok(DONE)
 }
 
-/// Whether the system opens an address in a browser.
+/// Opens an address in a browser; true if the system does.
 fn opened(url: &str) -> bool {
     let program = match std::env::consts::OS {
         "macos" => "open",

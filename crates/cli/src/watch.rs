@@ -14,11 +14,11 @@ use std::{
 };
 use steradian::{Control, Session};
 
-/// How often the watcher looks.
+/// Interval between looks of the watcher.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
-/// How often it is kept.
+/// Interval between saves of the state.
 const KEEP_EVERY: Duration = Duration::from_secs(30);
-/// How long a thread may take for a tile: the render ends at the next one.
+/// Longest time of a thread for a tile, seconds: the render ends at the next one.
 const TILE_SECONDS: f64 = 0.1;
 /// Pixels of a tile.
 const TILE_PIXELS: f64 = 256.0;
@@ -34,7 +34,7 @@ pub enum Stop {
     Signal(u8),
 }
 
-/// What is to be done between steps.
+/// Tasks due between steps.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Due {
     /// The state is to be saved.

@@ -13,7 +13,7 @@ pub struct RaySet {
     pub name: &'static str,
     /// The rays.
     pub rays: Vec<Ray>,
-    /// Whether any hit will do.
+    /// True if any hit will do.
     pub is_shadow: bool,
 }
 
@@ -53,7 +53,7 @@ fn to_light(scene: &Scene, i: &Interaction, n: Vec3, choice: f32, u: Vec2) -> Op
     Some(i.spawn_towards(sample.wi, sample.distance))
 }
 
-/// How a structure does on a set of rays.
+/// Speed of a structure on a set of rays.
 #[derive(Clone, Copy, Debug)]
 pub struct Measured {
     /// Millions of rays for each second of the processor, on one thread.

@@ -16,7 +16,7 @@ const RAW: [&str; 2] = ["raw", "raw_variance"];
 const RGB: [&str; 3] = ["R", "G", "B"];
 /// The attribute of the error that remains.
 const ERROR: &str = "steradian:denoised_relative_error";
-/// What tells of the noise of a render, and not of a picture without it.
+/// Metadata about the noise of a render, which a picture without it does not have.
 const OF_NOISE: [&str; 4] = [ERROR, "steradian:relative_error", "steradian:unreliable", "steradian:error_scale_"];
 
 /// The layers that guide denoising by non-local means. Of albedo and normal the layers of [`OIDN_GUIDES`] stand in, and
@@ -42,7 +42,7 @@ pub struct Outcome {
     pub error: Option<f64>,
 }
 
-/// What of a picture is filtered, and what guides.
+/// Radiance of a picture, which is filtered, and its guides.
 struct Guided {
     radiance: Values<Vec3>,
     /// The layers that it has, or what stands in for them, in the order of those asked for.
@@ -88,7 +88,7 @@ impl Guided {
         Ok(guided)
     }
 
-    /// That there is a pixel to fill others from.
+    /// Refuses a picture without any pixel to fill others from.
     fn check(&self) -> Result<(), Error> {
         let pixels = self.radiance.values();
         if pixels.is_empty() || pixels.iter().any(|pixel| pixel.is_finite()) {
@@ -132,12 +132,12 @@ fn known(mut half: Values<Vec3>, picture: &Values<Vec3>) -> Values<Vec3> {
 /// A picture by each half of its samples.
 struct Halves {
     radiance: [Values<Vec3>; 2],
-    /// That of either: twice the variance of the picture.
+    /// Variance of either half: twice that of the picture.
     variance: Option<Values<Vec3>>,
 }
 
 impl Halves {
-    /// Those of a picture that has [`Layer::HALVES`].
+    /// Halves of a picture that has [`Layer::HALVES`].
     fn of(image: &Image, guided: &Guided) -> Option<Self> {
         let [a, b] = HALVES.map(|name| values(image, name, RGB).map(|half| known(half, &guided.radiance)));
         let mut variance = guided.variance.clone();
@@ -252,7 +252,7 @@ fn fill(image: &mut Values<Vec3>) -> usize {
     bad.len()
 }
 
-/// What a picture becomes by radiance, the number of its pixels that were not finite, and its error, which a method
+/// Result for a picture: its new radiance, the number of its pixels that were not finite, and its error, which a method
 /// found by some of the layers asked for.
 fn outcome(
     image: &Image,

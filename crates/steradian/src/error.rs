@@ -1,4 +1,4 @@
-//! What can go wrong above the readers.
+//! Errors above the readers.
 
 /// Errors of the façade.
 #[derive(Debug, thiserror::Error)]
@@ -10,7 +10,7 @@ pub enum Error {
     /// No sampler of that name.
     #[error("unknown sampler '{name}'{}; known are {known}", .hint.as_ref().map(|h| format!(" ({h})")).unwrap_or_default())]
     UnknownSampler {
-        /// What was asked for.
+        /// Requested name.
         name: String,
         /// "did you mean …?"
         hint: Option<String>,
@@ -20,13 +20,13 @@ pub enum Error {
     /// More threads, or samples per pixel, than there may be.
     #[error("{what} are whole numbers from {least} to {most}, not {asked}")]
     OutOfRange {
-        /// Of what.
+        /// Quantity that is out of range.
         what: &'static str,
         /// The least number.
         least: usize,
         /// The largest.
         most: usize,
-        /// What was asked for.
+        /// Requested number.
         asked: usize,
     },
     /// A picture to denoise has no pixel that is finite, from which others are filled.
@@ -37,7 +37,7 @@ pub enum Error {
     CannotRender {
         /// Its name.
         integrator: String,
-        /// What of the scene.
+        /// Unsupported feature of the scene.
         what: String,
     },
     /// A method that has no samples for single pixels.

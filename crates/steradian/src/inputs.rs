@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// What a file is, whatever it is called: links and spellings of one file are equal.
+/// Identity of a file, whatever its name: links and spellings of one file are equal.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 enum Identity {
     /// Device and number on it.
@@ -31,7 +31,7 @@ impl Identity {
     }
 }
 
-/// Whether two paths are of one file, or would be.
+/// True if two paths are of one file, or would be.
 pub fn is_same_file(a: &Path, b: &Path) -> bool {
     Identity::of(a) == Identity::of(b)
 }
@@ -51,7 +51,7 @@ impl Inputs {
         self.0.insert(Identity::of(path), path.to_path_buf())
     }
 
-    /// What a file is called among those that are read, if it is one of them.
+    /// Name of a file among those that are read, if it is one of them.
     pub fn find(&self, path: &Path) -> Option<&Path> {
         self.0.get(&Identity::of(path)).map(PathBuf::as_path)
     }

@@ -21,7 +21,7 @@ use steradian_scene::{
 pub struct Loaded {
     /// The description; complete where there are no errors.
     pub desc: SceneDesc,
-    /// What the reader has to say.
+    /// Diagnostics of the reader.
     pub diagnostics: Diagnostics,
     /// Time spent reading.
     pub time: Duration,
@@ -237,7 +237,7 @@ mod tests {
     use super::*;
     use steradian_scene::Fidelity;
 
-    /// What a user defines and nothing uses is told, whatever the format.
+    /// Definitions of a user that nothing uses are told, whatever the format.
     #[test]
     fn definitions_without_effect_are_told() {
         let xml = "<scene version='3.0.0'><sensor type='perspective'/></scene>";

@@ -30,7 +30,7 @@ pub struct Render {
 /// Something of a scene that a method does not render.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LeftOut {
-    /// What, in words.
+    /// Description in words.
     pub what: String,
     /// Name of the method that renders it, or that was to render it.
     pub instead: &'static str,
@@ -147,7 +147,8 @@ impl Render {
         pixels.saturating_mul(film_bytes_per_pixel(layers + mattes + groups + bins + halves))
     }
 
-    /// What of the scene the picture lacks or shows otherwise, with the method that renders it; `None` where nothing.
+    /// Features of the scene that the picture lacks or shows otherwise, with the method that renders them; `None` where
+    /// there are none.
     pub fn left_out(&self, scene: &Scene) -> Option<LeftOut> {
         let what: Vec<String> = self.method.limits(scene).into_iter().map(|limit| limit.what).collect();
         (!what.is_empty()).then(|| LeftOut { what: what.join(", "), instead: path_tracer(scene.has_media()).kind })

@@ -55,7 +55,7 @@ mod tests {
         (missing_light(&render, &scene, &film), mean)
     }
 
-    /// What is said to be missing is what another method finds more.
+    /// Light that is said to be missing is that which another method finds more.
     #[test]
     fn caustics_of_points_are_missed() {
         let (share, mean) = room(0.5, "path", 256);

@@ -1,4 +1,4 @@
-//! What most programs need: `use steradian::prelude::*`.
+//! Names that most programs need: `use steradian::prelude::*`.
 //!
 //! ```no_run
 //! use steradian::prelude::*;

@@ -26,7 +26,7 @@ pub enum KeptError {
     /// Something else is in the file.
     #[error("is no kept solution of radiosity")]
     NotASolution,
-    /// What is in the file is not what was written.
+    /// The file's contents are not those that were written.
     #[error("is damaged: its contents do not match their checksum")]
     Damaged,
     /// The scene has changed, or it is another one.

@@ -34,7 +34,7 @@ pub enum StateError {
     /// Something else is in the file.
     #[error("is no saved state of a render")]
     NotAState,
-    /// What is in the file is not what was written.
+    /// The file's contents are not those that were written.
     #[error("is damaged: its contents do not match their checksum")]
     Damaged,
     /// Another version wrote it.
@@ -43,12 +43,12 @@ pub enum StateError {
     /// The scene has changed, or it is another one.
     #[error("belongs to another scene, or the scene's files have changed since")]
     OtherScene,
-    /// What was asked for has changed.
+    /// The settings have changed.
     #[error("was saved with other settings: {0}")]
     OtherSettings(String),
 }
 
-/// What decides about the bits of a picture.
+/// Everything that decides about the bits of a picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Recipe {
     scene: [u8; blake3::OUT_LEN],
@@ -103,10 +103,10 @@ pub fn samples(path: &Path) -> Result<u32, StateError> {
 
 /// A state in a file whose contents match their checksum.
 struct Saved {
-    /// Where the settings begin.
+    /// Reader at the beginning of the settings.
     file: BufReader<File>,
     scene: [u8; blake3::OUT_LEN],
-    /// Where the checksum begins.
+    /// Offset of the checksum, bytes.
     end: u64,
 }
 
@@ -146,7 +146,7 @@ impl Saved {
 }
 
 impl Recipe {
-    /// Of a scene with the [`fingerprint`] of its description, as it was compiled, rendered by a plan.
+    /// Recipe of a scene with the [`fingerprint`] of its description, as it was compiled, rendered by a plan.
     pub fn new(scene: &Scene, fingerprint: [u8; blake3::OUT_LEN], options: &CompileOptions, render: &Render) -> Self {
         let (film, Render { method, plan, .. }) = (scene.film(), render);
         // Not threads, memory, or structures, which change no bit.

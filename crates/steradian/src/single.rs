@@ -14,8 +14,8 @@ pub struct SinglePath {
     pub path: TracedPath,
     /// `path` or `volpath`.
     pub tracer: &'static str,
-    /// Whether that is how the picture is made; else the method follows no such paths, and this is what a path tracer
-    /// does for the pixel.
+    /// True if the picture is made so; else the method follows no such paths, and this is the path of a path tracer for
+    /// the pixel.
     pub is_of_picture: bool,
 }
 

@@ -1,9 +1,9 @@
-//! Where a camera stands and looks, and placing it there.
+//! Viewpoints of cameras, and placing cameras there.
 
 use steradian_math::{DVec3, Transform};
 use steradian_scene::{NodeId, SceneDesc, Value};
 
-/// Where a camera stands, what it looks at, and which way is up: world coordinates.
+/// Viewpoint of a camera: its position, its target, and the direction that is up, in world coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Viewpoint {
     /// The eye.
@@ -15,7 +15,7 @@ pub struct Viewpoint {
 }
 
 impl Viewpoint {
-    /// That of a camera in the place `world_from_camera`, with the target at a distance; `None` where the place is
+    /// Viewpoint of a camera in the place `world_from_camera`, with the target at a distance; `None` where the place is
     /// singular.
     pub fn of(world_from_camera: &Transform, distance: f64) -> Option<Self> {
         let column = |axis: DVec3| world_from_camera.vector(axis);
@@ -25,7 +25,7 @@ impl Viewpoint {
         view.transform().map(|_| view)
     }
 
-    /// Whether the eye is apart from the target, and `up` not along the view, as numbers allow.
+    /// True if the eye is apart from the target, and `up` not along the view, as numbers allow.
     pub fn is_sound(&self) -> bool {
         self.transform().is_some_and(|t| t.is_finite())
     }

@@ -63,7 +63,7 @@ struct Row {
     kinds: Vec<Kind>,
 }
 
-/// How it does on rays of a kind.
+/// Speed on rays of a kind.
 #[derive(Debug, Serialize)]
 struct Kind {
     rays: &'static str,
@@ -71,7 +71,7 @@ struct Kind {
     steps_per_ray: f64,
     tests_per_ray: f64,
     hit_share: f64,
-    /// Whether every bit of what was found is that of the first structure of the table.
+    /// True if every bit of the hits is that of the first structure of the table.
     agrees: bool,
 }
 

@@ -13,7 +13,7 @@ use std::time::Duration;
 /// `steradian bench`.
 #[derive(Args, Debug)]
 pub struct BenchArgs {
-    /// What is measured.
+    /// Measurement.
     #[command(subcommand)]
     pub what: Measurement,
 }

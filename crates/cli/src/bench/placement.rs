@@ -1,4 +1,4 @@
-//! Where the instances of the measurement stand: a cubic lattice with random rotations and sizes. Only `+ − × ÷ √` in
+//! Placement of the instances of the measurement: a cubic lattice with random rotations and sizes. Only `+ − × ÷ √` in
 //! `f64` in a fixed order and an integer generator decide them, so that other programs can be measured with the very
 //! same scene.
 

@@ -29,13 +29,13 @@ pub struct RaysArgs {
     /// The rays: a little-endian u64 count, then 7 f32 for each: origin, direction, t_max
     #[arg(value_name = "RAYS.bin")]
     pub rays: PathBuf,
-    /// What is asked
+    /// Query of each ray
     #[arg(long, value_enum, default_value_t)]
     pub query: Query,
     /// Ask for watertight tests. There are no others here, so that this changes nothing
     #[arg(long, action = ArgAction::SetTrue)]
     pub robust: bool,
-    /// How rays are handed over: one by one, in slices as they come, or in slices that are sorted first
+    /// Order of rays: one by one, in slices as they come, or in slices that are sorted first
     #[arg(long, value_enum, default_value_t)]
     pub mode: Mode,
     /// Most rays of a packet; no more than two registers have lanes
@@ -47,7 +47,7 @@ pub struct RaysArgs {
     /// Place the mesh so many times in a lattice, as instances; 0 for the mesh itself
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=10_000_000))]
     pub instances: u32,
-    /// How often to measure
+    /// Number of measurements
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeat: u32,
     /// Instruction set instead of the best one that this machine has; the answers are the same
@@ -58,18 +58,18 @@ pub struct RaysArgs {
     pub json: bool,
 }
 
-/// What is asked of a ray.
+/// Query of a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Query {
     /// The nearest hit.
     #[default]
     Closest,
-    /// Whether there is any hit.
+    /// Any hit.
     Occluded,
 }
 
-/// How rays are handed over.
+/// Order in which rays are handed over.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Mode {
@@ -85,7 +85,7 @@ pub enum Mode {
 /// Instruction sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Level {
-    /// What every processor has.
+    /// Instructions that every processor has.
     Baseline,
     /// AVX2.
     Avx2,
@@ -103,7 +103,7 @@ impl From<Level> for Isa {
     }
 }
 
-/// What was measured.
+/// Result of the measurement.
 #[derive(Debug, Serialize)]
 struct Measured {
     schema: u32,
@@ -122,13 +122,13 @@ struct Measured {
     bytes: usize,
     rays: usize,
     hits: usize,
-    /// Of the distances of nearest hits.
+    /// Sum of the distances of nearest hits.
     sum_t: f64,
     mrays_per_cpu_second: f64,
     mrays_per_second: f64,
 }
 
-/// What the rays found.
+/// Hits of the rays.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sum {
     hits: usize,
@@ -136,7 +136,7 @@ struct Sum {
 }
 
 impl Sum {
-    /// Of hits at given distances.
+    /// Sum over hits at given distances.
     #[inline(always)]
     fn of(distances: impl Iterator<Item = f32>) -> Self {
         let (mut hits, mut t) = (0, 0.0);
@@ -208,7 +208,7 @@ pub fn run(args: &RaysArgs) -> Outcome {
     Ok(failure::DONE)
 }
 
-/// What is in a file; errors name it.
+/// Reads a file; errors name it.
 fn in_file<T>(path: &Path, read: impl Fn(&[u8]) -> Result<T, String>) -> Result<T, Failure> {
     let located = |e: String| Failure::bad_input(format!("{}: {e}", path.display()));
     let bytes = steradian::image::read_regular(path, 8 << 30).map_err(|e| located(e.to_string()))?;

@@ -98,8 +98,8 @@ pub fn seen_slide() -> String {
         .replace(r#""meshes""#, camera)
 }
 
-/// What the layer of motion shows of a triangle that becomes three times as high within a second: at height y it has
-/// come from y (1 − 2/3n) in a frame of 1/n s, the last one, as a camera 4 units before it sees it.
+/// The layer of motion of a triangle that becomes three times as high within a second: at height y it has come from y
+/// (1 − 2/3n) in a frame of 1/n s, the last one, as a camera 4 units before it sees it.
 #[test]
 fn motion_of_an_animation_is_its_speed() {
     let place = Place::new();

@@ -32,7 +32,7 @@ use tempfile::TempDir;
 /// The program in a folder of its own.
 struct Place(TempDir);
 
-/// What a command came to.
+/// Result of a command.
 struct Run {
     code: i32,
     stdout: String,

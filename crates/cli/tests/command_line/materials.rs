@@ -29,7 +29,7 @@ fn readings_outlive_the_picture() {
     assert!(run.stdout.contains("albedo (red, green, blue)") && place.path("lobe.svg").is_file(), "{}", run.stdout);
 }
 
-/// What is measured can be measured again from its own table.
+/// A measured material can be measured again from its own table.
 #[test]
 fn a_table_is_a_material() {
     let place = Place::new();
@@ -97,7 +97,7 @@ fn geometry_is_a_material() {
     place.refuse(2, &["material", "diffuse", "--microsurface", "0.2", "--gloss"], &["cannot be used with"]);
 }
 
-/// What is told of a fibre's albedo is what a picture of it in even light shows, in the mean over its width.
+/// The albedo told of a fibre is that of a picture of it in even light, in the mean over its width.
 #[test]
 fn fibres_have_the_albedo_that_a_furnace_shows() {
     let place = Place::new();
@@ -156,8 +156,8 @@ fn summaries_laws_and_best_fits() {
     assert_eq!(json["best_fit"], "ward-duer", "{json}");
 }
 
-/// What needs more than its kind tells its parameters and how they are given; a material of a scene tells what the scene
-/// sets; everyday names and scenes without a name are answered with a command that works.
+/// Kinds that need more tell their parameters and how they are given; a material of a scene tells what the scene sets;
+/// everyday names and scenes without a name are answered with a command that works.
 #[test]
 fn a_newcomer_finds_a_material() {
     let place = Place::new();

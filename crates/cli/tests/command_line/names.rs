@@ -1,4 +1,4 @@
-//! How scenes are named: by files of any name, and from standard input.
+//! Names of scenes: files of any name, and standard input.
 
 use crate::{Place, Run};
 use std::{
@@ -75,7 +75,7 @@ fn names_need_not_be_utf8() {
     run("render", &["--spp", "1", "--json", "-o", "a.exr"]);
 }
 
-/// What counts for memory is the part that is rendered.
+/// Only the part that is rendered counts for memory.
 #[test]
 fn a_crop_of_a_vast_frame_renders() {
     let place = Place::new();
@@ -134,7 +134,7 @@ fn strict_refuses_what_is_not_used() {
     }
 }
 
-/// What a newcomer writes first is answered with a command that works.
+/// First attempts of a newcomer are answered with a command that works.
 #[test]
 fn first_steps_are_answered_with_an_example() {
     let place = Place::new();

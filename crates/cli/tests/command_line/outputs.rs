@@ -1,4 +1,4 @@
-//! What is written: never over what is read, never lost, never late to fail.
+//! Outputs: never over what is read, never lost, never late to fail.
 
 use crate::{Place, Run};
 use std::path::Path;
@@ -112,8 +112,7 @@ fn default_names_step_aside() {
     assert_eq!(after.len(), before.len() + 4);
 }
 
-/// What keeps a picture from being written is told before it is rendered: a render of hours would not end within this
-/// test.
+/// Obstacles to writing a picture are told before it is rendered: a render of hours would not end within this test.
 #[test]
 fn places_that_cannot_be_written_are_refused_beforehand() {
     let place = place();

@@ -51,7 +51,7 @@ fn conversion_refuses_what_it_cannot_do() {
     place.refuse(1, &["convert", "a.exr", "no/a.png"], &["no/a.png"]);
 }
 
-/// What a conversion loses or guesses is told: values that are no numbers or too large, depths as grey, layers.
+/// Losses and guesses of a conversion are told: values that are no numbers or too large, depths as grey, layers.
 #[test]
 fn conversion_tells_what_is_lost() {
     let place = place();

@@ -153,7 +153,7 @@ fn published_scenes_render() {
     }
 }
 
-/// What -D names and nothing uses is told, and refused with --strict, by all commands that take it.
+/// Definitions by -D that nothing uses are told, and refused with --strict, by all commands that take it.
 #[test]
 fn definitions_without_effect_are_told() {
     let place = Place::new();

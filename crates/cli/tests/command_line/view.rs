@@ -17,7 +17,7 @@ impl Drop for Running {
     }
 }
 
-/// What is answered under a path of the server.
+/// Answer of the server under a path.
 fn get(host: &str, path: &str) -> String {
     let mut stream = TcpStream::connect(host).unwrap();
     write!(stream, "GET {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n").unwrap();
@@ -26,7 +26,7 @@ fn get(host: &str, path: &str) -> String {
     answer
 }
 
-/// What is answered to a body that is sent.
+/// Answer of the server to a body that is sent.
 #[cfg(unix)]
 fn post(host: &str, path: &str, kind: &str, body: &[u8]) -> String {
     let mut stream = TcpStream::connect(host).unwrap();
@@ -39,7 +39,7 @@ fn post(host: &str, path: &str, kind: &str, body: &[u8]) -> String {
     answer
 }
 
-/// What was saved of an upload stays, with the files that it is made of, and is what was shown; the upload itself goes,
+/// A saved upload stays, with the files that it is made of, and is that which was shown; the upload itself goes,
 /// whatever ends the program.
 #[cfg(unix)]
 #[test]

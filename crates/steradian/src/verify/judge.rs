@@ -1,4 +1,4 @@
-//! Whether a picture is that of a reference.
+//! Statistical tests of a picture against a reference.
 
 use super::{MOST, picture::Values, quantile::quantile};
 
@@ -18,7 +18,7 @@ const ORDER: f64 = 1.5;
 /// Blocks in which errors of different sign meet change less than they err, by so many times the usual change.
 const SLACK: f64 = 2.0;
 
-/// Whether an integrator agrees with the reference.
+/// Verdict on an integrator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// No difference is seen, and one of [`POWER`] would be.
@@ -32,7 +32,7 @@ pub enum Verdict {
     Differs,
 }
 
-/// How a picture differs from the reference.
+/// Difference of a picture from the reference.
 #[derive(Clone, Copy, Debug)]
 pub struct Difference {
     /// Mean over the picture and the channels, over that of the reference; noisy blocks count less.
@@ -41,7 +41,7 @@ pub struct Difference {
     pub detects: f64,
     /// Root mean square of the differences of blocks, over the reference's mean.
     pub difference: f64,
-    /// What noise alone gives in the mean.
+    /// Expected value of that by noise alone.
     pub noise: f64,
     /// The largest difference of a block, in standard errors.
     pub largest: f64,
@@ -49,9 +49,9 @@ pub struct Difference {
     pub allowed: f64,
     /// For biased integrators, by how much `ratio` changed when the radius or the edges of patches were halved.
     pub change: Option<f64>,
-    /// Whether the errors are known, so that more samples can decide.
+    /// True if the errors are known, so that more samples can decide.
     pub is_reliable: bool,
-    /// Whether it agrees.
+    /// Verdict.
     pub verdict: Verdict,
 }
 
@@ -65,9 +65,9 @@ impl Difference {
     }
 }
 
-/// How far a value may be from the reference, apart from noise: a bias that is about halved or less where the radius is
-/// halved (an error of order 0.74 and higher) is at most [`ORDER`] times as much as it was seen to change, in the
-/// direction of that change.
+/// Amount by which a value is farther from the reference than noise and bias allow: a bias that is about halved or less
+/// where the radius is halved (an error of order 0.74 and higher) is at most [`ORDER`] times as much as it was seen to
+/// change, in the direction of that change.
 fn beyond(difference: f64, change: f64, slack: f64) -> f64 {
     let change = ORDER * change;
     let (low, high) = (change.min(0.0) - slack, change.max(0.0) + slack);

@@ -1,4 +1,4 @@
-//! Whether integrators agree on a scene: each is rendered, and held against a reference by statistical tests.
+//! Agreement of integrators on a scene: each is rendered, and held against a reference by statistical tests.
 //!
 //! - **The reference** finds all light of the scene, and its error is known: path tracing guided by photons, or
 //!   bidirectional path tracing, whichever errs less with as many samples. Path tracing does not find caustics of
@@ -44,19 +44,19 @@ const COMPLETE: f64 = 1e-3;
 /// Integrators that are not compared by default: those that do not compute all light, and parts of polarised light.
 const OTHERS: &[&str] = &["ao", "direct", "whitted", "raycast", "stokes-s1", "stokes-s2", "stokes-s3", "raster"];
 
-/// What came of an integrator.
+/// Outcome of an integrator.
 #[derive(Clone, Debug)]
 pub enum Outcome {
     /// It was compared with the reference.
     Compared(Box<Comparison>),
-    /// What of the scene it cannot do.
+    /// Unsupported feature of the scene.
     Cannot(String),
 }
 
-/// How an integrator compares with the reference.
+/// Comparison of an integrator with the reference.
 #[derive(Clone, Debug)]
 pub struct Comparison {
-    /// How its picture differs.
+    /// Difference of its picture.
     pub difference: Difference,
     /// CPU seconds.
     pub seconds: f64,
@@ -71,7 +71,7 @@ pub struct Comparison {
 pub struct Verified {
     /// Its name.
     pub integrator: String,
-    /// What came of it.
+    /// Outcome.
     pub outcome: Outcome,
 }
 
@@ -109,7 +109,7 @@ impl Render {
     }
 }
 
-/// What renders a round of a method; tests put faulty ones in its place.
+/// Renderer of a round of a method; tests put faulty ones in its place.
 type Taker<'r> = &'r dyn Fn(&str, &Arc<Scene>, Render, &Control, &mut Picture);
 
 /// Renders a scene by every integrator that can, or those that are named, with independent pixels and lights that the
@@ -184,7 +184,7 @@ struct Method {
     wider: Option<(Arc<dyn Integrator>, Picture)>,
 }
 
-/// What cannot be decided.
+/// Comparisons that cannot be decided.
 #[derive(Clone, Copy, Debug)]
 struct Unsure {
     /// Anything: no reference finds all light.
@@ -194,12 +194,12 @@ struct Unsure {
 }
 
 impl Method {
-    /// Whether it follows paths from the camera without a guide.
+    /// True if it follows paths from the camera without a guide.
     fn is_unguided(&self) -> bool {
         self.render.integrator.camera_paths().is_some() && !self.picture.is_guided
     }
 
-    /// Of a reference, what light it does not find.
+    /// Light that a reference does not find.
     fn lacks(&self, scene: &Scene) -> Option<String> {
         let settings = scene.settings();
         let depth = Depth { max: settings.max_depth, roulette_after: settings.rr_depth, hide_emitters: true };
@@ -215,7 +215,7 @@ impl Method {
     }
 }
 
-/// What all methods are rendered with.
+/// Inputs of all renders.
 struct Maker<'a> {
     take: Taker<'a>,
     scene: &'a Arc<Scene>,

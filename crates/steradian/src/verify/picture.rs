@@ -27,11 +27,11 @@ pub(super) struct Picture {
     pub film: Option<Film>,
     /// Blocks across and down; none where that is not known.
     blocks: [usize; 2],
-    /// Of each part the means of blocks by channel.
+    /// Means of blocks by channel, for each part.
     parts: Vec<Vec<f64>>,
     /// CPU seconds.
     pub seconds: f64,
-    /// Whether photons guided its paths: there are caustics that paths alone hardly find.
+    /// True if photons guided its paths: there are caustics that paths alone hardly find.
     pub is_guided: bool,
 }
 
@@ -45,15 +45,15 @@ pub(super) struct Value {
 /// All values of a picture.
 #[derive(Clone, Debug)]
 pub(super) struct Values {
-    /// Of blocks, by channel.
+    /// Values of blocks, by channel.
     pub blocks: Vec<Value>,
-    /// Of each block, whether its variance can be trusted: not where few bright paths make it.
+    /// Flags of blocks whose variance can be trusted: not where few bright paths make it.
     pub is_known: Vec<bool>,
     /// The means of blocks of each group of parts.
     pub groups: Vec<Vec<f64>>,
     /// Degrees of freedom of the variances.
     pub freedom: usize,
-    /// Whether variances can be trusted as a whole.
+    /// True if variances can be trusted as a whole.
     pub is_reliable: bool,
 }
 
@@ -67,7 +67,7 @@ impl Value {
 }
 
 impl Values {
-    /// Of the means of blocks of each group of parts.
+    /// Values by the means of blocks of each group of parts.
     fn of(groups: Vec<Vec<f64>>) -> Self {
         let (mut blocks, mut is_known) = (Vec::new(), Vec::new());
         for k in 0..groups.first().map_or(0, Vec::len) {
@@ -117,7 +117,7 @@ impl Picture {
         }
     }
 
-    /// Of parts alone.
+    /// Picture of parts alone.
     #[cfg(test)]
     pub fn of(parts: Vec<Vec<f64>>) -> Self {
         Self { parts, ..Self::default() }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-/// How many standard errors one of so many variables of Student's distribution exceeds with a probability.
+/// Number of standard errors that one of so many variables of Student's distribution exceeds with a probability.
 pub(super) fn quantile(alpha: f64, tests: usize, freedom: usize) -> f64 {
     let level = -((-alpha).ln_1p() / tests.max(1) as f64).exp_m1();
     // By bisection of the logarithm.

@@ -2,14 +2,14 @@
 
 use super::*;
 
-/// What a room has; the default is what is right.
+/// Room with faults; the default has none.
 #[derive(Clone, Copy)]
 struct Room {
     second_lamp: bool,
     eta: f64,
     /// Reflectance of a masked square of opacity 0.4.
     masked: f64,
-    /// Where the camera stands.
+    /// Camera position along x.
     x: f64,
 }
 
@@ -178,8 +178,8 @@ fn rare_paths_do_not_leave_common_caustics_undecided() {
     );
 }
 
-/// Of all looks at sound methods, on the scenes of `scenes/verify` with 20 seeds, at most one in a thousand accuses
-/// one: with few samples, where errors are least normal.
+/// Sound methods, looked at on the scenes of `scenes/verify` with 20 seeds, are accused in at most one look in a
+/// thousand: with few samples, where errors are least normal.
 #[test]
 #[ignore = "renders every scene of scenes/verify 20 times by every method"]
 fn nobody_is_accused() {

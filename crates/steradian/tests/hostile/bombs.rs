@@ -134,7 +134,7 @@ fn long_texts() -> Vec<Case> {
     ]
 }
 
-/// What unpacks or includes more than it seems to.
+/// Files that unpack or include more than they seem to.
 fn includes() -> Vec<Case> {
     let zip = gzip_bomb(64 << 20);
     vec![

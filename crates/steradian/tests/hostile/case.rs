@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use steradian::scene::SceneDesc;
 
-/// What a case must end in.
+/// Expected end of a case.
 #[derive(Clone, Copy, Debug)]
 pub enum Expect {
     /// An error that says this, in the message, the help or the place; no scene.
@@ -19,7 +19,7 @@ pub enum Expect {
 }
 
 impl Expect {
-    /// What must come of a scene with this number: infinities and NaN are never passed over in silence.
+    /// Expectation for a scene with this number: infinities and NaN are never passed over in silence.
     pub fn of_number(number: &str) -> Self {
         if ["1e400", "nan", "inf", "-inf"].contains(&number) { Self::Told } else { Self::Either }
     }
@@ -30,9 +30,9 @@ pub struct Case {
     pub name: String,
     pub files: Vec<(String, Vec<u8>)>,
     pub expect: Expect,
-    /// Where files are looked for besides.
+    /// Further folder where files are looked for.
     pub search: Option<PathBuf>,
-    /// Whether the scene's own film is left aside for a small one.
+    /// Replaces the scene's own film by a small one.
     pub small: bool,
     /// The scene where it is made in code; its relative paths are those of the files.
     pub description: Option<SceneDesc>,

@@ -78,7 +78,7 @@ const MITSUBA: [&str; 31] = [
      <transform name='to_uv'><scale value='@'/></transform></texture></bsdf>",
 ];
 
-/// What must come of a material with this number: what cannot be is told of, and no renderer has use for these.
+/// Expectation for a material with this number: impossible values are told of, and no renderer has use for these.
 fn of_material(material: &str, number: &str) -> Expect {
     // Heights and coordinates may be any number.
     let is_free = material.contains("displacement") || material.contains("to_uv");

@@ -11,7 +11,7 @@ use steradian::math::hash::HashRng;
 /// Mutants of each seed. A sweep with many more is a matter of changing this number.
 const MUTANTS: usize = 120;
 
-/// What a number in a text is replaced by.
+/// Replacements of a number in a text.
 const NUMBERS: [&str; 16] = [
     "nan",
     "inf",

@@ -86,7 +86,7 @@ fn missing_files() -> Vec<Case> {
     ]
 }
 
-/// What refers to itself, or to nothing.
+/// References to itself, or to nothing.
 fn references() -> Vec<Case> {
     let c = Case::pbrt;
     vec![

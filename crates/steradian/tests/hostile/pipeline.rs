@@ -7,7 +7,7 @@ use steradian::{
     scene::{Diagnostic, Diagnostics, SceneDesc, Severity, Value},
 };
 
-/// How it ended.
+/// End of a case.
 pub enum Outcome {
     /// With errors among the messages.
     Refused(Vec<Diagnostic>),
@@ -96,7 +96,7 @@ fn refused(diagnostics: &Diagnostics) -> Result<Outcome, String> {
     Ok(Outcome::Refused(diagnostics.iter().cloned().collect()))
 }
 
-/// What speaks against an outcome, if anything.
+/// Compares an outcome with the expectation; an error says what speaks against it.
 pub fn judge(outcome: &Outcome, expect: Expect) -> Result<(), String> {
     let said = |messages: &[Diagnostic]| messages.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
     match (outcome, expect) {

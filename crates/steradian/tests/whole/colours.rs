@@ -1,4 +1,4 @@
-//! What colours in Mitsuba files become in spectral mode, seen in pictures of scenes written here.
+//! Colours of Mitsuba files in spectral mode, seen in pictures of scenes written here.
 
 use steradian::{ColorMode, CompileOptions, Quality, compile, load, render};
 

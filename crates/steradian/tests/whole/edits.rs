@@ -85,8 +85,8 @@ fn every_edit_gives_the_scene_that_is_compiled_from_nothing() {
     assert!(edits > 200, "{edits}");
 }
 
-/// Where only the camera and the size of the picture change, what an earlier compilation made is taken as it is, but
-/// for shapes that were divided for the camera.
+/// A change of the camera and of the size of the picture alone takes what an earlier compilation made as it is, but for
+/// shapes that were divided for the camera.
 #[test]
 fn another_view_gives_the_scene_that_is_compiled_from_nothing() {
     let steps = [

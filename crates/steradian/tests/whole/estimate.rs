@@ -18,7 +18,7 @@ fn session(scene: &Arc<Scene>, integrator: &str, spp: u32, seed: u64, error: Opt
     session
 }
 
-/// What [`Session::error`] estimates.
+/// True value of the estimate of [`Session::error`].
 fn true_error(film: &Film, reference: &Film) -> f64 {
     let of = |k: usize, c: usize| {
         let (m, r) = (film.pixels[k].mean()[c], reference.pixels[k].mean()[c]);

@@ -96,7 +96,7 @@ fn lights_are_found_or_told() {
     assert!(faults.is_empty(), "\n{faults}");
 }
 
-/// What lies before the plane `near` or beyond the plane `far` of the camera is seen by no method; a pane that only
+/// Surfaces before the plane `near` or beyond the plane `far` of the camera are seen by no method; a pane that only
 /// separates media hides nothing, and moves no plane.
 #[test]
 fn planes_that_cut_the_view_are_followed() {

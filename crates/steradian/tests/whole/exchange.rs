@@ -265,7 +265,7 @@ fn light_below_layers_is_told_where_it_is_left_out() {
     }
 }
 
-/// What moves keeps moving in pbrt's language, and its exposure; other formats say that it stands still.
+/// Motion and exposure stay in pbrt's language; other formats say that everything stands still.
 #[test]
 fn motion_goes_through_pbrt_and_is_reported_elsewhere() {
     let folder = tempfile::tempdir().expect("a folder");

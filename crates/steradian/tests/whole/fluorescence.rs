@@ -50,8 +50,8 @@ fn bell(l: f32, middle: f32, width: f32) -> f32 {
     (-((l - middle) / width).powi(2)).exp()
 }
 
-/// What leaves a ball under an even sky is the product of the matrix and its spectrum (Donaldson 1954), beside what is
-/// reflected; of a pigment and of a table of its matrix.
+/// A ball under an even sky sends back the product of the matrix and its spectrum (Donaldson 1954), beside what is
+/// reflected; for a pigment and for a table of its matrix.
 #[test]
 fn the_matrix_times_the_illuminant_is_seen() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -22,7 +22,7 @@ fn boxed(medium: &str, light: &str) -> String {
     )
 }
 
-/// What is said about a scene on its way to what is rendered, but that the sampler is ours.
+/// Messages about a scene on its way to the render, without the one that the sampler is ours.
 fn said(folder: &Path, text: &str) -> Vec<String> {
     let path = folder.join("scene.pbrt");
     std::fs::write(&path, text).unwrap();

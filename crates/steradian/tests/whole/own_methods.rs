@@ -63,9 +63,9 @@ fn an_integrator_of_ones_own() {
     assert_eq!(bits(&taken(&mut second)), bits(&film));
 }
 
-/// M160, M161: the recursive path tracer has the bits of `path`: with masks, mixtures, textures, glass that disperses and
-/// motion, in RGB and spectral mode, with Russian roulette from the first event on and without, hidden lights, and a path
-/// that ends soon.
+/// M160, M161: the recursive path tracer has the bits of `path`: with masks, mixtures, textures, glass that disperses
+/// and motion, in RGB and spectral mode, with Russian roulette from the first event on and without, hidden lights, and
+/// a path that ends soon.
 #[test]
 fn the_recursive_path_tracer_has_the_bits_of_path() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/verify");
@@ -90,7 +90,7 @@ fn the_recursive_path_tracer_has_the_bits_of_path() {
     }
 }
 
-/// What is sprinkled over the film comes to the layer of albedo, and does not depend on threads.
+/// Values sprinkled over the film come to the layer of albedo, and do not depend on threads.
 #[test]
 fn a_pass_of_ones_own() {
     let scene = room();

@@ -96,7 +96,7 @@ fn a_phosphor_fades_and_rises_by_its_lifetime() {
     }
 }
 
-/// What matter gives back at once, and what is seen of lights themselves, is there only while they shine.
+/// Light that matter gives back at once, and lights themselves, are seen only while they shine.
 #[test]
 fn a_light_is_seen_while_it_shines() {
     let folder = tempfile::tempdir().expect("a folder");

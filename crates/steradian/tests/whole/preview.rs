@@ -79,7 +79,7 @@ fn previews_show_the_light_of_paths() {
     }
 }
 
-/// What has many more triangles than the picture has pixels is seen by rays, and shows the same.
+/// A scene of many more triangles than the picture has pixels is seen by rays, and shows the same.
 #[test]
 fn rays_find_what_many_triangles_show() {
     let side = 40;

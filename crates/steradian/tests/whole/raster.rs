@@ -380,8 +380,8 @@ fn projected_shadows_are_exact_on_planes() {
     }
 }
 
-/// Where one plane casts the shadow of a lamp that is parallel to it, soft shadows by maps are close to those of rays
-/// (M230), and shadows from filtered depths are bounds that hold off their borders.
+/// Soft shadows by maps are close to those of rays (M230) if one plane casts the shadow of a lamp that is parallel to
+/// it, and shadows from filtered depths are bounds that hold off their borders.
 #[test]
 fn soft_shadows_by_maps_are_close_to_rays() {
     let text = r#"
@@ -572,7 +572,8 @@ fn dented() -> Scene {
 }
 
 /// Direct light is that of `direct` under bump maps, normal maps and masks, with textures, many lights and a sky: means
-/// of blocks of 8 × 8 pixels agree within four times their errors and a hundredth, the picture's within five thousandths.
+/// of blocks of 8 × 8 pixels agree within four times their errors and a hundredth, the picture's within five
+/// thousandths.
 #[test]
 fn direct_light_is_that_of_rays() {
     let verified = ["bumps", "masked", "textured", "sky-and-lamp", "many-lights"].map(|name| (name, verified(name)));

@@ -9,7 +9,7 @@ use steradian::{
     scene::{Diagnostic, Diagnostics, Severity},
 };
 
-/// What is said about a scene on its way to what is rendered, but that the sampler is ours.
+/// Messages about a scene on its way to the render, without the one that the sampler is ours.
 fn said(folder: &Path, name: &str, text: &str) -> Vec<String> {
     let path = folder.join(name);
     std::fs::write(&path, text).unwrap();

@@ -46,7 +46,7 @@ fn walks_bring_what_the_medium_brings() {
     }
 }
 
-/// Where nothing is absorbed below, all light comes back: a ball is not seen before an even sky.
+/// Without absorption below all light comes back: a ball is not seen before an even sky.
 #[test]
 fn nothing_is_lost_where_nothing_is_absorbed() {
     for what in ["sigma_a: 0, sigma_s: {rgb: [1, 3, 9]}", "reflectance: 1, mfp: 0.2, g: -0.4"] {
@@ -77,8 +77,8 @@ fn methods_agree_on_dense_media() {
     }
 }
 
-/// What does not follow light below surfaces refuses it by name, and the picture of the pipeline shows what looks alike
-/// from afar.
+/// Methods that do not follow light below surfaces refuse it by name, and the picture of the pipeline shows what looks
+/// alike from afar.
 #[test]
 fn other_methods_say_that_they_do_not_follow_it() {
     let scene = ball(&below("photon_beam", "reflectance: 0.6, mfp: 0.01"));

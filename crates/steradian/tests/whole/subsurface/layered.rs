@@ -50,7 +50,7 @@ fn sky_alone() -> f64 {
     seen(&ball("material: diffuse, reflectance: 0"), 16)[0].0
 }
 
-/// What a ball's face gives back of an even sky.
+/// Albedo of a ball's face under an even sky.
 fn albedo(material: &str, spp: u32, sky: f64) -> [f64; 3] {
     seen(&ball(material), spp).map(|(mean, _)| (mean - sky) / (1.0 - sky))
 }
@@ -59,7 +59,7 @@ const COLOR: [f64; 3] = [0.8, 0.5, 0.2];
 const DENSE: &str = "subsurface_color: {rgb: [0.8, 0.5, 0.2]}, subsurface_radius: 0.004";
 const DENSE_DISNEY: &str = "subsurface: 1, subsurface_color: {rgb: [0.8, 0.5, 0.2]}, subsurface_scale: 0.004";
 
-/// Of a dense medium without an interface above the colour comes back that was asked for.
+/// A dense medium without an interface above sends back the colour that was asked for.
 #[test]
 fn dense_media_have_the_colour_that_is_asked_for() {
     let sky = sky_alone();
@@ -124,7 +124,7 @@ fn a_dense_medium_looks_like_a_diffuse_base() {
     }
 }
 
-/// Where nothing is absorbed no more comes back than arrives, and under a bare interface nearly all.
+/// Without absorption no more comes back than arrives, and under a bare interface nearly all.
 #[test]
 fn white_media_are_white() {
     let openpbr = "subsurface_weight: 1, subsurface_color: 1, subsurface_radius: 0.1";
@@ -144,7 +144,7 @@ fn white_media_are_white() {
     }
 }
 
-/// Where none of the base is a medium the picture has the bits that it has without.
+/// If none of the base is a medium the picture has the bits that it has without.
 #[test]
 fn without_a_weight_nothing_changes() {
     for kind in ["openpbr", "principled"] {
@@ -192,7 +192,7 @@ fn light_from_behind_comes_through() {
     assert!(long > 3.0 * short && short >= 0.0 && long > 0.02, "{short} {long}");
 }
 
-/// What does not follow light below surfaces names the material; previews show a diffuse surface of both colours.
+/// Methods that do not follow light below surfaces name the material; previews show a diffuse surface of both colours.
 #[test]
 fn other_methods_name_the_material() {
     let openpbr =
