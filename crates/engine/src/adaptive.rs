@@ -32,7 +32,7 @@ const FIRST: u32 = 4;
 const FEWEST: f64 = 0.125;
 /// Most samples of a cell, as a multiple of the mean.
 const MOST: f64 = 32.0;
-/// What a sample of the first, even round counts against one of the second.
+/// Worth of a sample of the first, even round against one of the second.
 const FIRST_WORTH: f64 = 0.5;
 
 /// A round: the samples per pixel, in the mean over the picture, before and after it.
@@ -79,7 +79,8 @@ impl Round {
         self.end - self.start
     }
 
-    /// How many of the `target` samples that a cell gets in this round it has when the picture has `next` in the mean.
+    /// Number of the `target` samples that a cell gets in this round which it has when the picture has `next` in the
+    /// mean.
     pub fn share(self, target: u32, next: u32) -> u32 {
         let part = u64::from(next.clamp(self.start, self.end) - self.start);
         (u64::from(target) * part / u64::from(self.length().max(1))) as u32
@@ -97,7 +98,7 @@ impl Round {
     }
 }
 
-/// What the past tells of a cell.
+/// Statistics of a cell's past samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Need {
     /// Pixels of the picture in it.
@@ -113,7 +114,7 @@ pub fn most(mean: u32) -> u32 {
     mean.saturating_mul(2 * MOST as u32)
 }
 
-/// How many samples a pixel of each cell gets, for `mean` over all pixels. Cells are given by rows of `columns`.
+/// Number of samples per pixel of each cell, for `mean` over all pixels. Cells are given by rows of `columns`.
 pub fn allocate(needs: &[Need], columns: usize, mean: u32) -> Vec<u32> {
     let mut demand: Vec<f64> = (0..needs.len())
         .map(|i| {

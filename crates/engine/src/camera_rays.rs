@@ -88,7 +88,7 @@ pub struct CameraRays {
 }
 
 impl CameraRays {
-    /// Those of a scene; `None` where a sample takes more than places on the film and wavelengths.
+    /// Camera rays of a scene; `None` where a sample takes more than places on the film and wavelengths.
     pub fn new(scene: &Scene, sampler: &Sampler) -> Option<Self> {
         let camera = scene.camera().pinhole(scene.film()).filter(|_| !scene.is_timed())?;
         sampler.z_base()?;

@@ -1,4 +1,4 @@
-//! What a path is followed with.
+//! Context of a path.
 
 use crate::Counters;
 use steradian_core::{Scene, sampler::PixelSampler};
@@ -13,7 +13,7 @@ pub struct PathContext<'s, 'a> {
     pub sampler: &'a PixelSampler,
     /// The wavelengths that it carries; they lose the secondary ones where it disperses.
     pub lambda: &'a mut Wavelengths,
-    /// What was done.
+    /// Counters of the work.
     pub counters: &'a mut Counters,
 }
 

@@ -1,4 +1,4 @@
-//! What was done, and whether it is to go on.
+//! Counters of the work, and cancellation.
 
 use std::sync::{
     Arc,
@@ -16,14 +16,14 @@ impl Stop {
         Self(Some(Arc::clone(flag)))
     }
 
-    /// Whether to stop. What is found from then on counts for nothing.
+    /// True once a stop was asked for. All that is found from then on counts for nothing.
     #[inline]
     pub fn is_asked(&self) -> bool {
         self.0.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
 }
 
-/// What was done, for reports. They are equal where the numbers are.
+/// Counters of the work, for reports. They are equal where the numbers are.
 #[derive(Clone, Debug, Default)]
 pub struct Counters {
     /// Rays traced, shadow rays among them.
@@ -32,7 +32,7 @@ pub struct Counters {
     pub samples: u64,
     /// Samples that were not finite and count as black.
     pub nonfinite: u64,
-    /// Whether what is counted is to end.
+    /// Cancellation flag of the work that is counted.
     pub stop: Stop,
     /// The light of each group that the path under way brings; empty where nobody asks.
     pub by_group: Vec<Spectrum>,

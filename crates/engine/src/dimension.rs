@@ -33,9 +33,9 @@ pub const MIXTURE: u32 = 5;
 pub const FLIGHT: u32 = 6;
 /// Lane by which the flight is drawn.
 pub const LANE: u32 = 7;
-/// How many paths go on.
+/// Number of branches.
 pub const BRANCHES: u32 = 8;
-/// How long matter holds light back.
+/// Time for which matter holds light back.
 pub const DELAY: u32 = 9;
 
 /// The dimension of a decision at a scattering event.

@@ -1,4 +1,4 @@
-//! How much a picture errs, by its own samples, and whether these can tell.
+//! Error estimate of a picture by its own samples, and its reliability.
 //!
 //! The variance of a pixel is found without bias, but what is rare is not found at all most of the time: where much of
 //! the light comes by paths that are met a few times in the whole picture, samples tell of a smooth and dark one. So an
@@ -12,7 +12,7 @@ use steradian_core::film::Pixel;
 
 /// Edge of the squares within which pixels are near each other.
 const CELL: usize = 8;
-/// What is found less often than this is known to worse than some 20 %.
+/// Number of finds below which light is known to worse than some 20 %.
 pub(crate) const FEWEST_FINDS: f64 = 32.0;
 /// Pixels that are to hold the half of the error, where they hold most of it and few samples make them.
 const FEWEST_PIXELS: f64 = 8.0;
@@ -67,15 +67,15 @@ pub(crate) fn relative_of(places: &[([f64; 3], [f64; 3])]) -> f64 {
 /// The squared relative errors of some pixels, added up.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sum {
-    /// Of all.
+    /// Sum over all pixels.
     all: f64,
-    /// Of those that few samples make, and its squares.
+    /// Sum over pixels that few samples make, and the sum of its squares.
     rare: f64,
     rare_squares: f64,
 }
 
 impl Sum {
-    /// Of pixels that lie near each other; `None` where one has not the two samples that it takes.
+    /// Sum over pixels that lie near each other; `None` where one has not the two samples that it takes.
     pub fn of(pixels: &[Pixel]) -> Option<Self> {
         let each = || pixels.iter().map(|p| (p.variance_of_mean(), p.mean()));
         let around = around(each().map(|(v, m)| (0..3).map(|c| m[c] * m[c] - v[c]).sum::<f64>() / 3.0).collect());
@@ -91,7 +91,7 @@ impl Sum {
         pixels.iter().all(|p| p.samples >= 2).then_some(sum)
     }
 
-    /// Of pixels by rows of `width`, in squares of [`CELL`].
+    /// Sum over pixels by rows of `width`, in squares of [`CELL`].
     pub fn of_rows(pixels: &[Pixel], width: usize) -> Option<Self> {
         let mut sum = Self::default();
         for rows in pixels.chunks(CELL * width.max(1)) {
@@ -109,7 +109,7 @@ impl Sum {
         (self.all / (3 * pixels) as f64).sqrt()
     }
 
-    /// Whether it tells by itself that it is not to be trusted.
+    /// Reason to doubt the estimate, by itself.
     pub fn doubt(&self) -> Option<Doubt> {
         self.is_of_few().then_some(Doubt::FewSamples)
     }
@@ -122,7 +122,7 @@ impl Sum {
         }
     }
 
-    /// Whether most of it is that of a few pixels, each of which few samples make: as many as would have this sum and
+    /// True if most of it is that of a few pixels, each of which few samples make: as many as would have this sum and
     /// these squares.
     fn is_of_few(&self) -> bool {
         self.rare > 0.5 * self.all && self.rare * self.rare < FEWEST_PIXELS * self.rare_squares

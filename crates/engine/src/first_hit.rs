@@ -26,9 +26,9 @@ const MIRRORS: usize = 16;
 /// Which surfaces count as seen by a camera ray.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sight {
-    /// Whether what mirrors and smooth glass show is gathered, too.
+    /// Gathers surfaces that mirrors and smooth glass show, too.
     pub sees_through: bool,
-    /// Whether camera rays pass what emits.
+    /// Lets camera rays pass all that emits.
     pub hide_emitters: bool,
 }
 

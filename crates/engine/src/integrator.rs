@@ -1,4 +1,4 @@
-//! What computes samples.
+//! Interfaces of integrators: estimators of radiance, for single pixels and for groups.
 
 use crate::{
     Counters, PathContext, Plan, Stop, dimension,
@@ -13,7 +13,7 @@ use steradian_math::{Ray, Spectrum, Vec2, spectra::Wavelengths};
 
 /// An estimator of radiance.
 pub trait Integrator: Debug + Send + Sync {
-    /// What it finds out about a scene before the first sample; `()` where that is nothing.
+    /// Prepared data of a scene, made before the first sample; `()` where there are none.
     type Prepared: Debug + Default + Send + Sync;
 
     /// Finds that out; of no use where a stop was asked for meanwhile.
@@ -21,7 +21,8 @@ pub trait Integrator: Debug + Send + Sync {
         Self::Prepared::default()
     }
 
-    /// Whether there is a picture without that, too: with the default of [`Self::Prepared`], where trials are skipped.
+    /// True if there is a picture without the preparation, too: with the default of [`Self::Prepared`], where trials
+    /// are skipped.
     fn works_unprepared(&self) -> bool {
         true
     }
@@ -39,7 +40,7 @@ pub trait Integrator: Debug + Send + Sync {
 pub trait GroupIntegrator: Debug + Send + Sync {
     /// As in [`Integrator`].
     type Prepared: Debug + Default + Send + Sync;
-    /// What a thread works with; kept, so that nothing is allocated per sample.
+    /// Buffer of a thread; kept, so that nothing is allocated per sample.
     type Buffer<'s>: Default;
 
     /// As in [`Integrator`].
@@ -79,18 +80,18 @@ pub trait GroupIntegrator: Debug + Send + Sync {
         1
     }
 
-    /// Of how many paths a sample of a pixel is the mean, up to [`MOST_PATHS`](crate::MOST_PATHS).
+    /// Number of paths that a sample of a pixel is the mean of, up to [`MOST_PATHS`](crate::MOST_PATHS).
     fn paths(&self, _prepared: &Self::Prepared, _pixel: [u32; 2]) -> u32 {
         1
     }
 
-    /// How often one path of the picture finds what the rarest paths bring that carry a good part of the light, where
-    /// that is known.
+    /// Probability that one camera sample finds the rarest paths that carry a good part of the light, where that is
+    /// known.
     fn rarest(&self, _prepared: &Self::Prepared) -> Option<f64> {
         None
     }
 
-    /// Whether photons guide paths towards caustics.
+    /// True if photons guide paths towards caustics.
     fn asks_photons(&self, _prepared: &Self::Prepared) -> bool {
         false
     }

@@ -28,7 +28,7 @@ impl MethodKind {
     }
 }
 
-/// What a method is made from.
+/// Inputs from which a method is made.
 #[derive(Clone, Copy, Debug)]
 pub struct Asked<'a> {
     /// The whole request.
@@ -80,7 +80,7 @@ pub struct CameraPaths {
 
 /// A method of rendering with its options.
 pub trait Method: Any + Debug + Send + Sync {
-    /// How the method renders a feature.
+    /// Support of a feature.
     fn supports(&self, feature: Feature) -> Support;
 
     /// Limits of the method on a scene.

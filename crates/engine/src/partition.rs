@@ -116,7 +116,7 @@ impl Partition {
         })
     }
 
-    /// Where the windows of a layer lie, modulo their size, for a sample: in as many samples as there are places each
+    /// Offset of the windows of a layer, modulo their size, for a sample: in as many samples as there are places each
     /// is met once, the first few lie far apart, and so do those of different layers for one sample.
     fn offset(&self, sample: u32, layer: u32) -> [u32; 2] {
         // Bits of the sample's number, from the lowest on, halve the distance, along the diagonal first.

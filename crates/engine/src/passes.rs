@@ -63,7 +63,7 @@ pub trait Pass: Debug + Send + Sync {
     /// Goes on from the picture before; before the first pass.
     fn follow(&mut self, _history: &History) {}
 
-    /// What is to be said of the picture so far.
+    /// Notes on the picture so far.
     fn notes(&self) -> Vec<String> {
         Vec::new()
     }
@@ -74,7 +74,7 @@ pub trait Pass: Debug + Send + Sync {
     }
 }
 
-/// What a pass works with.
+/// Inputs of a pass.
 #[derive(Clone, Copy, Debug)]
 pub struct Run<'s> {
     /// The scene.
@@ -88,7 +88,7 @@ pub struct Run<'s> {
 }
 
 impl<'s> Run<'s> {
-    /// Whether the work is to end.
+    /// True if the work is to end.
     pub fn is_cancelled(&self) -> bool {
         self.control.cancel.load(Ordering::Relaxed)
     }
@@ -177,7 +177,7 @@ pub struct CameraSample {
 #[derive(Debug)]
 pub struct Passes<P> {
     scene: Arc<Scene>,
-    /// That of the frame before, where layers show how things have moved.
+    /// Scene of the frame before, where layers show how things have moved.
     before: Option<Arc<Scene>>,
     plan: Plan,
     integrator: P,

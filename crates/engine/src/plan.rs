@@ -1,4 +1,4 @@
-//! What is asked of a render, and what is shared with whoever watches it.
+//! Plan of a render, and the state shared with whoever watches it.
 
 use crate::Sight;
 use std::sync::{
@@ -7,7 +7,7 @@ use std::sync::{
 };
 use steradian_core::{film::LayerInputs, sampler::Sampler};
 
-/// What is to be rendered, and how, whatever the method.
+/// Plan of a render, whatever the method.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan {
     /// The random numbers; its `spp` is the number that a full render takes.
@@ -18,11 +18,11 @@ pub struct Plan {
     pub inputs: LayerInputs,
     /// True for pixels with independent errors: paths of several pixels share nothing unless an option says so.
     pub independent: bool,
-    /// Whether samples whose camera rays meet no surface are black: what lies behind everything is not in the picture.
+    /// Makes samples whose camera rays meet no surface black: what lies behind everything is not in the picture.
     pub transparent: bool,
-    /// Whether camera rays pass what emits: lights are hidden from the camera, in layers as in the picture.
+    /// Lets camera rays pass all that emits: lights are hidden from the camera, in layers as in the picture.
     pub hide_emitters: bool,
-    /// Whether cells that err more get more samples, where the first ones tell that it pays; `spp` is the mean then.
+    /// Gives cells that err more further samples, where the first ones tell that it pays; `spp` is the mean then.
     pub adaptive: bool,
     /// The relative error of the picture ([`crate::Session::error`]) at which to stop, unless it is in doubt.
     pub error: Option<f64>,
@@ -43,7 +43,7 @@ impl Plan {
         }
     }
 
-    /// What counts as seen by camera rays.
+    /// Surfaces that count as seen by camera rays.
     pub fn sight(&self) -> Sight {
         Sight { sees_through: self.has(LayerInputs::SEEN_THROUGH), hide_emitters: self.hide_emitters }
     }
@@ -69,7 +69,7 @@ pub struct Control {
     pub samples: AtomicU64,
     /// Rays traced so far.
     pub rays: AtomicU64,
-    /// Whether trials of the scene are under way, before the first sample.
+    /// True while trials of the scene are under way, before the first sample.
     pub trials: AtomicBool,
     /// Set to stop, wherever paths are.
     pub cancel: Arc<AtomicBool>,

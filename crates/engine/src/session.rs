@@ -10,21 +10,21 @@ use std::{
 };
 use steradian_core::{Scene, film::Film};
 
-/// What a picture of a sequence leaves to the next one. Only the method that made it knows what it is.
+/// State that a picture of a sequence leaves to the next one. Only the method that made it knows what it is.
 #[derive(Clone, Debug)]
 pub struct History(pub Arc<dyn Any + Send + Sync>);
 
-/// What pictures with layers of motion ([`crate::Plan::motion`]) leave.
+/// State that pictures with layers of motion leave.
 #[derive(Debug)]
 pub(crate) struct Earlier {
-    /// What was to be seen.
+    /// Scene of that picture.
     pub scene: Arc<Scene>,
-    /// What the method itself leaves.
+    /// State of the method itself.
     pub own: Option<History>,
 }
 
 impl Earlier {
-    /// That which a history is, if the next picture has as many pixels.
+    /// Earlier picture in a history, if the next picture has as many pixels.
     pub fn of(history: &History, scene: &Scene) -> Option<Arc<Self>> {
         let earlier: Arc<Self> = Arc::clone(&history.0).downcast().ok()?;
         let size = |scene: &Scene| [scene.film().width, scene.film().height];
@@ -57,23 +57,23 @@ pub trait Session: Debug + Send {
     /// Samples that a pixel has, in the mean, when the steps so far are complete.
     fn samples(&self) -> u32;
 
-    /// Whether the plan is carried out: all samples are taken, or the error is small enough.
+    /// True if the plan is carried out: all samples are taken, or the error is small enough.
     fn is_done(&self) -> bool;
 
-    /// Whether the plan's error was reached.
+    /// True if the plan's error was reached.
     fn is_good_enough(&self) -> bool;
 
-    /// Whether parts of the picture get more samples than others, as the plan's `adaptive` allows.
+    /// True if parts of the picture get more samples than others, as the plan's `adaptive` allows.
     fn is_uneven(&self) -> bool {
         false
     }
 
-    /// Whether photons guide paths towards caustics.
+    /// True if photons guide paths towards caustics.
     fn asks_photons(&self) -> bool {
         false
     }
 
-    /// How many paths of neighbouring pixels share what they find.
+    /// Number of paths of neighbouring pixels that share what they find.
     fn sharing(&self) -> u32 {
         1
     }
@@ -95,7 +95,7 @@ pub trait Session: Debug + Send {
         None
     }
 
-    /// What was done so far.
+    /// Counters of the work so far.
     fn counters(&self) -> Counters;
 
     /// Wall and CPU time spent in steps.
@@ -119,7 +119,7 @@ pub trait Session: Debug + Send {
     /// Goes on from the picture before, if the method does that; before the first step.
     fn follow(&mut self, _history: &History) {}
 
-    /// What is to be said of the picture so far.
+    /// Notes on the picture so far.
     fn notes(&self) -> Vec<String> {
         Vec::new()
     }

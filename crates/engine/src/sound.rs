@@ -1,5 +1,5 @@
-//! Whether a state can be that of a session: what is read may match its checksum and be false all the same. Each number
-//! is held against the plan, the film, and those numbers that follow from the same samples.
+//! Tests of a state read from a file: it may match its checksum and be false all the same. Each number is held against
+//! the plan, the film, and those numbers that follow from the same samples.
 
 use crate::{Counters, FIRST_LOOK};
 use steradian_core::film::{FirstHitSums, Hits, MatteSums, Pixel};
@@ -9,7 +9,7 @@ const MOST_SAMPLES: u32 = 1 << 24;
 /// Most rays: a hundred threads trace them in a century.
 const MOST_RAYS: u64 = 1 << 56;
 
-/// Whether the error of a picture with so many samples per pixel is looked at next when it has `look` of them.
+/// True if the error of a picture with so many samples per pixel is looked at next when it has `look` of them.
 pub(crate) fn is_look(look: u32, samples: u32, error: Option<f64>) -> bool {
     if error.is_none() {
         return look == FIRST_LOOK;
@@ -21,17 +21,17 @@ pub(crate) fn is_look(look: u32, samples: u32, error: Option<f64>) -> bool {
     due == look && samples <= look
 }
 
-/// Whether a render planned with `spp` samples per pixel can have gone on to `total`.
+/// True if a render planned with `spp` samples per pixel can have gone on to `total`.
 pub(crate) fn is_total(total: u32, spp: u32) -> bool {
     (spp..=spp.max(MOST_SAMPLES)).contains(&total)
 }
 
-/// Whether so much can have been counted.
+/// True if so much can have been counted.
 pub(crate) fn are_counters(counters: &Counters) -> bool {
     counters.rays.max(counters.samples).max(counters.nonfinite) <= MOST_RAYS
 }
 
-/// Whether values that the film takes can have these sums.
+/// True if values that the film takes can have these sums.
 pub(crate) fn is_pixel(pixel: &Pixel) -> bool {
     let (n, largest) = (f64::from(pixel.samples), f64::from(f32::MAX));
     // The squares of rounds that were joined follow from a variance of up to `n` times the largest square.
@@ -39,7 +39,7 @@ pub(crate) fn is_pixel(pixel: &Pixel) -> bool {
         && pixel.sum_squares.iter().all(|sum| (0.0..=2.0 * n * n * largest * largest).contains(sum))
 }
 
-/// Whether first hits can have these sums.
+/// True if first hits can have these sums.
 pub(crate) fn are_hits(sums: &FirstHitSums) -> bool {
     let s = &sums.sum;
     let vectors = [s.albedo, s.normal, s.geometric_normal, s.position, s.motion];
@@ -48,7 +48,7 @@ pub(crate) fn are_hits(sums: &FirstHitSums) -> bool {
     is_count && vectors.as_flattened().iter().chain(&s.uv).chain(&[s.depth, s.distance]).all(|v| v.is_finite())
 }
 
-/// Whether things can have been counted so.
+/// True if things can have been counted so.
 pub(crate) fn are_mattes(sums: &MatteSums) -> bool {
     let is_sound = |hits: &Hits| {
         let counted = hits.counts.iter().map(|n| u64::from(*n)).sum::<u64>();

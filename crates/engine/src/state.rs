@@ -29,7 +29,7 @@ impl Codec for In<'_> {
     }
 }
 
-/// What is kept.
+/// Data that are kept.
 pub(crate) trait State {
     fn pass(&mut self, codec: &mut impl Codec) -> io::Result<()>;
 }
@@ -47,7 +47,7 @@ macro_rules! numbers {
     )* };
 }
 
-/// What has only such fields.
+/// Implements [`State`] for structures that have only such fields.
 macro_rules! fields {
     ($($whole:ty { $($field:ident),* })*) => { $(
         impl $crate::state::State for $whole {
@@ -102,7 +102,7 @@ impl<T: State, const N: usize> State for [T; N] {
 }
 
 impl<T: State> State for Vec<T> {
-    /// Of a length that is known.
+    /// Elements of a vector whose length is known.
     fn pass(&mut self, codec: &mut impl Codec) -> io::Result<()> {
         self.iter_mut().try_for_each(|value| value.pass(codec))
     }

@@ -116,7 +116,7 @@ fn filters_spread_splats_evenly() {
     }
 }
 
-/// What is not a number counts as black and is counted.
+/// Values that are no numbers count as black and are counted.
 #[test]
 fn splats_that_are_no_numbers_are_black() {
     let scene = scene("box");

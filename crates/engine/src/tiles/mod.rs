@@ -80,7 +80,7 @@ impl<G: GroupIntegrator> Tiles<G> {
         Self { frame: Frame::new(scene, plan, integrator.bins()), integrator, prepared, is_prepared: true }
     }
 
-    /// What the integrator finds out about the scene, before the first step; whether that came to an end.
+    /// Prepares the integrator for the scene, before the first step; true if that came to an end.
     fn prepare(&mut self, control: &Control) -> bool {
         if self.is_prepared {
             return true;
@@ -227,11 +227,11 @@ impl<G: GroupIntegrator> Session for Tiles<G> {
     }
 }
 
-/// What a render has come to, whatever the integrator.
+/// State of a render, whatever the integrator.
 #[derive(Debug)]
 struct Frame {
     scene: Arc<Scene>,
-    /// That of the frame before, where layers show how things have moved.
+    /// Scene of the frame before, where layers show how things have moved.
     before: Option<Arc<Scene>>,
     /// Parts that light is kept apart in, groups of lights or these intervals of its arrival.
     parts: usize,
@@ -254,7 +254,7 @@ struct Frame {
     /// When the error is looked at next.
     look: u32,
     is_good_enough: bool,
-    /// Of means over pixels, when the first of several rounds was complete.
+    /// Errors of means over pixels, when the first of several rounds was complete.
     errors_of_first_round: Option<[f64; SCALES.len()]>,
     counters: Counters,
     /// Wall and CPU time.
@@ -315,7 +315,7 @@ impl Frame {
         self.time[1] += cpu_time().saturating_sub(cpu);
     }
 
-    /// What the picture decides, when all tiles are where the steps are.
+    /// Decides about the end of the render and the next round, when all tiles are where the steps are.
     fn decide(&mut self, rarest: Option<f64>) {
         if let Some(error) = self.plan.error.filter(|_| self.next >= self.look) {
             self.is_good_enough = self.error().is_some_and(|e| e <= error) && self.doubt(rarest).is_none();

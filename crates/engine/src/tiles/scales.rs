@@ -14,7 +14,7 @@ pub const SCALES: [u32; 4] = [1, 4, 8, TILE];
 /// Most tiles that are looked at.
 const TILES: usize = 1024;
 
-/// What some of a pixel's samples sum up to, those of even number or ticks.
+/// Sum over a part of a pixel's samples, those of even number or ticks.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Even {
     pub sum: [f64; 3],

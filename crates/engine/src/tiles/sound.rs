@@ -1,4 +1,4 @@
-//! Whether a state can be that of a frame ([`crate::sound`]).
+//! Tests of a state that is to be that of a frame ([`crate::sound`]).
 
 use super::{
     Frame, lock,
@@ -16,7 +16,7 @@ use std::sync::atomic::Ordering;
 use steradian_core::film::Pixel;
 
 impl Frame {
-    /// Whether steps can have led here.
+    /// True if steps can have led here.
     pub(super) fn is_sound(&self) -> bool {
         // Later ones rely on those before them.
         self.has_sound_round() && self.has_sound_targets() && self.has_sound_progress() && self.has_sound_film()
@@ -40,7 +40,7 @@ impl Frame {
             && errors.is_none_or(|errors| number > 0 && errors.iter().all(|e| e.is_finite() && *e >= 0.0))
     }
 
-    /// Whether cells can be meant to get so many samples.
+    /// True if cells can be meant to get so many samples.
     fn has_sound_targets(&self) -> bool {
         let length = self.round.length();
         let is_even = self.round.number == 0 || !self.plan.adaptive;
@@ -113,7 +113,7 @@ impl Frame {
             .all(|(cell, samples)| cell.samples == samples && numbers(cell).iter().all(|v| v.is_finite() && *v >= 0.0))
     }
 
-    /// Whether a pixel can have got so many samples in the rounds before.
+    /// True if a pixel can have got so many samples in the rounds before.
     fn is_past(&self, samples: u32) -> bool {
         let start = self.round.start;
         if self.plan.adaptive { (start.min(1)..=most(start)).contains(&samples) } else { samples == start }
@@ -128,7 +128,7 @@ impl Frame {
         [done.into_iter().min(), done.into_iter().max()].map(|ticks| ticks.unwrap_or(0))
     }
 
-    /// Whether the layers of a pixel with so many samples can be.
+    /// True if the layers of a pixel with so many samples can be.
     fn are_sound_layers(&self, tile: &Tile, at: usize, samples: u64) -> bool {
         // A sample may have several paths.
         let paths = samples..=(samples * u64::from(MOST_PATHS)).min(u64::from(u32::MAX / 2));
@@ -145,7 +145,7 @@ impl Frame {
     }
 }
 
-/// Whether the halves of a pixel's samples can be.
+/// True if the halves of a pixel's samples can be.
 fn are_sound_halves(tile: &Tile, at: usize) -> bool {
     let largest = f64::from(f32::MAX);
     let (now, past) = (tile.pixels[at].samples, tile.past_halves.get(at).copied().unwrap_or_default());

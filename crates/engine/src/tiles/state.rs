@@ -1,4 +1,4 @@
-//! What of a frame is kept.
+//! Saved state of a frame.
 
 use super::{
     Frame, lock,

@@ -22,14 +22,14 @@ pub struct Cell {
     pub(super) freedom: f64,
 }
 
-/// What a round tells of the relative variance of samples in a cell, in two ways.
+/// Relative variance of samples in a cell, estimated by a round in two ways.
 #[derive(Clone, Copy, Debug, Default)]
 struct Noise {
     /// By how samples of a pixel differ, summed over pixels: too much where samplers spread them well.
     samples: f64,
     /// By how pixels differ from their neighbours: too much where the picture has detail.
     bends: f64,
-    /// How many neighbourhoods were looked at.
+    /// Number of neighbourhoods that were looked at.
     count: u32,
 }
 
@@ -44,14 +44,14 @@ impl Noise {
 /// The sums over a rectangle of pixels.
 #[derive(Debug)]
 pub struct Tile {
-    /// Where it is.
+    /// Rectangle of pixels.
     pub area: Crop,
     /// The round under way.
     pub pixels: Vec<Pixel>,
     /// The rounds before it; empty in the first.
     pub(super) past: Vec<Pixel>,
-    /// What even ticks of the first round brought, by which the error of means over pixels is told; empty where it is
-    /// not ([`super::scales`]).
+    /// Sums of even ticks of the first round, by which the error of means over pixels is told; empty where it is not
+    /// ([`super::scales`]).
     pub(super) even: Vec<Even>,
     /// Sums of layers, of all rounds.
     pub layers: LayerSums,
@@ -120,7 +120,7 @@ impl Tile {
         cell_of(self.area.x0 + at % width, self.area.y0 + at / width)
     }
 
-    /// What each cell needs after a round that is complete.
+    /// Need of each cell after a round that is complete.
     pub fn needs(&mut self, round: Round) -> [Need; (CELLS * CELLS) as usize] {
         let joined: Vec<Pixel> = self.film(round).collect();
         let mut needs = [Need::default(); (CELLS * CELLS) as usize];

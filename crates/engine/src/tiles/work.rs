@@ -40,9 +40,9 @@ pub(super) struct Member {
     /// The number of its sample in the round, and the samples of the round.
     sample: u32,
     of: u32,
-    /// Of how many paths the sample is the mean.
+    /// Number of paths that the sample is the mean of.
     pub paths: u32,
-    /// What they bring.
+    /// Sum of their values.
     pub sum: Vec3,
     /// Rays that they took, where they share none.
     pub rays: u32,
@@ -61,7 +61,7 @@ struct Found {
     hits: (usize, usize),
 }
 
-/// What a thread works with; kept, so that nothing is allocated per sample.
+/// Buffers of a thread; kept, so that nothing is allocated per sample.
 pub(super) struct Scratch<B> {
     pub members: Vec<Member>,
     /// Who takes part in a path of the group, and the weight that the film gives it.
@@ -136,7 +136,7 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
         self.frame.done.len()
     }
 
-    /// What was done, and whether nothing is missing.
+    /// Counters of the work, and true if nothing is missing.
     pub fn end(self) -> (Counters, bool) {
         let is_complete = self.frame.done.iter().all(|done| done.load(Ordering::Relaxed) >= self.ticks.1);
         (self.total.into_inner().unwrap_or_else(PoisonError::into_inner), is_complete)
@@ -291,7 +291,7 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
         (Sampler { spp: of.saturating_mul(m.paths), ..sampler }, sample.wrapping_add(path.wrapping_mul(of)))
     }
 
-    /// What the film takes of a path, and what its ray hits first where that is asked for.
+    /// Value of a path for the film, and the first hit of its ray where that is asked for.
     pub fn exposed(&self, pixel_sample: &PixelSample) -> (Spectrum, Option<FirstHit>) {
         let Frame { scene, plan, .. } = self.frame;
         let l = scene.film().exposed(pixel_sample.radiance);
