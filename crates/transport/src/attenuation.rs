@@ -23,8 +23,8 @@ pub fn towards(
     medium.map_or(Spectrum::ONE, |m| passed(m, (&ray, distance), number, context))
 }
 
-/// What passes a distance through a medium: the transmittance, or where the medium varies an estimate of it that is a
-/// function of the ray and of a random number.
+/// Transmittance of a distance through a medium; where the medium varies an estimate of it that is a function of the
+/// ray and of a random number.
 pub fn passed(medium: u32, (ray, distance): (&Ray, f32), number: f32, context: &PathContext<'_, '_>) -> Spectrum {
     let (scene, lambda) = (context.scene, &*context.lambda);
     let medium = &scene.media()[medium as usize];
@@ -33,7 +33,7 @@ pub fn passed(medium: u32, (ray, distance): (&Ray, f32), number: f32, context: &
     Stretch { medium, field, ray, distance, lambda, stop }.estimate_transmittance(scene, number, &mut glow)
 }
 
-/// What a medium gives off over a distance, and what passes it.
+/// Emission of a medium over a distance, and its transmittance.
 fn glowing(m: u32, (ray, distance): (&Ray, f32), number: f32, context: &PathContext<'_, '_>) -> [Spectrum; 2] {
     let (scene, lambda) = (context.scene, &*context.lambda);
     let medium = &scene.media()[m as usize];

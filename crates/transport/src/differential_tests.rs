@@ -100,7 +100,7 @@ fn footprints_are_differences_of_neighbouring_paths() {
     }
 }
 
-/// What blurs by far more than a pixel ends a differential.
+/// A lobe that blurs by far more than a pixel ends a differential.
 #[test]
 fn broad_lobes_follow_no_differential() {
     let rough = Node::new(Family::Material, "conductor", None).with("alpha_u", 0.4).with("alpha_v", 0.4);

@@ -7,7 +7,7 @@ use steradian_core::{
 };
 use steradian_math::{Spectrum, spectra::Wavelengths, warp};
 
-/// What became of a flight through a medium.
+/// Outcome of a flight through a medium.
 pub enum Flight {
     /// Scattered at a distance; factor on the throughput.
     Scattered(f32, Spectrum),
@@ -42,7 +42,7 @@ fn mean(s: ByLane, lanes: u32) -> f32 {
     if lanes == 1 { s[0] } else { several }
 }
 
-/// Whether so many lanes are zero.
+/// True if so many lanes are zero.
 #[inline(always)]
 fn is_zero(s: ByLane, lanes: u32) -> bool {
     (s[0] == 0.0) & ((lanes == 1) | ((s[1] == 0.0) & (s[2] == 0.0) & ((lanes == 3) | (s[3] == 0.0))))
@@ -57,8 +57,8 @@ fn chosen(s: ByLane, lane: f32, lanes: u32) -> f32 {
     if (lanes == 1) | (at < 2.0) { low } else { high }
 }
 
-/// What a flight over at most a distance comes to, where the coefficients of absorption and scattering are the same
-/// everywhere: how far it goes if it scatters, and the factor on the throughput.
+/// Free flight over at most a distance, where the coefficients of absorption and scattering are the same everywhere:
+/// the distance at which it scatters, if it does, and the factor on the throughput.
 #[inline(always)]
 pub fn homogeneous_flight(
     (sigma_a, sigma_s): (ByLane, ByLane),
@@ -91,8 +91,8 @@ pub fn sample_flight(scene: &Scene, medium: &Medium, distance: f32, lane: f32, u
     t.map_or(Flight::Passed(factor), |t| Flight::Scattered(t, factor))
 }
 
-/// What passes a distance, to scatter at its end or not, and the density (per length where it scatters) with which
-/// [`sample_flight`] finds it.
+/// Transmittance of a distance, times σs if the flight scatters at its end, and the density (per length where it
+/// scatters) with which [`sample_flight`] finds it.
 #[inline]
 pub fn flight_density(
     scene: &Scene,

@@ -19,7 +19,7 @@ use steradian_core::{
 use steradian_engine::{Counters, PathContext, dimension};
 use steradian_math::{Frame, Spectrum};
 
-/// What a ray leads to. In place, since nothing is allocated per sample.
+/// End of a ray. In place, since nothing is allocated per sample.
 #[allow(clippy::large_enum_variant)]
 #[derive(Clone, Copy, Debug)]
 pub enum Arrival<'s> {

@@ -4,7 +4,7 @@ use steradian_bsdf::BsdfSample;
 use steradian_core::material::Scattering;
 use steradian_math::{Frame, Vec2, Vec3};
 
-/// What knows where light comes from, and draws directions that lead there.
+/// Guide of paths: it knows where light comes from, and draws directions that lead there.
 pub trait Guide {
     /// Draws a direction at `p`, as [`Scattering::sample`] does, by the surface or by what is known.
     fn sample(

@@ -1,6 +1,6 @@
-//! What all methods of light transport share: the state of a path and its vertices, following it to the next vertex,
-//! next-event estimation, emission and environments, media, Russian roulette, and weights of multiple importance
-//! sampling.
+//! Common parts of all methods of light transport: the state of a path and its vertices, following it to the next
+//! vertex, next-event estimation, emission and environments, media, Russian roulette, and weights of multiple
+//! importance sampling.
 //!
 //! * `walk` is the loop of path tracing: at each vertex the light sample, the direction, roulette, and the way to the
 //!   next vertex (`follow`). A `PathState` draws light samples and directions at a `Vertex`; a `PathContext` carries

@@ -53,8 +53,9 @@ pub fn unoccluded(s: &LightSample, wo: Vec3, frame: &Frame, scattering: &Scatter
     e.value * s.radiance * (weight / s.pdf)
 }
 
-/// Where a path last scattered, for the weight of light that it then meets; `None` from the camera and after specular
-/// events, when no light sample could have found it.
+/// Last scattering event of a path, as a reference point for light sampling and the density of the direction drawn
+/// there, for the weight of light that the path then meets; `None` from the camera and after specular events, when no
+/// light sample could have found it.
 pub type Origin = Option<(LightContext, f32)>;
 
 /// Emission of the surface that a path met, weighted.

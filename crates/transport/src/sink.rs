@@ -1,4 +1,4 @@
-//! What becomes of the light that a path finds.
+//! Sinks: receivers of the light that a path finds.
 
 use crate::vertex::Vertex;
 use steradian_bsdf::BsdfSample;
@@ -12,11 +12,11 @@ pub struct Segment {
     pub ray: Ray,
     /// The path throughput along it.
     pub beta: Spectrum,
-    /// How often it has scattered.
+    /// Scattering events so far.
     pub events: u32,
 }
 
-/// What happens to a path. A sink that keeps these has the path itself.
+/// Event of a path. A sink that keeps these has the path itself.
 #[derive(Clone, Copy, Debug)]
 pub enum Step<'a> {
     /// A surface is met. What it emits is added next.
@@ -45,7 +45,7 @@ pub trait Sink {
         self.add(light);
     }
 
-    /// Whether direct light is given by [`Sink::add_direct`], with one light sample at each vertex.
+    /// True if direct light is given by [`Sink::add_direct`], with one light sample at each vertex.
     fn is_timed(&self) -> bool {
         false
     }

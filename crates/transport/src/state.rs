@@ -22,24 +22,24 @@ use steradian_math::{Ray, Spectrum, Vec3};
 /// A path that sets out along a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct PathState {
-    /// Where it goes.
+    /// Next ray.
     pub ray: Ray,
-    /// What it carries.
+    /// Path throughput β = ∏ f·cosθ/pdf.
     pub beta: Spectrum,
     /// The throughput counts for this many times as much in roulette: without the compression of radiance by
     /// refraction, and as if surfaces alone had drawn the directions. A path that photons lead to light carries little
     /// because it is one of many, not because light was lost.
     pub for_roulette: f32,
-    /// Where it last scattered.
+    /// Last scattering event.
     pub origin: nee::Origin,
-    /// How often it scattered.
+    /// Scattering events so far.
     pub events: u32,
-    /// How many surfaces it passed straight.
+    /// Surfaces passed straight.
     pub passes: u32,
     /// The medium that it goes through.
     pub medium: Option<u32>,
-    /// What makes textures' footprints, up to the first event that blurs; from there on they are those of the camera
-    /// seeing the point.
+    /// Ray differential for textures' footprints, up to the first event that blurs; from there on these are those of
+    /// the camera seeing the point.
     pub differential: Option<RayDifferential>,
     /// Light samples to take where it arrives.
     pub lights: u32,

@@ -47,7 +47,7 @@ struct Object<'s> {
     scene: &'s Scene,
     instance: u32,
     material: u32,
-    /// Whether normals point inwards.
+    /// True if normals point inwards.
     is_inside_out: bool,
 }
 

@@ -73,7 +73,7 @@ pub struct Stretch<'a> {
     pub field: &'a Field,
     /// The ray.
     pub ray: &'a Ray,
-    /// How far along it, in units of its direction.
+    /// Length of the stretch, in units of the ray's direction.
     pub distance: f32,
     /// The wavelengths.
     pub lambda: &'a Wavelengths,
@@ -91,7 +91,7 @@ impl Stretch<'_> {
         self.track((chosen, lanes), numbers(self.ray, number), scatters, emitted)
     }
 
-    /// What passes: an estimate whose mean is the transmittance; adds the light that the medium gives off on the way.
+    /// Estimates the transmittance without bias; adds the light that the medium gives off on the way.
     pub fn estimate_transmittance(&self, scene: &Scene, number: f32, emitted: &mut Spectrum) -> Spectrum {
         let lanes = lanes(scene, self.lambda);
         let mut rng = numbers(self.ray, number);

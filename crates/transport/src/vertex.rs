@@ -1,4 +1,4 @@
-//! Where a path scatters: light straight from lights, and the way on.
+//! Vertices of paths: light straight from lights, and the way on.
 
 use crate::{attenuation, nee, power_heuristic};
 use steradian_bsdf::{Bsdf, BsdfEval, BsdfSample, Lobe, TransportMode};
@@ -13,7 +13,7 @@ use steradian_core::{
 use steradian_engine::{PathContext, dimension};
 use steradian_math::{Frame, Ray, Spectrum, Vec2, Vec3};
 
-/// Where a path scatters. In place, since nothing is allocated per sample.
+/// Vertex of a path: a point that scatters. In place, since nothing is allocated per sample.
 #[allow(clippy::large_enum_variant)]
 #[derive(Clone, Copy, Debug)]
 pub enum Vertex<'s> {
@@ -21,7 +21,7 @@ pub enum Vertex<'s> {
     Surface {
         /// The point.
         i: Interaction,
-        /// How it scatters.
+        /// Scattering model.
         scattering: Scattering<'s>,
         /// The shading frame.
         frame: Frame,
@@ -36,7 +36,7 @@ pub enum Vertex<'s> {
         wo: Vec3,
         /// The moment of the exposure.
         time: f32,
-        /// How it scatters.
+        /// Medium, with its phase function.
         scattering: &'s Medium,
         /// Its index.
         medium: u32,
@@ -62,13 +62,13 @@ impl Vertex<'_> {
         }
     }
 
-    /// Whether light samples find nothing here.
+    /// True if light samples find nothing here.
     #[inline]
     pub fn is_specular(&self) -> bool {
         matches!(self, Self::Surface { scattering, .. } if scattering.bsdf.is_specular())
     }
 
-    /// Whether part of the light goes through as if there were nothing.
+    /// True if part of the light goes through as if there were nothing.
     #[inline]
     pub(crate) fn passes_straight(&self) -> bool {
         match self {
@@ -144,7 +144,7 @@ impl Vertex<'_> {
         }
     }
 
-    /// Whether light samples bring nothing.
+    /// True if light samples bring nothing.
     #[inline]
     pub fn is_unlit(&self) -> bool {
         match self {
@@ -205,8 +205,8 @@ impl Vertex<'_> {
         (!light.is_black()).then_some((light, s.wi, s.distance))
     }
 
-    /// What is left of light that comes from a distance in a direction, by the medium on the way; where nothing is
-    /// passed straight.
+    /// Attenuates light that comes from a distance in a direction by the medium on the way; where nothing is passed
+    /// straight.
     #[inline]
     pub fn attenuated<const MEDIA: bool>(
         &self,
@@ -238,7 +238,7 @@ impl Vertex<'_> {
         Some((self.transmitted::<MEDIA>(light, (wi, distance), number, context), wi, distance))
     }
 
-    /// What arrives here of light that comes from a distance in a direction.
+    /// Light from a distance in a direction that arrives here: by visibility, and through media by transmittance.
     #[inline]
     pub fn transmitted<const MEDIA: bool>(
         &self,

@@ -34,8 +34,8 @@ pub fn along<const MEDIA: bool, S: Sink>(
     }
 }
 
-/// What a path brings that arrived at a vertex, what came before it in `sink`: light scattered there towards where it
-/// came from, without emission.
+/// Continues a path from a vertex at which it arrived, with the light before it in `sink`: adds light scattered there
+/// towards where the path came from, without emission.
 #[inline]
 pub fn leaving<'s, const MEDIA: bool, S: Sink>(
     vertex: &Vertex<'s>,
