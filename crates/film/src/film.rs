@@ -5,7 +5,7 @@ use crate::{Crop, Half, LayerSums, Pixel};
 /// The state of a film: what a render gives to be looked at or saved.
 #[derive(Clone, Debug)]
 pub struct Film {
-    /// What of the full frame it shows.
+    /// Part of the full frame that it shows.
     pub crop: Crop,
     /// Pixels by rows.
     pub pixels: Vec<Pixel>,
@@ -13,6 +13,6 @@ pub struct Film {
     pub layers: LayerSums,
     /// The halves of samples, by rows; empty where they were not kept.
     pub halves: Vec<Half>,
-    /// How many intervals of the arrival of light these are instead; 0 where they are groups of lights.
+    /// Number of time bins of a transient render, which take the place of groups of lights; 0 where there are none.
     pub bins: u32,
 }

@@ -45,7 +45,7 @@ pub struct Filter {
     axes: Arc<[Axis; 2]>,
 }
 
-/// How one axis is sampled: the density `|f|` over `BINS` cells of `[-1, 1]`.
+/// Sampling of one axis: the density `|f|` over `BINS` cells of `[-1, 1]`.
 #[derive(Debug)]
 struct Axis {
     density: Piecewise1D,
@@ -143,7 +143,7 @@ impl Filter {
         }
     }
 
-    /// Of the filters that are not constant.
+    /// Samples the filters that are not constant.
     #[inline(never)]
     fn sample_curved(&self, u: Vec2) -> (Vec2, f32) {
         match self.kind {

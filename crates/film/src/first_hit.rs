@@ -1,6 +1,6 @@
-//! What camera rays see first, summed over a pixel: the auxiliary layers, and what guides a denoiser.
+//! First hits of camera rays, summed over a pixel: the auxiliary layers, and the guides of a denoiser.
 
-/// What is seen first by a camera ray: the auxiliary layers.
+/// First hit of a camera ray: the auxiliary layers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FirstHit {
     /// Reflectance estimate, linear Rec.709.

@@ -2,7 +2,7 @@
 
 use crate::Pixel;
 
-/// What one half of a pixel's samples, those of even number, has in the pixel's mean; the rest is the other half's.
+/// Part of a pixel's mean that one half of its samples, those of even number, makes; the rest is the other half's.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Half {
     /// Its part of the mean: linear Rec.709 radiance times the weight.
@@ -12,7 +12,7 @@ pub struct Half {
 }
 
 impl Half {
-    /// Of so many of a pixel's samples with this sum.
+    /// Half of so many of a pixel's samples with this sum.
     pub fn of(sum: [f64; 3], samples: u32, pixel: &Pixel) -> Self {
         let n = f64::from(pixel.samples.max(1));
         Self { part: sum.map(|s| s / n), weight: f64::from(samples) / n }

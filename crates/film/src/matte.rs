@@ -1,10 +1,10 @@
-//! What covers a pixel: the objects and materials that its samples hit first, and how many of them hit each.
+//! Coverage of a pixel: the objects and materials that its samples hit first, and how many of them hit each.
 //! Cryptomattes are made of these.
 
 /// Things that a pixel counts. With more of them in one pixel, those that are met last are left out.
 const SLOTS: usize = 8;
 
-/// How many samples hit which thing.
+/// Number of samples that hit each thing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Hits {
     /// Numbers of things; 0 where a slot is free.

@@ -19,7 +19,7 @@ pub struct PassFilm<'s> {
     spec: &'s FilmSpec,
     /// By rows of the crop.
     sums: Vec<[f64; 3]>,
-    /// Of each group of lights, pixel by pixel.
+    /// Sums of each group of lights, pixel by pixel.
     by_light: Vec<[f64; 3]>,
     groups: usize,
     /// Contributions that were not finite, which count as black.
@@ -33,7 +33,7 @@ impl<'s> PassFilm<'s> {
         Self { spec, sums: vec![[0.0; 3]; n], by_light: vec![[0.0; 3]; n * groups], groups, nonfinite: 0 }
     }
 
-    /// What was added to each pixel, by rows of the crop.
+    /// Sum of each pixel's contributions, by rows of the crop.
     pub fn sums(&self) -> &[[f64; 3]] {
         &self.sums
     }
@@ -48,7 +48,7 @@ impl<'s> PassFilm<'s> {
         self.nonfinite
     }
 
-    /// What of the frame is kept.
+    /// Part of the frame that is kept.
     pub fn crop(&self) -> Crop {
         self.spec.crop
     }

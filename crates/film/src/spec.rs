@@ -1,4 +1,4 @@
-//! What a film is like: its size, the part that is rendered, its filter, and how it takes radiance.
+//! Specification of a film: its size, the part that is rendered, its filter, and how it takes radiance.
 
 use crate::Filter;
 use std::sync::Arc;
@@ -33,16 +33,16 @@ impl Crop {
     }
 }
 
-/// What the film is like.
+/// Specification of a film.
 #[derive(Clone, Debug)]
 pub struct FilmSpec {
     /// Columns of the full frame.
     pub width: u32,
     /// Rows of the full frame.
     pub height: u32,
-    /// What of it is rendered.
+    /// Part of it that is rendered.
     pub crop: Crop,
-    /// How samples spread around pixel centres.
+    /// Reconstruction filter around pixel centres.
     pub filter: Filter,
     /// Factor from radiance to film value (pbrt's exposure time × ISO / 100).
     pub imaging_ratio: f32,
@@ -51,9 +51,9 @@ pub struct FilmSpec {
     pub unit_luminance: f64,
     /// Samples with a larger component are scaled down to it; infinite where nothing is clamped.
     pub max_component: f32,
-    /// How light becomes colours; `None` for the CIE 1931 observer.
+    /// Colour response of the sensor; `None` for the CIE 1931 observer.
     pub response: Option<Arc<Response>>,
-    /// What adds noise when the film is developed; `None` for a picture without noise of its own.
+    /// Noise model for development; `None` for a picture without noise of its own.
     pub sensor: Option<Sensor>,
 }
 

@@ -143,7 +143,7 @@ impl fmt::Debug for Layer {
 /// Channels that [`Layer::HALVES`] begins with.
 pub const HALVES: [&str; 2] = ["half_a", "half_b"];
 
-/// What layers call the things that they show.
+/// Names of the things that layers show.
 #[derive(Clone, Debug, Default)]
 pub struct Names {
     /// Objects by [`FirstHit::shape`].
