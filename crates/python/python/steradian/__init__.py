@@ -72,7 +72,7 @@ def material(kind: str, *, wavelengths: Sequence[float] | None = None, **paramet
 
 
 def compare(image: Image, reference: Image) -> dict[str, Any]:
-    """How far a picture is from a reference of its size: mse, rmse, rel_mse, psnr (dB), max_abs, mean, reference_mean, ratio, non_finite."""
+    """Errors of a picture against a reference of its size: mse, rmse, rel_mse, psnr (dB), max_abs, mean, reference_mean, ratio, non_finite."""
     return image.compare(reference)
 
 

@@ -19,7 +19,7 @@ PARTS = {
 
 
 def text(value: Any, where: str) -> str:
-    """A value in the language; messages call it `where`."""
+    """A value in Steradian's own language; messages call it `where`."""
     return json.dumps(_plain(value, where), allow_nan=False)
 
 
@@ -40,7 +40,7 @@ def _is_in_place(mesh: Any) -> bool:
 
 
 def mesh_arrays(mesh: Mapping[str, Any], where: str) -> dict[str, Any]:
-    """The arrays of a mesh as the native part takes them."""
+    """Arrays of a mesh as the native part takes them."""
     unknown = [key for key in mesh if key not in PARTS and key != "attributes"]
     if unknown:
         raise SceneError(f"'{where}' has '{unknown[0]}'; the parts of a mesh are {', '.join(PARTS)}, attributes")
@@ -73,7 +73,7 @@ def _rows(value: Any, where: str, columns: int, whole: bool) -> NDArray[Any]:
 
 
 def _attribute(value: Any, where: str) -> tuple[str, NDArray[np.float32]]:
-    """What an attribute has values for, and these by rows: an array of one for each vertex, or `{"face": 3, "data": …}`."""
+    """Domain of an attribute (vertex or face) and its values by rows: an array of one for each vertex, or `{"face": 3, "data": …}`."""
     domain, count = "vertex", None
     if isinstance(value, Mapping):
         domains = [key for key in value if key in ("vertex", "face")]

@@ -13,7 +13,7 @@ from . import _steradian
 
 @dataclass(frozen=True, eq=False)
 class Hits:
-    """What rays met first, each field an array of one row for each ray.
+    """Nearest hits of rays, each field an array of one row for each ray.
 
     Where a ray met nothing, `t` is infinite, `shape` and `material` are 0, and `primitive` is -1.
     """
@@ -43,7 +43,7 @@ class Hits:
 
     @property
     def hit(self) -> NDArray[np.bool_]:
-        """Whether rays met anything."""
+        """True for rays that met anything."""
         return np.isfinite(self.t)
 
     @property
@@ -70,7 +70,7 @@ def _named(numbers: NDArray[Any], names: dict[int, str]) -> NDArray[Any]:
 
 @dataclass(frozen=True, eq=False)
 class BsdfSamples:
-    """Directions that were drawn, each field an array of one row for each; where none was, weight and pdf are zero."""
+    """Sampled directions, each field an array of one row for each; where none was drawn, weight and pdf are zero."""
 
     wi: NDArray[np.float32]
     """Unit directions, away from the surface; zero where none was drawn, for which eval and pdf are zero."""
@@ -81,14 +81,14 @@ class BsdfSamples:
     eta: NDArray[np.float32]
     """Relative index of refraction that a transmitted ray met, else 1."""
     specular: NDArray[np.bool_]
-    """Whether the lobe is a mirror or a clear pane, of which eval and pdf know nothing."""
+    """True for lobes of mirrors and clear panes, which eval and pdf leave out."""
 
     def __repr__(self) -> str:
         return f"<steradian.BsdfSamples: {int((self.pdf > 0).sum())} of {self.pdf.size} directions>"
 
 
 def vectors(name: str, value: ArrayLike, columns: tuple[int, ...] = (3,)) -> NDArray[np.float32]:
-    """An array of rows of so many numbers."""
+    """Array of rows of so many numbers."""
     array = np.asarray(value)
     if array.dtype.kind not in "iuf":
         raise ValueError(f"{name} has the dtype {array.dtype}, where numbers are needed")
@@ -98,7 +98,7 @@ def vectors(name: str, value: ArrayLike, columns: tuple[int, ...] = (3,)) -> NDA
 
 
 def together(**arrays: tuple[NDArray[Any], int]) -> tuple[tuple[int, ...], list[NDArray[np.float32]]]:
-    """Arrays of rows brought to one shape but for their columns: that shape, and the rows of each."""
+    """Broadcasts arrays of rows to one shape but for their columns; returns that shape, and the rows of each."""
     try:
         shape = np.broadcast_shapes(*(a.shape[: a.ndim - columns] for a, columns in arrays.values()))
     except ValueError:
@@ -148,7 +148,7 @@ class Material:
         return self._evaluate(wo, wi, uv)[0]
 
     def pdf(self, wo: ArrayLike, wi: ArrayLike, *, uv: tuple[float, float] = (0.5, 0.5)) -> NDArray[np.float32]:
-        """The density in 1/sr with which `sample` draws wi."""
+        """Density in 1/sr with which `sample` draws wi."""
         return self._evaluate(wo, wi, uv)[1]
 
     def sample(self, wo: ArrayLike, u: ArrayLike, *, uv: tuple[float, float] = (0.5, 0.5)) -> BsdfSamples:
@@ -162,7 +162,7 @@ class Material:
         return BsdfSamples(wi.reshape(*shape, 3), weight.reshape(lanes), pdf.reshape(shape), eta.reshape(shape), specular.reshape(shape))
 
     def albedo(self, wo: ArrayLike, *, samples: int = 1024, uv: tuple[float, float] = (0.5, 0.5)) -> NDArray[np.float32]:
-        """The part of the light from each direction that is reflected or transmitted, estimated from so many samples."""
+        """Albedo for light from each direction: the part that is reflected or transmitted, estimated from so many samples."""
         shape, rows = together(wo=(vectors("wo", wo), 1))
         found = self._inner.albedo(*rows, samples=samples, uv=uv)
         return found.reshape(*shape, found.shape[1])

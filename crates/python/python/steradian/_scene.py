@@ -21,11 +21,11 @@ StrPath = Union[str, "os.PathLike[str]"]
 
 
 class SceneWarning(UserWarning):
-    """What a scene asks for and does not get as it says: approximated, left out, without effect."""
+    """Part of a scene that is not rendered as the scene says: approximated, left out, or without effect."""
 
 
 class _Parts(dict[str, Any]):
-    """A value of parts: a part that is set sets the whole value."""
+    """Value with parts: setting a part sets the whole value."""
 
     def __init__(self, value: dict[str, Any], put: Callable[[dict[str, Any]], None]):
         super().__init__(value)
@@ -126,7 +126,7 @@ class Node(MutableMapping[str, Any]):
 
     @property
     def to_world(self) -> NDArray[np.float64]:
-        """Where a shape is: its transform into the world, or its group, (4, 4). Of other nodes it is a parameter."""
+        """Transform of a shape into the world, or its group, (4, 4). Of other nodes it is a parameter."""
         return _fixed(_steradian.placement(self._scene, self._name))
 
     @to_world.setter
@@ -140,7 +140,7 @@ class Node(MutableMapping[str, Any]):
     def set_mesh(self, **parts: Any) -> None:
         """Changes arrays of a mesh together, for one with more vertices: `node.set_mesh(positions=p, triangles=t, normals=None)`.
 
-        What is None is left out, what is not named stays. All shapes that share the mesh change.
+        Arrays that are None are left out, those that are not named stay. All shapes that share the mesh change.
         """
         arrays = _steradian.mesh(self._scene, self._name)
         given = mesh_arrays(parts, self._name)
@@ -161,15 +161,15 @@ class Node(MutableMapping[str, Any]):
 
 
 def _fixed(array: NDArray[Any]) -> NDArray[Any]:
-    """A copy of what a scene has is not to be written into, since the scene would not know."""
+    """Makes the copy of a scene's value read-only, since the scene would not know of a change."""
     array.flags.writeable = False
     return array
 
 
 class Parameters(Mapping[str, Parameter]):
-    """All that can be set of a scene, by `node.parameter`, those at their defaults too. Setting takes effect at the next render.
+    """All parameters of a scene, by `node.parameter`, those at their defaults too. Setting takes effect at the next render.
 
-    A snapshot: what is set later by other ways is not in it.
+    A snapshot: values that are set later by other ways are not in it.
     """
 
     def __init__(self, scene: _steradian.Scene):
@@ -211,7 +211,7 @@ class Scene(Mapping[str, Node]):
         self._warn(inner.messages, 4)
 
     def _warn(self, messages: Sequence[Message], depth: int) -> None:
-        """Shows, once each, what was lost; notes are for those who ask."""
+        """Warns once of each loss; notes are for those who ask."""
         for m in messages:
             if m.kind != "note" and m.text not in self._told:
                 self._told.add(m.text)
@@ -239,11 +239,11 @@ class Scene(Mapping[str, Node]):
 
     @property
     def messages(self) -> list[Message]:
-        """What reading and compiling had to say: approximations, parameters that nothing reads, …"""
+        """Messages of reading and compiling: approximations, parameters that nothing reads, …"""
         return self._inner.messages
 
     def params(self) -> Parameters:
-        """All that can be set, each with its value, default, type, unit, range and meaning: `scene.params()["clay.reflectance"].doc`."""
+        """All parameters, each with its value, default, type, unit, range and meaning: `scene.params()["clay.reflectance"].doc`."""
         return Parameters(self._inner)
 
     def material(self, name: str, *, color: str = "auto") -> Material:
@@ -253,7 +253,7 @@ class Scene(Mapping[str, Node]):
     def trace(
         self, origins: ArrayLike, directions: ArrayLike, *, max_distance: ArrayLike = np.inf, time: float = 0.0
     ) -> Hits:
-        """What rays meet first: arrays (…, 3), which are broadcast.
+        """Nearest hits of rays, given as arrays (…, 3), which are broadcast.
 
         Distances are in units of the length of the direction. `time` is the moment of the exposure, from 0 to 1.
         """
@@ -262,7 +262,7 @@ class Scene(Mapping[str, Node]):
     def occluded(
         self, origins: ArrayLike, directions: ArrayLike, max_distance: ArrayLike = np.inf, *, time: float = 0.0
     ) -> NDArray[np.bool_]:
-        """Whether rays meet anything that scatters light before a distance, in units of the length of the direction.
+        """True for rays that meet anything that scatters light before a distance, in units of the length of the direction.
 
         Rays that start at surfaces meet these, unless they start a little off: `hits.position + 1e-4 * hits.normal`.
         """
@@ -321,7 +321,7 @@ class Scene(Mapping[str, Node]):
         """Shows the scene, as it is now, in a page that renders while one looks: `steradian view` of the command line.
 
         The View ends with `close()`, at the end of a `with`, or when it goes away. In notebooks it is shown as a frame where a
-        cell ends with it; elsewhere the browser opens, unless `open` is false. Who knows the address may edit the page's copy of
+        cell ends with it; elsewhere the browser opens, unless `open` is false. Anyone who knows the address may edit the page's copy of
         the scene, and save pictures into its folder.
         """
         view = self._inner.view(integrator=integrator, spp=spp, size=size, bind=bind, port=port)
@@ -336,7 +336,7 @@ class Scene(Mapping[str, Node]):
     def save(self, path: StrPath, *, overwrite: bool = False) -> None:
         """Writes the scene in the format of the extension (.steradian, .xml, .pbrt, .gltf, .glb), and meshes and pictures beside it.
 
-        What the format cannot say is a warning. FileExistsError where `path` is a file that the scene was read from, unless
+        Losses by the format are warnings. FileExistsError where `path` is a file that the scene was read from, unless
         `overwrite` is true.
         """
         self._warn(self._inner.save(path, overwrite=overwrite), 3)
@@ -363,7 +363,7 @@ class Scene(Mapping[str, Node]):
 
 
 def _is_watched() -> bool:
-    """Whether somebody sees lines that are written over: in a terminal or a notebook."""
+    """True if somebody sees lines that are written over: in a terminal or a notebook."""
     return sys.stderr.isatty() or _is_notebook()
 
 
@@ -372,7 +372,7 @@ def _is_notebook() -> bool:
 
 
 class _Bar:
-    """A line that tells how far a render is."""
+    """Progress line of a render."""
 
     def __init__(self) -> None:
         self._told = False
@@ -389,5 +389,5 @@ class _Bar:
 
 
 def _restored(document: str, files: dict[str, bytes], path: str, search: list[str]) -> Scene:
-    """A scene from what it was pickled as: its text, and meshes and pictures that it has in memory."""
+    """Scene from its pickled form: its text, and meshes and pictures that it has in memory."""
     return Scene(_steradian.Scene.describe(document, files=files, path=path, search=search))

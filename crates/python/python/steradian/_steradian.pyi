@@ -1,4 +1,4 @@
-"""The native part of steradian."""
+"""Native part of steradian."""
 
 import os
 from collections.abc import Callable, Mapping, Sequence
@@ -8,31 +8,31 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __version__: str
-"""The version of the package."""
+"""Version of the package."""
 
 class SceneError(ValueError):
-    """A scene that has errors; the text has every one of them with its line and carets."""
+    """Error of a scene; the text has every one of its errors with line and carets."""
 
 def read_image(path: str | os.PathLike[str]) -> Image:
     """A picture from a file (.exr, .hdr, .pfm, .png, .jpg, …) as linear planes; every channel of an EXR file is kept."""
 
 def registry() -> dict[str, dict[str, str]]:
-    """The names of what there is, family by family, each with its description."""
+    """Names of all kinds, family by family, each with its description."""
 
 def spectrum(name: str, wavelengths: NDArray[np.float32]) -> NDArray[np.float32]:
     """A spectrum known by name at wavelengths in nm."""
 
 def mesh(scene: Scene, node: str) -> dict[str, Any]:
-    """The arrays of a shape's mesh, in its own space; those that are empty are not there."""
+    """Arrays of a shape's mesh, in its own space; empty ones are left out."""
 
 def set_mesh(scene: Scene, node: str, parts: dict[str, Any]) -> None:
     """Gives a shape another mesh; so to all shapes that share it."""
 
 def placement(scene: Scene, node: str) -> NDArray[np.float64]:
-    """Where a shape is: its transform into the world, or its group, 4 × 4."""
+    """Transform of a shape into the world, or its group, 4 × 4."""
 
 def set_placement(scene: Scene, node: str, rows: Sequence[float]) -> None:
-    """Puts a shape elsewhere, by 16 numbers."""
+    """Sets the transform of a shape, by 16 numbers."""
 
 def trace(
     scene: Scene,
@@ -42,7 +42,7 @@ def trace(
     *,
     time: float = 0.0,
 ) -> dict[str, Any]:
-    """What rays meet first, as a dictionary of arrays."""
+    """Nearest hits of rays, as a dictionary of arrays."""
 
 def occluded(
     scene: Scene,
@@ -52,26 +52,26 @@ def occluded(
     *,
     time: float = 0.0,
 ) -> NDArray[np.bool_]:
-    """Whether rays meet anything that scatters before their distance."""
+    """True for rays that meet anything that scatters before their distance."""
 
 @final
 class Message:
-    """One thing that reading or compiling had to say."""
+    """Message of reading or compiling."""
 
     kind: str
-    """`error`, `warning`, `note`, or what was lost: `approximated`, `dropped`, `unused`."""
+    """`error`, `warning`, `note`, or the kind of loss: `approximated`, `dropped`, `unused`."""
     message: str
     """One sentence."""
     path: str | None
-    """The file, if it has a place in one."""
+    """File, if the message has a place in one."""
     line: int | None
-    """From 1."""
+    """Line, from 1."""
     column: int | None
-    """From 1, in characters."""
+    """Column, from 1, in characters."""
     help: str | None
-    """What to do about it."""
+    """Advice."""
     text: str
-    """All of it, with the line and carets."""
+    """Whole text, with the line and carets."""
 
 @final
 class Parameter:
@@ -80,26 +80,26 @@ class Parameter:
     node: str
     """The node's name."""
     name: str
-    """The parameter's."""
+    """The parameter's name."""
     value: Any
-    """What is set; None where the default counts."""
+    """Value; None where the default counts."""
     default: str
-    """What counts where nothing is set; empty where the schema does not know the parameter."""
+    """Default value; empty where the schema does not know the parameter."""
     type: str
-    """What values it takes, in words."""
+    """Type of its values, in words."""
     unit: str
     """Unit; empty for pure numbers."""
     range: tuple[float, float] | None
     """Least and greatest number, or None."""
     doc: str
-    """What it is."""
+    """Description."""
 
 @final
 class Progress:
-    """How far a render is."""
+    """Progress of a render."""
 
     fraction: float
-    """Of all samples, from 0 to 1."""
+    """Fraction of all samples, from 0 to 1."""
     spp: float
     """Samples per pixel so far."""
     seconds: float
@@ -110,19 +110,19 @@ class View:
     """A page that shows a scene as it was when the view began; it ends when it is closed, or goes away."""
 
     url: str
-    """Its address, which holds a secret."""
+    """Address of the page, which holds a secret."""
     def close(self) -> None:
-        """Ends it; once more does nothing."""
+        """Ends the view; a second call does nothing."""
     def __enter__(self) -> View: ...
     def __exit__(self, *_exception: object) -> None: ...
     def _repr_html_(self) -> str:
-        """What notebooks show: the page in a frame."""
+        """HTML for notebooks: the page in a frame."""
 
 @final
 class Image:
     """A picture: planes of linear values by name, rows from the top.
 
-    `Image(planes)` makes one of height × width numbers by name, which are copied; `about` is what another one's `about()` gives.
+    `Image(planes)` makes one of height × width numbers by name, which are copied; `about` is the `about()` of another one.
     """
 
     width: int
@@ -151,7 +151,7 @@ class Image:
     def metadata(self) -> dict[str, str | float | int | list[float]]:
         """Texts and numbers that a file keeps beside the picture, by name; a copy."""
     def about(self) -> dict[str, Any]:
-        """What is known of the picture beside its planes."""
+        """Data of the picture beside its planes."""
     def __getitem__(self, name: str) -> NDArray[np.float32]: ...
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]: ...
     def layer(self, name: str = "") -> NDArray[np.float32]:
@@ -172,14 +172,14 @@ class Image:
     def png(self, *, tonemap: str | None = None, exposure: float | None = None) -> bytes:
         """The bytes of a PNG file."""
     def to_uint8(self, *, tonemap: str | None = None, exposure: float | None = None) -> NDArray[np.uint8]:
-        """What is shown of the picture: height × width × 3 numbers from 0 to 255, after exposure and tone curve."""
+        """Display values: height × width × 3 numbers from 0 to 255, after exposure and tone curve."""
     def compare(self, reference: Image) -> dict[str, Any]:
-        """How far the picture is from a reference of its size."""
+        """Errors of the picture against a reference of its size."""
     def _repr_png_(self) -> bytes: ...
 
 @final
 class Material:
-    """A material under glass."""
+    """Material as a function of directions."""
 
     @staticmethod
     def describe(kind: str, parameters: Sequence[tuple[str, str]], *, wavelengths: Sequence[float] | None = None) -> Material:
@@ -191,9 +191,9 @@ class Material:
     def sample(
         self, wo: NDArray[np.float32], u: NDArray[np.float32], *, uv: tuple[float, float] = (0.5, 0.5)
     ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_]]:
-        """Directions that are drawn, weights, densities, relative indices of refraction, and whether lobes are specular."""
+        """Sampled directions, weights, densities, relative indices of refraction, and flags of specular lobes."""
     def albedo(self, wo: NDArray[np.float32], *, samples: int = 1024, uv: tuple[float, float] = (0.5, 0.5)) -> NDArray[np.float32]:
-        """The part of the light from each direction that is scattered."""
+        """Albedo: the part of the light from each direction that is scattered."""
 
 @final
 class Scene:
@@ -217,7 +217,7 @@ class Scene:
         search: Sequence[str | os.PathLike[str]] = ...,
         strict: bool = False,
     ) -> Scene:
-        """Reads a text in a format, by default what it looks like."""
+        """Reads a text in a format; by default the format is recognised by the text."""
     @staticmethod
     def describe(
         text: str,
@@ -231,7 +231,7 @@ class Scene:
         """Reads a document in Steradian's own language, with meshes and files that are in memory, by their names in it."""
     @property
     def messages(self) -> list[Message]:
-        """Everything that reading and compiling had to say so far."""
+        """All messages of reading and compiling so far."""
     @property
     def nodes(self) -> list[tuple[str, tuple[str, str]]]:
         """Families and kinds of all nodes by their names."""
@@ -241,17 +241,17 @@ class Scene:
     def parameters(self, node: str) -> list[str]:
         """The names of the parameters that a node sets."""
     def params(self) -> list[Parameter]:
-        """All that can be set of all nodes."""
+        """All parameters of all nodes."""
     def get(self, node: str, parameter: str) -> Any:
         """The value of a node's parameter; None where it is not set."""
     def set_text(self, node: str, parameter: str, value: str) -> None:
         """Sets a parameter to a value in Steradian's own language; `null` takes it away."""
     def text(self, path: str | os.PathLike[str]) -> tuple[str, list[tuple[os.PathLike[str], bytes]]]:
-        """The scene in Steradian's own language, for a file at `path`; with what goes beside it by name."""
+        """The scene in Steradian's own language, for a file at `path`; with the files beside it, by name."""
     def save(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> list[Message]:
-        """Writes the scene in the format of the extension; gives what was approximated or left out."""
+        """Writes the scene in the format of the extension; returns messages on approximations and losses."""
     def copy(self) -> Scene:
-        """A scene of its own that is as this one."""
+        """Independent copy of the scene."""
     def view(
         self,
         *,
@@ -263,7 +263,7 @@ class Scene:
     ) -> View:
         """Shows the scene, as it is now, in a page of a server on this machine."""
     def origin(self) -> tuple[os.PathLike[str] | None, list[os.PathLike[str]]]:
-        """Where the scene's file is, and the folders that are searched for others."""
+        """Path of the scene's file, and the folders that are searched for others."""
     def material(self, name: str, *, color: str = "auto") -> Material:
         """A material by its name, to be evaluated."""
     def render(
