@@ -13,10 +13,12 @@ pub fn towards(
     context: &mut PathContext<'_, '_>,
 ) -> Spectrum {
     let scene = context.scene;
+    // Where surfaces may let light pass straight, the way is followed surface by surface.
     if scene.is_see_through() {
         return along(ray, (medium, number), None, context);
     }
     context.counters.rays += 1;
+    // Else one visibility test, and one medium for the whole way.
     if scene.occluded(&ray) {
         return Spectrum::ZERO;
     }
@@ -28,6 +30,7 @@ pub fn towards(
 pub fn passed(medium: u32, (ray, distance): (&Ray, f32), number: f32, context: &PathContext<'_, '_>) -> Spectrum {
     let (scene, lambda) = (context.scene, &*context.lambda);
     let medium = &scene.media()[medium as usize];
+    // Homogeneous: exp(−σt d). Else ratio tracking.
     let Some(field) = &medium.field else { return medium.transmittance(distance, lambda) };
     let (stop, mut glow) = (&context.counters.stop, Spectrum::ZERO);
     Stretch { medium, field, ray, distance, lambda, stop }.estimate_transmittance(scene, number, &mut glow)
@@ -38,6 +41,7 @@ fn glowing(m: u32, (ray, distance): (&Ray, f32), number: f32, context: &PathCont
     let (scene, lambda) = (context.scene, &*context.lambda);
     let medium = &scene.media()[m as usize];
     match &medium.field {
+        // ∫ σa Le exp(−σt t) dt in closed form, and exp(−σt d).
         None => [medium.glow_over(distance, lambda), medium.transmittance(distance, lambda)],
         Some(field) => {
             let stretch = Stretch { medium, field, ray, distance, lambda, stop: &context.counters.stop };
@@ -56,12 +60,14 @@ pub fn along(
     context: &mut PathContext<'_, '_>,
 ) -> Spectrum {
     let (scene, mut t) = (context.scene, Spectrum::ONE);
+    // Segment by segment: the medium's transmittance to the next surface, then that of the surface.
     for _ in 0..MAX_PASSES {
         if context.counters.stop.is_asked() {
             break;
         }
         context.counters.rays += 1;
         let hit = scene.intersect(&ray);
+        // T ← T Tr of the segment; emission of the medium asked for is added with the T before it.
         if let Some(m) = medium {
             let distance = hit.as_ref().map_or(ray.t_max, |h| h.t);
             t *= match &mut glow {
@@ -76,6 +82,7 @@ pub fn along(
                 return t;
             }
         }
+        // Nothing more in the way: the light arrives with what is left.
         let Some(hit) = hit else { return t };
         let i = scene.interaction_of_light(&ray, &hit);
         // Interfaces pass everything, thin panes a part; what bends or stops light blocks the way.
@@ -85,6 +92,7 @@ pub fn along(
                 None => return Spectrum::ZERO,
             }
         }
+        // On in the medium behind the surface, for the rest of the distance.
         medium = scene.medium_towards(&i, ray.direction, medium);
         let next = i.spawn(ray.direction);
         // What is left of the way.

@@ -51,6 +51,7 @@ fn is_zero(s: ByLane, lanes: u32) -> bool {
 /// The one of so many lanes that a number chooses.
 #[inline(always)]
 fn chosen(s: ByLane, lane: f32, lanes: u32) -> f32 {
+    // Selections instead of an index, so that the columns of a block need no table.
     let at = lane * lanes as i32 as f32;
     let low = if (lanes == 1) | (at < 1.0) { s[0] } else { s[1] };
     let high = if (lanes == 3) | (at < 3.0) { s[2] } else { s[3] };
@@ -69,13 +70,20 @@ pub fn homogeneous_flight(
     let sigma_t = by_lane(|c| sigma_a[c] + sigma_s[c]);
     // Where nothing scatters the flight passes for sure.
     let only_absorbs = is_zero(sigma_s, lanes);
+    // t = −ln(1 − u)/σt by the extinction of the lane that the random number chooses; infinite where that lane passes
+    // all.
     let rate = chosen(sigma_t, lane, lanes);
     let t = if rate > 0.0 { warp::exponential(u, rate) } else { f32::INFINITY };
+    // The flight scatters if it ends before the surface.
     let scatters = !only_absorbs & (t < distance);
     let end = if scatters { t } else { distance };
+    // Tr = exp(−σt d) of every lane to the end of the flight.
     let tr = by_lane(|c| beer_lambert(sigma_t[c], end));
+    // Density: σt Tr to scatter there, Tr to pass; value: σs Tr and Tr.
     let density = by_lane(|c| if scatters { tr[c] * sigma_t[c] } else { tr[c] });
     let value = by_lane(|c| if scatters { tr[c] * sigma_s[c] } else { tr[c] });
+    // Single-sample MIS over lanes (balance heuristic): the density is the mean over all lanes that might have been
+    // chosen.
     let pdf = if only_absorbs { 1.0 } else { mean(density, lanes) };
     let factor = by_lane(|c| if pdf > 0.0 { value[c] / pdf } else { 0.0 });
     (if scatters { Some(t) } else { None }, factor)

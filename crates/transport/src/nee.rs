@@ -15,12 +15,14 @@ use steradian_math::{Frame, Spectrum, Vec3, spectra::Wavelengths};
 /// Reference point for light sampling at a surface: models that only reflect take none from below.
 #[inline]
 pub fn context(i: &Interaction, frame: &Frame, bsdf: &Bsdf) -> LightContext {
+    // A zero normal stands for both sides: models that transmit are lit from below, too.
     LightContext { p: i.surface.p, n: if bsdf.has_transmission() { Vec3::ZERO } else { frame.z } }
 }
 
 /// The light that is asked for at an event, and the probability of that.
 #[inline]
 pub fn choose(scene: &Scene, ctx: &LightContext, event: u32, sampler: &PixelSampler) -> Option<(u32, f32)> {
+    // The random number is drawn only where there are several lights to choose from.
     let u = sampler.get_1d_lazily(dimension::at(event, dimension::LIGHT), scene.lights().are_many());
     scene.lights().choose(ctx, u)
 }
@@ -34,7 +36,9 @@ pub fn sample_light(
     sampler: &PixelSampler,
     lambda: &Wavelengths,
 ) -> Option<LightSample> {
+    // First the light, with probability P(light) by its importance for this point.
     let (light, p) = choose(scene, ctx, event, sampler)?;
+    // Then a point on it. The density per solid angle is p(ω) = P(light) p(ω | light).
     let u = sampler.get_2d(dimension::at(event, dimension::LIGHT_POINT));
     let mut s = scene.lights().sample(light, ctx, u, lambda, scene.textures())?;
     s.pdf *= p;
@@ -45,10 +49,12 @@ pub fn sample_light(
 /// multiple importance sampling against sampling by the surface.
 #[inline]
 pub fn unoccluded(s: &LightSample, wo: Vec3, frame: &Frame, scattering: &Scattering<'_>) -> Spectrum {
+    // f |cosθ| towards the light, and the density with which scattering would have drawn that direction.
     let e = scattering.eval(wo, frame.to_local(s.wi), TransportMode::Radiance);
     if e.value.is_black() {
         return Spectrum::ZERO;
     }
+    // Scattering never meets lights without extent: their weight is one.
     let weight = if s.is_delta { 1.0 } else { power_heuristic(s.pdf, e.pdf) };
     e.value * s.radiance * (weight / s.pdf)
 }
@@ -62,15 +68,20 @@ pub type Origin = Option<(LightContext, f32)>;
 #[inline]
 pub fn emission(scene: &Scene, i: &Interaction, origin: &Origin, lambda: &Wavelengths) -> Spectrum {
     let geometry = &scene.geometries()[i.geometry as usize];
+    // Surfaces without an emitter, and emitters that are off at this moment, give nothing.
     let Some(emitter) = geometry.emitter else { return Spectrum::ZERO };
     if !scene.lights().emits(emitter, lambda) {
         return Spectrum::ZERO;
     }
     let at = || scene.texture_context(i);
+    // Le towards the previous vertex, with its texture.
     let e = scene.lights().emitters[emitter as usize].radiance(i.surface.n, i.wo, at, lambda, scene.textures());
     if e.is_black() {
         return e;
     }
+    // MIS: the density with which light sampling at the previous vertex would have found this point, choice of the
+    // light included. Without such a light sample (camera, specular event, emitters that are not sampled) the weight is
+    // one.
     match (origin, scene.light(i)) {
         (Some((ctx, pdf)), Some(light)) => {
             let distance = (i.surface.p - ctx.p).length();
@@ -91,10 +102,12 @@ pub fn background(scene: &Scene, p: Vec3, w: Vec3, origin: &Origin, lambda: &Wav
 #[inline]
 pub fn environment(scene: &Scene, light: u32, p: Vec3, w: Vec3, origin: &Origin, lambda: &Wavelengths) -> Spectrum {
     let Light::Environment(e) = &scene.lights().lights[light as usize] else { return Spectrum::ZERO };
+    // Radiance of the environment along the ray, which left the scene.
     let radiance = e.radiance(p, w, lambda);
     if radiance.is_black() || !scene.lights().shines(light, lambda) {
         return Spectrum::ZERO;
     }
+    // MIS as for emission: scattering against light sampling at the previous vertex.
     match origin {
         None => radiance,
         Some((ctx, pdf)) => radiance * power_heuristic(*pdf, scene.lights().environment_pdf(light, ctx, w)),

@@ -25,16 +25,22 @@ pub fn roulette(
     below: Option<f32>,
     number: impl FnOnce() -> f32,
 ) -> Option<f32> {
+    // A path that carries nothing ends without a random number.
     if live <= 0.0 {
         return None;
     }
+    // Survival probability q = live / threshold: below the threshold a path survives in proportion to its throughput.
     let mut survival = live / below.unwrap_or(ROULETTE_BELOW);
+    // The cap on q ends paths that lose nothing, such as those between perfect mirrors.
     if events > LONG_PATH.0 {
         survival = survival.min(LONG_PATH.1);
     }
+    // No roulette at q ≥ 1, nor during the first events of the default rule; a threshold of its own counts from the
+    // first event on.
     if survival >= 1.0 || (below.is_none() && events <= depth.roulette_after.min(LONG_PATH.0)) {
         return Some(1.0);
     }
+    // Survivors are weighted by 1/q, which keeps the estimator unbiased.
     (number() < survival).then(|| 1.0 / survival)
 }
 

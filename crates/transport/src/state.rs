@@ -93,6 +93,7 @@ impl PathState {
     /// Light straight from lights, scattered back along the path from the vertex where it arrived.
     #[inline]
     pub fn direct<const MEDIA: bool>(&self, v: &Vertex<'_>, context: &mut PathContext<'_, '_>) -> Spectrum {
+        // Light samples of surfaces and environments, and one of an emissive medium where there are any.
         let of_lights = self.of_lights::<MEDIA>(v, context);
         if MEDIA && !context.scene.emissive_volumes().is_empty() {
             return of_lights + self.beta * volume_emission::direct(v, self.events, context);
@@ -103,6 +104,7 @@ impl PathState {
     #[inline]
     fn of_lights<const MEDIA: bool>(&self, v: &Vertex<'_>, context: &mut PathContext<'_, '_>) -> Spectrum {
         let first = v.direct::<MEDIA>(self.event_of_light(0), context);
+        // One sample: its light is noted by the group of the light, which the same random numbers choose again.
         if self.lights == 1 {
             let light = self.beta * first;
             let PathContext { scene, sampler, counters, .. } = context;
@@ -110,6 +112,7 @@ impl PathState {
             counters.note(|| chosen().map(|(light, _)| scene.light_groups().of_lights[light as usize]), light);
             return light;
         }
+        // Several samples of the same vertex: their mean.
         let mut sample = |k| v.direct::<MEDIA>(self.event_of_light(k), context);
         self.beta * (1..self.lights).fold(first, |sum, k| sum + sample(k)) / self.lights as f32
     }
@@ -128,10 +131,12 @@ impl PathState {
         sink: &mut impl Sink,
         context: &mut PathContext<'_, '_>,
     ) {
+        // Sinks without clocks take the sum of all light samples.
         if !sink.is_timed() {
             sink.add(self.direct::<MEDIA>(v, context));
             return;
         }
+        // Timed sinks take the light with its direction and distance.
         if let Some((light, wi, distance)) = v.direct_from::<MEDIA>(self.event_of_light(0), context) {
             sink.add_direct(self.beta * light, v, wi, distance);
         }
@@ -143,8 +148,10 @@ impl PathState {
     /// Russian roulette: whether the path goes on, with a throughput that makes up for those that do not.
     #[inline]
     pub fn survives(&mut self, depth: &Depth, context: &PathContext<'_, '_>) -> bool {
+        // Throughput of the strongest lane, without refraction's 1/η² and without the guide's share of the density.
         let live = live_max(self.beta, context.lambda) * self.for_roulette;
         let number = || number(self.events, context.sampler);
+        // β/q for survivors, zero for paths that end.
         let scale = roulette(live, self.events, depth, self.roulette_below, number);
         self.beta *= scale.unwrap_or(0.0);
         scale.is_some()
@@ -159,12 +166,15 @@ impl PathState {
         guide: Option<&impl Guide>,
     ) -> Option<GuidedDirection> {
         let u2 = sampler.get_2d(dimension::at(self.events, dimension::DIRECTION));
+        // In a medium the phase function draws the direction; it has no lobes to choose from.
         let Vertex::Surface { i, scattering, frame, .. } = v else {
             return v.draw(0.5, u2).map(GuidedDirection::by_surface);
         };
+        // The number that chooses a lobe is drawn only where somebody asks for it.
         let has_one_lobe = matches!(scattering.bsdf, Bsdf::Diffuse(_) | Bsdf::Conductor(_));
         let is_asked = guide.is_some() || !has_one_lobe;
         let u = sampler.get_1d_lazily(self.dimension(dimension::LOBE), is_asked);
+        // With a guide the direction comes from the mixture of both densities.
         match guide {
             Some(guide) => guide.sample(i.surface.p, frame, frame.to_local(i.wo), scattering, u, u2),
             None => v.draw(u, u2).map(GuidedDirection::by_surface),
@@ -179,7 +189,10 @@ impl PathState {
         v: &Vertex<'_>,
         GuidedDirection { sample: s, ratio }: &GuidedDirection,
     ) {
+        // β ← β f |cosθ| / p.
         self.beta *= s.weight;
+        // Roulette looks at β without the compression of radiance by refraction, 1/η², and as if scattering alone had
+        // drawn the direction.
         self.for_roulette *= s.eta * s.eta / ratio;
         if MEDIA
             && let Vertex::Surface { i, .. } = v
@@ -197,13 +210,18 @@ impl PathState {
     /// is.
     #[inline]
     pub fn leave<const MEDIA: bool>(&mut self, scene: &Scene, v: &Vertex<'_>, s: &BsdfSample, ray: Ray) {
+        // For the MIS weight of the next emission: the reference point and density of this event. Specular directions
+        // have no competing light sample.
         self.origin = if s.lobe.is_specular() { None } else { Some((v.context(), s.pdf)) };
+        // The medium on the side into which the ray leaves.
         if MEDIA {
             self.medium = v.medium_towards(scene, ray.direction);
         }
         self.ray = ray;
+        // One more scattering event; the next vertex takes one light sample.
         self.events += 1;
         self.lights = 1;
+        // The ray differential follows the bounce, where the lobe is narrow enough for one.
         self.differential = match (&self.differential, v, Bounce::of(s)) {
             (Some(d), Vertex::Surface { i, .. }, Some(bounce)) => {
                 scene.scatter_differential(i, d, ray.direction, bounce)
@@ -215,10 +233,12 @@ impl PathState {
     /// Straight on from a surface.
     #[inline]
     pub(crate) fn pass<const MEDIA: bool>(&mut self, scene: &Scene, i: &Interaction) {
+        // The count separates the random numbers before and after the surface.
         self.passes += 1;
         if MEDIA {
             self.medium = scene.medium_towards(i, self.ray.direction, self.medium);
         }
+        // The rest of the same ray, behind the surface; its differential travels along.
         self.ray = i.rest(&self.ray);
         self.differential = self.differential.map(|d| d.advance(i.t));
     }

@@ -26,6 +26,7 @@ const STEPS_UNWATCHED: u32 = 1024;
 
 /// Random numbers for a path segment: a function of the ray and of one number of the path.
 fn numbers(ray: &Ray, number: f32) -> HashRng {
+    // The seed hashes the random number with the bits of origin and direction: equal rays have equal estimates.
     let mut seed = u64::from(number.to_bits());
     for v in [ray.origin, ray.direction] {
         seed = v.to_array().iter().fold(seed, |seed, x| combine64(seed, x.to_bits().into()));
@@ -48,6 +49,8 @@ impl Way {
 
     /// Goes on: both by factors of their own.
     fn pass(&mut self, value: Spectrum, density: Spectrum) {
+        // Both products run side by side; dividing both by the mean density keeps them near one, and only their ratio
+        // counts.
         self.value *= value;
         self.density *= density;
         let mean = self.mean(self.density);
@@ -59,6 +62,7 @@ impl Way {
 
     /// The weight of an event with a value and a density.
     fn weight(&self, value: Spectrum, density: Spectrum) -> Spectrum {
+        // Balance heuristic over lanes: w = f(λ) / mean of p over the lanes that might have drawn the way.
         let mean = self.mean(self.density * density);
         if mean > 0.0 { self.value * value / mean } else { Spectrum::ZERO }
     }
@@ -86,7 +90,9 @@ impl Stretch<'_> {
     /// another one.
     pub fn sample_flight(&self, scene: &Scene, (lane, number): (f32, f32), emitted: &mut Spectrum) -> Flight {
         let lanes = lanes(scene, self.lambda);
+        // Where nothing scatters, the flight passes for sure and absorption is a factor.
         let scatters = self.medium.scatters(self.lambda, lanes);
+        // One lane, drawn evenly, decides about all distances and collisions of the flight.
         let chosen = ((lane * lanes as f32) as usize).min(lanes - 1);
         self.track((chosen, lanes), numbers(self.ray, number), scatters, emitted)
     }
@@ -96,6 +102,7 @@ impl Stretch<'_> {
         let lanes = lanes(scene, self.lambda);
         let mut rng = numbers(self.ray, number);
         let chosen = ((rng.next_f32() * lanes as f32) as usize).min(lanes - 1);
+        // Ratio tracking never scatters.
         match self.track((chosen, lanes), rng, false, emitted) {
             Flight::Passed(part) => part,
             Flight::Scattered(..) => Spectrum::ZERO,
@@ -112,14 +119,18 @@ impl Stretch<'_> {
         emitted: &mut Spectrum,
     ) -> Flight {
         let Self { medium, field, ray, distance, lambda, stop } = *self;
+        // Coefficients where the variation is one; times the bound of a cell they give its majorant.
         let (a, s) = medium.coefficients(lambda);
         let unit = medium.majorant(lambda);
         let mut way = Way { value: Spectrum::ONE, density: Spectrum::ONE, lanes };
         // Where majorants are far above the extinction, a segment may have thousands of null collisions.
         let (mut event, mut steps) = (None, 0_u32);
+        // The cells of the grid along the ray, in order, each with the bound on the variation in it.
         field.walk(ray, distance, |begin, end, most| {
             // Bounds the number of events: beyond an optical depth of MOST_DEPTH a cell is opaque in any case.
             let majorant = (unit * most).map(|m| m.min(MOST_DEPTH / (end - begin)));
+            // Tentative collisions in the cell: t ← t − ln(1 − ξ)/μ̄ with the majorant μ̄ of the chosen lane. The
+            // exponential has no memory, so each cell begins anew.
             let mut t = begin;
             loop {
                 let step = if majorant[chosen] > 0.0 {
@@ -128,8 +139,10 @@ impl Stretch<'_> {
                     f32::INFINITY
                 };
                 let left = end - t;
+                // exp(−μ̄ Δt) of every lane, in the value and in the density that the lane would have had.
                 let passed = transmittance(majorant, step.min(left));
                 way.pass(passed, passed);
+                // No collision before the end of the cell.
                 if step >= left {
                     return true;
                 }
@@ -139,24 +152,34 @@ impl Stretch<'_> {
                     event = Some(Flight::Passed(Spectrum::ZERO));
                     return false;
                 }
+                // A collision: μa, μs and μt = μa + μs at its point.
                 let p = field.place(ray.at(t));
                 let (absorbed, scattered) = field.coefficients((a, s), p, lambda);
                 let real = absorbed + scattered;
+                // Coefficients are held below the majorant, which only its cap can make smaller than they are.
                 let part = |l: usize| if real[l] > majorant[l] { majorant[l] / real[l] } else { 1.0 };
                 let part = Spectrum::new([0, 1, 2, 3].map(part));
                 let (absorbed, scattered, real) = (absorbed * part, scattered * part, real * part);
+                // Emission: μa Le at the collision, over the density μ̄ of collisions.
                 if let Some(glow) = &medium.glow {
                     *emitted += way.weight(absorbed * glow.eval(p, lambda), majorant);
                 }
+                // The null part of the collision, μn = μ̄ − μt, adds nothing and absorbs nothing.
                 let null = (majorant - real).max(0.0);
+                // Ratio tracking: the way goes on with the part μn/μ̄ (Novák, Selle, Jarosz 2014, "Residual Ratio
+                // Tracking for Estimating Attenuation in Participating Media").
                 if !scatters {
                     way.pass(null, majorant);
                 } else if rng.next_f32() * majorant[chosen] < real[chosen] {
+                    // Delta tracking: the collision is real with probability μt/μ̄ of the chosen lane. Its value is μs,
+                    // its density μt.
                     event = Some(Flight::Scattered(t, way.weight(scattered, real)));
                     return false;
                 } else {
+                    // A null collision, with probability μn/μ̄: the way goes on.
                     way.pass(null, null);
                 }
+                // Nothing left: the rest of the way brings nothing.
                 let left = way.mean(way.value);
                 if left <= 0.0 || left.is_nan() {
                     event = Some(Flight::Passed(Spectrum::ZERO));
@@ -164,6 +187,7 @@ impl Stretch<'_> {
                 }
             }
         });
+        // No real collision up to the end: value over mean density is the estimate of the transmittance.
         event.unwrap_or_else(|| Flight::Passed(way.weight(Spectrum::ONE, Spectrum::ONE)))
     }
 }

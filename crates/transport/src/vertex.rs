@@ -137,6 +137,7 @@ impl Vertex<'_> {
             Self::Surface { scattering, frame, .. } => {
                 scattering.eval(frame.to_local(viewer), frame.to_local(w), TransportMode::Radiance)
             }
+            // A phase function is its own density: value and pdf are equal.
             Self::Medium { scattering, .. } => {
                 let phase = scattering.phase(viewer, w);
                 BsdfEval { value: Spectrum::splat(phase), pdf: phase }
@@ -170,6 +171,7 @@ impl Vertex<'_> {
     pub fn reflected(&self, s: &LightSample) -> Spectrum {
         match self {
             Self::Surface { i, scattering, frame, .. } => nee::unoccluded(s, frame.to_local(i.wo), frame, scattering),
+            // phase · L w / p, as on surfaces but without a cosine.
             Self::Medium { wo, scattering, .. } => {
                 let phase = scattering.phase(*wo, s.wi);
                 let weight = if s.is_delta { 1.0 } else { power_heuristic(s.pdf, phase) };
@@ -185,6 +187,7 @@ impl Vertex<'_> {
             Self::Surface { i, scattering, frame, .. } => {
                 scattering.sample(frame.to_local(i.wo), u, u2, TransportMode::Radiance)
             }
+            // The phase function is sampled exactly: its weight is one.
             Self::Medium { wo, scattering, .. } => {
                 let (wi, pdf) = scattering.sample_phase(*wo, u2);
                 Some(BsdfSample { wi, weight: Spectrum::ONE, pdf, lobe: Lobe::GLOSSY, eta: 1.0 })
@@ -197,9 +200,11 @@ impl Vertex<'_> {
     #[inline]
     fn unoccluded(&self, event: u32, context: &PathContext<'_, '_>) -> Option<(Spectrum, Vec3, f32)> {
         let PathContext { scene, sampler, lambda, .. } = context;
+        // Specular and black vertices reflect no light sample.
         if self.is_unlit() || !scene.lights().can_sample() {
             return None;
         }
+        // One light and a point on it, then f |cosθ| L w / p; visibility comes later, if anything is left to hide.
         let s = nee::sample_light(scene, &self.context(), event, sampler, lambda)?;
         let light = self.reflected(&s);
         (!light.is_black()).then_some((light, s.wi, s.distance))
@@ -215,6 +220,7 @@ impl Vertex<'_> {
         event: u32,
         context: &PathContext<'_, '_>,
     ) -> Spectrum {
+        // Without a medium in that direction all light arrives.
         let (true, Some(m)) = (MEDIA, self.medium_towards(context.scene, wi)) else { return light };
         let number = shadow_number::<MEDIA>(context.sampler, event);
         light * attenuation::passed(m, (&self.spawn(wi), distance), number, context)
@@ -233,6 +239,7 @@ impl Vertex<'_> {
         event: u32,
         context: &mut PathContext<'_, '_>,
     ) -> Option<(Spectrum, Vec3, f32)> {
+        // The unoccluded value first, since black ones need no shadow ray.
         let (light, wi, distance) = self.unoccluded(event, context)?;
         let number = shadow_number::<MEDIA>(context.sampler, event);
         Some((self.transmitted::<MEDIA>(light, (wi, distance), number, context), wi, distance))
@@ -247,11 +254,14 @@ impl Vertex<'_> {
         number: f32,
         context: &mut PathContext<'_, '_>,
     ) -> Spectrum {
+        // The shadow ray ends just before the light's point.
         let ray = self.spawn_towards(wi, distance);
+        // With media: visibility and transmittance, past interfaces and thin panes.
         if MEDIA {
             let medium = self.medium_towards(context.scene, wi);
             return light * attenuation::towards(ray, distance, (medium, number), context);
         }
+        // Without: a plain shadow ray.
         context.counters.rays += 1;
         if context.scene.occluded(&ray) { Spectrum::ZERO } else { light }
     }

@@ -19,6 +19,7 @@ const VOLUME_EVENTS: u32 = 1000;
 fn sample(p: Vec3, event: u32, context: &PathContext<'_, '_>) -> Option<(u32, Vec3, f32)> {
     let (scene, sampler) = (context.scene, context.sampler);
     let at = |decision| dimension::at(event + VOLUME_EVENTS, decision);
+    // One of the emissive media, by cumulative probability; the rest of the random number is used again.
     let mut u = sampler.get_1d(at(dimension::LIGHT));
     let last = scene.emissive_volumes().last()?;
     let chosen = scene.emissive_volumes().iter().find(|volume| {
@@ -27,10 +28,13 @@ fn sample(p: Vec3, event: u32, context: &PathContext<'_, '_>) -> Option<(u32, Ve
         is_chosen
     });
     let volume = chosen.unwrap_or(last);
+    // From within, scattered directions find the emission by themselves: no light sample is taken.
     if volume.surrounds(p) {
         return None;
     }
     let within = sampler.get_2d(at(dimension::LIGHT_POINT)).extend(sampler.get_1d(at(dimension::LOBE)));
+    // A direction to a point of the medium that is drawn by its emission; its density is summed over all points along
+    // it.
     let wi = volume.sample(p, u, within)?;
     let pdf = volume.pdf(p, wi) * volume.probability;
     (pdf > 0.0 && pdf.is_finite()).then_some((volume.medium, wi, pdf))
@@ -44,6 +48,7 @@ pub fn arriving(
     leave: impl Fn(Vec3) -> (Ray, Option<u32>),
     context: &mut PathContext<'_, '_>,
 ) -> Option<LightSample> {
+    // The direction, then all that this medium emits along it, attenuated on the way.
     let (of, wi, pdf) = sample(p, event, context)?;
     let (ray, medium) = leave(wi);
     let number = context.sampler.get_1d(dimension::at(event + VOLUME_EVENTS, dimension::FLIGHT));
@@ -66,6 +71,7 @@ pub fn direct(v: &Vertex<'_>, event: u32, context: &mut PathContext<'_, '_>) -> 
 
 /// The weight of light of a medium that a path goes through, which scattering drew the direction to.
 pub fn weight(scene: &Scene, medium: u32, origin: &Option<(LightContext, f32)>, w: Vec3) -> f32 {
+    // Power heuristic of scattering against the light sample, which is only taken outside of the medium.
     match (origin, scene.emissive_volumes().iter().find(|volume| volume.medium == medium)) {
         (Some((ctx, pdf)), Some(volume)) if !volume.surrounds(ctx.p) => {
             power_heuristic(*pdf, volume.pdf(ctx.p, w) * volume.probability)

@@ -23,10 +23,13 @@ pub fn along<const MEDIA: bool, S: Sink>(
     mut sink: S,
 ) -> S {
     let mut first = Arrival::End;
+    // The first vertex; emission on the way to it goes to the sink, where it counts fully for camera rays.
     arrive::<MEDIA>(&mut path_state, depth, &mut sink, &mut first, context);
     match &first {
+        // All light that the vertex scatters back along the ray.
         Arrival::Vertex(v) => leaving::<MEDIA, S>(v, path_state, *depth, guide, context, sink),
         Arrival::End => sink,
+        // Nothing was met: the environments.
         Arrival::Escaped => {
             escape(&path_state, depth, &mut sink, context);
             sink
@@ -45,21 +48,30 @@ pub fn leaving<'s, const MEDIA: bool, S: Sink>(
     context: &mut PathContext<'s, '_>,
     mut sink: S,
 ) -> S {
+    // The vertex in hand is the caller's at first, then the one in `next`.
     let (mut vertex, mut next) = (vertex, Arrival::End);
+    // One turn for each vertex: (1) light sample, (2) direction by the scattering model, (3) throughput and roulette,
+    // (4) the next vertex with its emission. The estimator is `Σ_k β_k (NEE_k + Le_{k+1} w)`, with
+    // `β_{k+1} = β_k f |cosθ| / p`.
     loop {
-        // Light that arrives straight from a light.
+        // (1) Next-event estimation: β f |cosθ| L V w / p by a light sample, w weighted against (2) by the power
+        // heuristic.
         path_state.add_direct::<MEDIA>(vertex, &mut sink, context);
-        // Scatter.
+        // (2) A direction with density p, by the scattering model, or by a mixture of it and the guide. None: absorbed.
         let Some(s) = path_state.sample(vertex, context.sampler, guide) else { return sink };
         sink.tell(Step::Scattered(&s.sample));
+        // Subsurface scattering: the path enters the body here and goes on from the point where it leaves it.
         if s.sample.lobe.is_subsurface() {
             // Below the surface counts for none of the events that are asked for.
             depth.max = depth.max.saturating_add(EVENTS_BELOW);
+            // The exit point is a vertex of its own, whose model scatters by `(1 − F)/(c π)`; the path is lost where
+            // none is found.
             let Some(v) = path_state.emerge(vertex, &s.sample, context) else { return sink };
             if !path_state.survives(&depth, context) {
                 sink.tell(Step::Roulette);
                 return sink;
             }
+            // At the exit the turn begins anew: a light sample there, and a direction out of the body.
             next = Arrival::Vertex(v);
             let Arrival::Vertex(v) = &next else { return sink };
             if let Vertex::Surface { i, .. } = v {
@@ -68,24 +80,30 @@ pub fn leaving<'s, const MEDIA: bool, S: Sink>(
             vertex = v;
             continue;
         }
+        // Optical path lengths (transient renders) go by the refractive index beyond the surface.
         if s.sample.lobe.is_transmission() {
             sink.refract(s.sample.eta);
         }
+        // (3) β ← β f |cosθ| / p, and the ray in the new direction. Thin panes that are passed straight count as no
+        // event.
         path_state.turn::<MEDIA>(context.scene, vertex, &s);
         if !path_state.beta.is_finite() {
             // Handed to the film, which counts it.
             sink.spoil(path_state.beta);
             return sink;
         }
+        // Russian roulette on β: survivors carry β/q.
         if !path_state.survives(&depth, context) {
             sink.tell(Step::Roulette);
             return sink;
         }
-        // Follow the ray to the next vertex; collect what shines there.
+        // (4) The next vertex. Emission on the way there is added to the sink with its MIS weight.
         arrive::<MEDIA>(&mut path_state, &depth, &mut sink, &mut next, context);
         match &next {
+            // The loop goes on from there.
             Arrival::Vertex(v) => vertex = v,
             Arrival::End => return sink,
+            // The path left the scene: environments, with their MIS weights.
             Arrival::Escaped => {
                 escape(&path_state, &depth, &mut sink, context);
                 return sink;
