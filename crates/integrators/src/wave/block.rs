@@ -252,9 +252,11 @@ kernel! {
         for k in 0..WIDTH {
             let corners = [get3(&b.corners[0], k), get3(&b.corners[1], k), get3(&b.corners[2], k)];
             let normals = [get3(&b.normals[0], k), get3(&b.normals[1], k), get3(&b.normals[2], k)];
+            // Position with its error bounds, geometric and shading normal at the barycentric coordinates.
             let face = usual_face_normal(corners);
             let how = (b.is_smooth[k] != 0, b.is_flipped[k] != 0);
             let s = on_triangle(corners, normals, how, (b.uv[0][k], b.uv[1][k]), face.unwrap_or(Vec3::ZERO));
+            // Degenerate triangles have no usual normal: their vertices are made anew one by one.
             b.is_unusual[k] = u32::from(face.is_none());
             set3(&mut b.p, k, s.p);
             set3(&mut b.error, k, s.error);
@@ -271,6 +273,7 @@ kernel! {
         for k in 0..WIDTH {
             let (seed, reversed, event) = (b.sampler[0][k], b.sampler[1][k], b.events[k]);
             let at = |event: u32, decision: u32| sobol_scramble(seed, dimension::at(event, decision));
+            // Sobol' points of the event: for the light, for the direction, for the lobe, and for roulette after it.
             let light = at(event, dimension::LIGHT_POINT).point_2d(reversed);
             let turn = at(event, dimension::DIRECTION).point_2d(reversed);
             (b.light_u[0][k], b.light_u[1][k]) = (light[0], light[1]);
@@ -287,9 +290,11 @@ kernel! {
     pub fn children(b: &'a mut Block) {
         for k in 0..WIDTH {
             let ctx = LightContext { p: get3(&b.p, k), n: get3(&b.light_n, k) };
+            // Importance of both children for the vertex, and a choice in proportion to it.
             let [first, second] = [b.children[0].get(k).importance(&ctx), b.children[1].get(k).importance(&ctx)];
             let (is_second, chance, u) = choose_child(first, second, b.choice[k]);
             (b.is_second[k], b.choice[k]) = (is_second.into(), u);
+            // The probability of a light is the product of the choices on the way to it.
             b.chance[k] *= chance;
         }
     }
@@ -323,10 +328,13 @@ fn flat_light(b: &mut Block, k: usize, may_be_large: bool) {
         area: b.flat_area[k],
         is_triangle: b.flat_is_triangle[k] != 0,
     };
+    // A point of the triangle or rectangle, with its density per solid angle.
     let u = Vec2::new(b.light_u[0][k], b.light_u[1][k]);
     let FlatSample { wi, distance, pdf, .. } = light.sample(get3(&b.p, k), u, may_be_large);
+    // One-sided lights emit on the side of their normal only.
     let shines = (b.flat_is_two_sided[k] != 0) | (light.n.dot(-wi) > 0.0);
     let pdf = if shines { pdf * b.light_pdf[k] } else { 0.0 };
+    // Selections instead of branches: lanes with other lights keep their samples.
     let is_flat = b.is_flat[k] != 0;
     let (before, distance_before) = (get3(&b.light_wi, k), b.light_distance[k]);
     set3(&mut b.light_wi, k, if is_flat { wi } else { before });
@@ -359,6 +367,7 @@ fn diffuse_at(b: &mut Block, k: usize, depth: &Depth, in_media: bool) {
     let o = frame.to_local(-get3(&b.direction, k));
     let (reflectance, beta) = (get4(&b.reflectance, k), get4(&b.beta, k));
 
+    // Light sample: ρ/π cosθ L w / p, with w the power heuristic against the density cosθ/π.
     let i = frame.to_local(get3(&b.light_wi, k));
     let (pdf, cos) = (b.light_pdf[k], i.z * FRAC_1_PI);
     let weight = if b.light_is_delta[k] != 0 { 1.0 } else { power_heuristic(pdf, cos) };
@@ -369,6 +378,7 @@ fn diffuse_at(b: &mut Block, k: usize, depth: &Depth, in_media: bool) {
     set4(&mut b.light, k, by_lane(|c| beta[c] * light[c]));
     b.is_lit[k] = u32::from((o.z > 0.0) & (i.z > 0.0) & (pdf > 0.0) & !is_black(light));
 
+    // Direction by the cosine: f cosθ / p = ρ, so the throughput is multiplied by the reflectance.
     let w = warp::cosine_hemisphere(Vec2::new(b.bsdf_u[0][k], b.bsdf_u[1][k]));
     b.is_drawn[k] = u32::from((o.z > 0.0) & (w.z > 0.0) & !is_black(reflectance));
     b.pdf[k] = w.z * FRAC_1_PI;
@@ -398,6 +408,7 @@ kernel! {
 pub fn depart_from(b: &mut Block, k: usize, depth: &Depth) {
     let (p, error, n) = (get3(&b.p, k), get3(&b.error, k), get3(&b.n, k));
     let wi = get3(&b.light_wi, k);
+    // Shadow ray, and the origin of the next ray, both moved off the surface by its error bounds.
     let ray = shadow_ray(p, offset_ray_origin(p, error, n, wi), wi, b.light_distance[k]);
     set3(&mut b.shadow_origin, k, ray.origin);
     set3(&mut b.shadow_direction, k, ray.direction);
@@ -405,6 +416,7 @@ pub fn depart_from(b: &mut Block, k: usize, depth: &Depth) {
     set3(&mut b.origin, k, offset_ray_origin(p, error, n, get3(&b.wi, k)));
     let beta = get4(&b.beta, k);
     let is_finite = beta[0].is_finite() & beta[1].is_finite() & beta[2].is_finite() & beta[3].is_finite();
+    // Russian roulette by the strongest lane, or by the first where one wavelength is left.
     let most = beta[0].max(beta[1]).max(beta[2].max(beta[3]));
     let live = if b.is_single[k] != 0 { beta[0] } else { most } * b.for_roulette[k];
     let number = b.roulette_u[k];

@@ -20,6 +20,8 @@ impl<const MEDIA: bool> Walk<'_, '_, MEDIA> {
         (b, walkers, shadows): (&mut Block, &mut [Walker], &mut Shadows),
         pixel_samples: &mut [PixelSample],
     ) {
+        // Columns in, kernels in turn, columns out: surface, random numbers, material, light sample, direction and
+        // roulette.
         gather::<MEDIA>(b, vertices, walkers, self.scene, pixel_samples);
         block::surfaces(self.lanes, b);
         block::numbers(self.lanes, b);
@@ -46,11 +48,13 @@ impl<const MEDIA: bool> Walk<'_, '_, MEDIA> {
         for (k, number) in places {
             let Walker { state, goes_on } = &mut walkers[number as usize];
             // Of the last surface there is emission alone.
+            // The path goes on if the kernel says so and the depth allows another event.
             *goes_on = state.events < self.path.depth.max && b.fate[k] == GOES_ON;
             if state.events >= self.path.depth.max {
                 continue;
             }
             let time = state.ray.time;
+            // Light sample: its shadow ray waits for the batch.
             if b.is_lit[k] != 0 {
                 shadows.push_of(b, k, number, time);
             }
@@ -58,6 +62,7 @@ impl<const MEDIA: bool> Walk<'_, '_, MEDIA> {
             if b.fate[k] == IS_NOT_FINITE {
                 pixel_samples[number as usize].radiance = beta;
             }
+            // The state after the event: ray, throughput, and the origin for the MIS weight of the next emission.
             if *goes_on {
                 state.ray = Ray { time, ..Ray::new(get3(&b.origin, k), get3(&b.wi, k)) };
                 state.beta = beta;
@@ -92,6 +97,7 @@ fn gather<const MEDIA: bool>(
 ) {
     for (k, (number, hit)) in vertices.iter().enumerate() {
         let Some((mesh, _)) = scene.lambertian(hit.id) else { continue };
+        // Corners, and normals where the mesh is smooth.
         let index = mesh.triangles[hit.id.prim as usize].map(|i| i as usize);
         block.corners.iter_mut().zip(index).for_each(|(corner, i)| set3(corner, k, mesh.positions[i]));
         let is_smooth = !mesh.normals.is_empty();
@@ -102,6 +108,7 @@ fn gather<const MEDIA: bool>(
         (block.uv[0][k], block.uv[1][k]) = (hit.u, hit.v);
         let (state, sample) = (&walkers[*number as usize].state, &pixel_samples[*number as usize]);
         block.gather_path(k, state, sample);
+        // The medium attenuates light samples; without one its coefficients are zero.
         match state.medium.filter(|_| MEDIA) {
             Some(medium) => gather_medium(block, k, &scene.media()[medium as usize], (scene, &sample.lambda)),
             None => (0..4).for_each(|c| (block.sigma_a[c][k], block.sigma_s[c][k]) = (0.0, 0.0)),
@@ -113,12 +120,14 @@ fn gather<const MEDIA: bool>(
 fn materials(b: &mut Block, vertices: &[(u32, Hit)], scene: &Scene, pixel_samples: &[PixelSample]) {
     for (k, (number, hit)) in vertices.iter().enumerate() {
         let Some((mesh, lambertian)) = scene.lambertian(hit.id) else { continue };
+        // Normals of degenerate triangles by the general code.
         if b.is_unusual[k] != 0 {
             let s = mesh.bare(hit.id.prim, hit.u, hit.v);
             set3(&mut b.n, k, s.n);
             set3(&mut b.ns, k, s.ns);
             b.is_front[k] = u32::from(s.ns.dot(-get3(&b.direction, k)) > 0.0);
         }
+        // The reflectance of the side that the ray sees, and the axis of the shading frame on that side.
         let (reflectance, is_flipped) = lambertian.side(b.is_front[k] != 0, &pixel_samples[*number as usize].lambda);
         set4(&mut b.reflectance, k, reflectance.to_array());
         set3(&mut b.light_n, k, get3(&b.ns, k) * if is_flipped { -1.0 } else { 1.0 });

@@ -30,6 +30,7 @@ fn choose(
         if b.is_lit[k] == 0 || !all.can_sample() {
             continue;
         }
+        // An infinite light, or the light tree: those that go down the tree are put on a list.
         let ctx = LightContext { p: get3(&b.p, k), n: get3(&b.light_n, k) };
         let own = &pixel_samples[number as usize].own;
         let u = own.get_1d_lazily(dimension::at(b.events[k], dimension::LIGHT), all.are_many());
@@ -43,14 +44,17 @@ fn choose(
             None => {}
         }
     }
+    // Level by level, all vertices on the list take a step down the tree together.
     loop {
         let mut on_their_way = 0;
         for at in 0..count {
             let (k, place, share) = going[at];
             let Some(node) = nodes.get(place) else { continue };
+            // At a leaf: the light, with probability P(tree) ∏ P(child).
             if node.leaf {
                 (lights[k], b.light_pdf[k]) = (node.index, b.chance[k] * share);
             } else {
+                // Else both children go to the columns: the first follows its parent, the second has an index.
                 b.children[0].set(k, &nodes[place + 1].cluster);
                 b.children[1].set(k, &nodes[node.index as usize].cluster);
                 going[on_their_way] = (k, place, share);
@@ -65,6 +69,7 @@ fn choose(
         on_their_way = 0;
         for at in 0..count {
             let (k, place, share) = going[at];
+            // Where neither child can contribute, there is no light sample.
             if b.chance[k] > 0.0 {
                 let next = if b.is_second[k] != 0 { nodes[place].index as usize } else { place + 1 };
                 going[on_their_way] = (k, next, share);
@@ -85,6 +90,7 @@ pub fn illuminate(
 ) {
     let (all, mut lights) = (scene.lights(), [0; WIDTH]);
     let (mut has_flat, mut has_large) = (false, false);
+    // A light for each vertex, then a point on it: flat area lights of even radiance by kernel, all others one by one.
     choose(lanes, b, numbers.clone(), scene, pixel_samples, &mut lights);
     for (k, number) in numbers.enumerate() {
         b.is_flat[k] = 0;
@@ -96,6 +102,7 @@ pub fn illuminate(
         if let Light::Area(area) = &all.lights[light as usize] {
             let emitter = &all.emitters[area.emitter as usize];
             if let (Some(flat), Some(radiance)) = (area.flat(at), emitter.everywhere(lambda)) {
+                // Geometry of the light, unless the lane still has it from the block before.
                 if b.flat_number[k] != light {
                     b.flat_number[k] = light;
                     set3(&mut b.flat_corner, k, flat.corner);
@@ -116,12 +123,14 @@ pub fn illuminate(
         b.light_pdf[k] = 0.0;
         let ctx = LightContext { p: at, n: get3(&b.light_n, k) };
         let u = Vec2::new(b.light_u[0][k], b.light_u[1][k]);
+        // Any other light: direction, distance, radiance, and density times the probability of the choice.
         let Some(s) = all.sample(light, &ctx, u, lambda, scene.textures()) else { continue };
         set3(&mut b.light_wi, k, s.wi);
         set4(&mut b.light_radiance, k, s.radiance.to_array());
         (b.light_distance[k], b.light_pdf[k]) = (s.distance, s.pdf * p);
         b.light_is_delta[k] = s.is_delta.into();
     }
+    // The kernel for large lights also samples their solid angle; small lights do without it.
     match (has_flat, has_large) {
         (_, true) => block::flat_lights(lanes, b),
         (true, false) => block::small_lights(lanes, b),

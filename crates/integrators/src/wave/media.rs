@@ -42,6 +42,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
         counters: &mut Counters,
     ) {
         let WaveBuffer { block: b, walkers, shadows, .. } = &mut *buffer;
+        // Coefficients, ray and length of each segment to the columns.
         for (k, (number, hit)) in in_media.iter().enumerate() {
             let (walker, sample) = (&walkers[*number as usize], &pixel_samples[*number as usize]);
             let (Some(medium), state) = (self.plain_medium(walker), &walker.state) else { continue };
@@ -53,6 +54,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
         flights(self.lanes, b);
         let mut any_scatters = false;
         for (k, (number, _)) in in_media.iter().enumerate() {
+            // The flight's factor on the throughput, and its outcome.
             let Walker { state, goes_on } = &mut walkers[*number as usize];
             state.beta = Spectrum::new(get4(&b.beta, k));
             *goes_on = b.flight[k] == PASSES;
@@ -61,6 +63,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
             any_scatters |= scatters;
         }
         let flight = b.flight;
+        // Scattering in the medium: light sample, phase function and roulette, for the whole block.
         if any_scatters {
             block::numbers(self.lanes, b);
             let numbers = in_media.iter().map(|(number, _)| *number);
@@ -69,6 +72,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
             let scattered = numbers.enumerate().filter(|(k, _)| flight[*k] == SCATTERS);
             self.depart(b, scattered, walkers, pixel_samples, shadows);
         }
+        // Flights that passed end at their surfaces.
         for ((number, hit), _) in in_media.iter().zip(flight).filter(|(_, flight)| *flight == PASSES) {
             self.meet_surface(*number, (*hit, true), buffer, pixel_samples, counters);
         }
@@ -89,6 +93,7 @@ kernel! {
     pub fn flights(b: &'a mut Block) {
         for k in 0..WIDTH {
             let (seed, reversed, event, passes) = (b.sampler[0][k], b.sampler[1][k], b.events[k], b.passes[k]);
+            // The two numbers of a single path's flight, for lane and distance.
             let number = |decision: u32| {
                 sobol_scramble(seed, dimension::at(event, decision) ^ (passes << 16)).point_1d(reversed)
             };
@@ -101,6 +106,7 @@ kernel! {
             let most = beta[0].max(beta[1]).max(beta[2].max(beta[3]));
             let is_lost = if b.is_single[k] != 0 { beta[0] <= 0.0 } else { most <= 0.0 };
             b.flight[k] = if is_lost { IS_BLACK } else { u32::from(t.is_some()) };
+            // The scattering point; it has no normal and no error bounds, and light from all sides.
             let t = t.unwrap_or(0.0);
             set3(&mut b.p, k, get3(&b.from, k) + get3(&b.direction, k) * t);
             set3(&mut b.error, k, Vec3::ZERO);
@@ -116,6 +122,7 @@ kernel! {
         for k in 0..WIDTH {
             let (wo, wi) = (-get3(&b.direction, k), get3(&b.light_wi, k));
             let (g, pdf, radiance) = (b.asymmetry[k], b.light_pdf[k], get4(&b.light_radiance, k));
+            // Light sample: phase · L w / p, attenuated by the medium on the way.
             let phase = warp::hg_phase(wo.dot(wi), g);
             let weight = if b.light_is_delta[k] != 0 { 1.0 } else { power_heuristic(pdf, phase) };
             let factor = phase * weight / pdf;
@@ -124,6 +131,7 @@ kernel! {
             set4(&mut b.light, k, by_lane(|c| beta[c] * light[c]));
             b.is_lit[k] = u32::from((pdf > 0.0) & !is_black(light));
 
+            // Direction by Henyey and Greenstein's phase function, whose density is its value: the throughput stays.
             let (wi, pdf) = warp::sample_hg(wo, g, Vec2::new(b.bsdf_u[0][k], b.bsdf_u[1][k]));
             (b.is_drawn[k], b.pdf[k]) = (1, pdf);
             set3(&mut b.wi, k, wi);

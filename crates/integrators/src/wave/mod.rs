@@ -125,6 +125,7 @@ pub(crate) fn wave<'s, const MEDIA: bool>(
 ) {
     buffer.walkers.clear();
     buffer.walkers.resize(pixel_samples.len(), Walker { state: PathState::NONE, goes_on: true });
+    // Every sample begins black, with its camera ray.
     for (s, Walker { state, .. }) in pixel_samples.iter_mut().zip(&mut buffer.walkers) {
         (s.radiance, s.rays) = (Spectrum::ZERO, 0);
         state.start(scene, s.ray);
@@ -136,6 +137,7 @@ pub(crate) fn wave<'s, const MEDIA: bool>(
         && !(MEDIA && scene.is_see_through())
         && pixel_samples.first().is_some_and(|s| s.own.sobol().is_some());
     let walk = Walk { path, scene, precomputed, has_columns, lanes: Lanes::best() };
+    // One turn for each bounce, until no path is left.
     while !buffer.live.is_empty() {
         walk.bounce(buffer, pixel_samples, counters);
     }
@@ -145,6 +147,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
     /// Follows all paths by a ray, and from there on to the next.
     fn bounce(&self, buffer: &mut WaveBuffer<'s>, pixel_samples: &mut [PixelSample], counters: &mut Counters) {
         let scene = self.scene;
+        // 1. Coherence: rays by direction, then all of them through the hierarchy in one batch.
         sort(buffer);
         let WaveBuffer { rays, hits, .. } = &mut *buffer;
         hits.clear();
@@ -152,6 +155,8 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
         in_parts(rays, hits, &counters.stop, |rays, hits| scene.intersect_batch(rays, hits));
         counters.rays += rays.len() as u64;
 
+        // 2. Vertices. Paths in homogeneous media wait for their free flights; all others go to their surfaces at once,
+        // where Lambertian ones are put aside for the columns.
         buffer.diffuse.clear();
         buffer.in_media.clear();
         buffer.shadows.clear();
@@ -165,17 +170,22 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
                 self.meet_surface(number, (*hit, false), buffer, pixel_samples, counters);
             }
         }
+        // Free flights, a block at a time; those that pass go to their surfaces.
         let in_media = take(&mut buffer.in_media);
         in_media.chunks(WIDTH).for_each(|in_media| self.free_flights(in_media, buffer, pixel_samples, counters));
         buffer.in_media = in_media;
         let WaveBuffer { walkers, diffuse, vertices, shadows, occluded, block, .. } = &mut *buffer;
+        // 3. to 5. for the vertices of other models that are left in an unfinished block, then for the Lambertian ones,
+        // block by block: light samples, directions, roulette.
         self.scatter(block, vertices, walkers, pixel_samples, (shadows, counters));
         for vertices in diffuse.chunks(WIDTH) {
             self.scatter_diffuse(vertices, (block, walkers, shadows), pixel_samples);
         }
+        // Paths that ended leave the wave.
         let is_stopped = counters.stop.is_asked();
         live.retain(|&w| walkers[w as usize].goes_on && !is_stopped);
 
+        // All shadow rays of the bounce in one batch; light that arrives goes to the samples.
         occluded.clear();
         occluded.resize(shadows.rays.len(), false);
         in_parts(&shadows.rays, occluded, &counters.stop, |rays, is| scene.occluded_batch(rays, is));
@@ -203,6 +213,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
     ) {
         let WaveBuffer { walkers, diffuse, vertices, shadows, block, .. } = buffer;
         let (walker, sample) = (&mut walkers[number as usize], &mut pixel_samples[number as usize]);
+        // Lambertian surfaces are scattered in columns alone: the vertex needs no `Arrival`.
         if self.has_columns
             && let Some(hit) = &hit
             && (!MEDIA || has_flown || walker.state.medium.is_none())
@@ -211,12 +222,14 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
             diffuse.push((number, *hit));
             return;
         }
+        // All other surfaces are met one by one, as by a single path.
         let before = counters.rays;
         let PixelSample { own, lambda, radiance, .. } = sample;
         let context = &mut PathContext { scene: self.scene, sampler: own, lambda, counters };
         let arrival = vertices.next();
         walker.goes_on = self.arrive(&mut walker.state, (hit, has_flown), radiance, arrival, context);
         if walker.goes_on {
+            // With columns the vertex waits for others; without, the path takes its whole step now.
             if self.has_columns {
                 vertices.keep(number);
             } else {
@@ -224,6 +237,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
             }
         }
         sample.rays += (counters.rays - before) as u32;
+        // A full block of vertices is scattered at once.
         if vertices.is_full() {
             self.scatter(block, vertices, walkers, pixel_samples, (shadows, counters));
         }
@@ -240,6 +254,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
         context: &mut PathContext<'s, '_>,
     ) -> bool {
         let depth = &self.path.depth;
+        // Emission, interfaces and the scattering model, as of a single path.
         meet::<MEDIA>(state, hit, depth, radiance, arrival, context);
         if let Arrival::Escaped = arrival {
             escape(state, depth, radiance, context);
@@ -258,11 +273,13 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
         shadows: &mut Shadows,
     ) -> bool {
         let Arrival::Vertex(vertex) = arrival else { return false };
+        // Next-event estimation: a shadow ray for the batch, or at once where it may pass interfaces.
         if MEDIA && self.scene.is_see_through() {
             *radiance += state.direct::<MEDIA>(vertex, context);
         } else if let Some((value, ray)) = vertex.direct_along::<MEDIA>(state.event_of_light(0), context) {
             shadows.push(number, state.beta * value, ray);
         }
+        // Direction, throughput and roulette, as in the loop of single paths.
         let guide = self.precomputed.caustics.as_ref();
         let Some(s) = state.sample(vertex, context.sampler, guide) else { return false };
         state.turn::<MEDIA>(self.scene, vertex, &s);
@@ -292,6 +309,7 @@ fn sort(buffer: &mut WaveBuffer<'_>) {
     let WaveBuffer { walkers, live, order, classes, rays, .. } = buffer;
     let class = |w: u32| {
         let d = walkers[w as usize].state.ray.direction;
+        // Class of a direction: the octant by the sign bits, and the axis of the greatest component.
         let signs = d.x.to_bits() >> 31 | d.y.to_bits() >> 31 << 1 | d.z.to_bits() >> 31 << 2;
         let (x, y, z) = (d.x.abs(), d.y.abs(), d.z.abs());
         let axis = if x >= y && x >= z { 0 } else { 1 + u32::from(z > y) };
@@ -299,6 +317,7 @@ fn sort(buffer: &mut WaveBuffer<'_>) {
     };
     classes.clear();
     classes.extend(live.iter().map(|&w| class(w)));
+    // Counting sort: numbers of rays by class, their prefix sums, and each ray to the next place of its class.
     let mut starts = [0; CLASSES + 1];
     classes.iter().for_each(|&class| starts[usize::from(class) + 1] += 1);
     (0..CLASSES).for_each(|k| starts[k + 1] += starts[k]);

@@ -72,6 +72,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
         let scene = self.scene;
         for (k, (number, vertex, _)) in vertices.iter().enumerate() {
             let (state, sample) = (&walkers[number as usize].state, &pixel_samples[number as usize]);
+            // What kernels need of the vertex: reference point, error bounds, normal, and random numbers.
             let (ctx, (error, n)) = (vertex.context(), vertex.spread());
             set3(&mut b.p, k, ctx.p);
             set3(&mut b.error, k, error);
@@ -82,12 +83,14 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
             let (seed, reversed) = sample.own.sobol().unwrap_or_default();
             (b.sampler[0][k], b.sampler[1][k]) = (seed, reversed);
         }
+        // Random numbers and light samples in columns.
         block::numbers(self.lanes, b);
         illuminate(self.lanes, b, vertices.numbers.iter().copied(), scene, pixel_samples);
         for (k, (number, vertex, draw)) in vertices.iter().enumerate() {
             let state = &mut walkers[number as usize].state;
             let PixelSample { own, lambda, .. } = &mut pixel_samples[number as usize];
             let mut light = Spectrum::ZERO;
+            // The model itself, one by one: f |cosθ| L w / p towards the light sample, attenuated by a medium.
             if b.light_pdf[k] > 0.0 {
                 let (wi, distance) = (get3(&b.light_wi, k), b.light_distance[k]);
                 let s = LightSample {
@@ -105,6 +108,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
             }
             set4(&mut b.light, k, (state.beta * light).to_array());
             b.is_lit[k] = u32::from(!light.is_black());
+            // A direction by the model; throughput β f |cosθ| / p.
             let drawn = vertex.draw(b.lobe_u[k], Vec2::new(b.bsdf_u[0][k], b.bsdf_u[1][k]));
             b.is_drawn[k] = drawn.is_some().into();
             let Some(s) = drawn else { continue };
@@ -114,6 +118,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
             set4(&mut b.beta, k, (state.beta * s.weight).to_array());
             *draw = s;
         }
+        // Rays and roulette in columns again.
         block::depart(self.lanes, b, self.path.depth);
         for (k, (number, vertex, draw)) in vertices.iter().enumerate() {
             let Walker { state, goes_on } = &mut walkers[number as usize];
@@ -125,6 +130,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
             if b.fate[k] == IS_NOT_FINITE {
                 pixel_samples[number as usize].radiance = Spectrum::new(get4(&b.beta, k));
             }
+            // The state after the event, as a single path's.
             if *goes_on {
                 let (ray, beta) = (Ray::new(get3(&b.origin, k), get3(&b.wi, k)), Spectrum::new(get4(&b.beta, k)));
                 state.leave::<MEDIA>(scene, vertex, draw, Ray { time, ..ray });
