@@ -159,6 +159,8 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
         let (scene, depth) = (self.scene(), &self.tracer.settings.depth);
         let Some(emission) = &self.tracer.emission else { return };
         let Some(mut path) = Subpath::from_light(scene, emission, self.numbers, lambda) else { return };
+        // Vertex by vertex: connection to the camera (t = 1), storage for connections and merging, and the next
+        // direction.
         while let Arrival::Vertex(v) = path.arrive(scene, self.numbers, counters, |_, _, _, _| ()) {
             if v.events >= self.most_events() {
                 return;
@@ -178,9 +180,11 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
     /// Connects a light vertex to the camera.
     fn to_camera(&self, v: &Vertex<'_>, found: &mut Found<'_>, counters: &mut Counters) {
         let scene = self.scene();
+        // A point of the lens, and the pixel from which it sees the vertex.
         let lens = self.numbers.two(dimension::at(LIGHT_EVENTS + v.events, dimension::BRANCHES));
         let Some(seen) = scene.camera().receive(scene.film(), v.i.surface.p, lens) else { return };
         let Some(e) = v.eval(scene, seen.to_camera, Importance) else { return };
+        // MIS weight of light tracing: 1 / (1 + ratios of all other techniques), from the carried sums.
         let weight = match self.tracer.settings.strategy {
             Strategy::Light => 1.0,
             _ => {
@@ -192,6 +196,7 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
         if super::is_hidden_from_camera(scene, &self.tracer.settings.depth, &v.i, (seen.to_camera, seen.distance)) {
             return;
         }
+        // β f We / n, splatted where the camera sees the vertex.
         let light = v.beta * e.value * (seen.density / self.ways.light_paths * weight as f32);
         found.splats.push(Splat { at: seen.at, rgb: self.run.developed(light, &v.lambda) });
     }
@@ -201,6 +206,7 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
         let (scene, settings) = (self.scene(), &self.tracer.settings);
         let only_lights = settings.strategy == Strategy::Light;
         let mut path = Subpath::from_camera(scene, sample.ray, sample.lambda, &self.ways, &settings.depth);
+        // One turn for each camera vertex: emission (s = 0), light sample (s = 1), connections (s ≥ 2), merging.
         loop {
             let mut emitted = Spectrum::ZERO;
             let arrival = path.arrive(scene, self.numbers, counters, |path, i, distance, sums| {
@@ -246,12 +252,14 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
         if self.is_hidden(path) {
             return Spectrum::ZERO;
         }
+        // Unweighted emission; camera rays that meet a light directly have no competing technique.
         let light = path.beta * nee::emission(scene, i, &None, &path.lambda);
         if path.events == 0 || light.is_black() {
             return light;
         }
         let Some(index) = scene.light(i) else { return light };
         let (n, wo) = (i.surface.n, i.wo);
+        // Density of a light sample at the last vertex, per area of the light.
         let by_area = n.dot(wo).abs() / (distance * distance);
         let time = path.lambda.time;
         let density = |ctx| scene.lights().area_pdf(index, &ctx, (-wo, distance), n, time);
@@ -267,6 +275,7 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
         }
         let (p, w) = (path.ray.origin, path.ray.direction);
         let mut sum = Spectrum::ZERO;
+        // Each environment has a weight of its own, in the measure of directions.
         for &index in &scene.lights().environments {
             let Light::Environment(e) = &scene.lights().lights[index as usize] else { continue };
             let light = path.beta * e.radiance(p, w, &path.lambda);
@@ -282,6 +291,7 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
 
     /// The weight of light that the camera subpath met at a moment, against the light sample and paths from the light.
     fn met(&self, (light, time): (u32, f32), asked: f32, n: Vec3, w: Vec3, sums: Sums) -> f32 {
+        // w = 1 / (1 + p_sample² dVCM + p_emit² dVC).
         let emitted = self.tracer.emission.as_ref().map_or(0.0, |e| e.pdf(self.scene(), light, n, w, time));
         (1.0 / (1.0 + squared(asked) * sums.vcm + squared(emitted) * sums.vc)) as f32
     }
@@ -292,6 +302,7 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
         let lights = scene.lights();
         let at = |decision| dimension::at(v.events, decision);
         let (context, u) = (v.context(), self.numbers.one(at(dimension::LIGHT)));
+        // Light and point as in path tracing.
         let Some((light, choice)) = lights.choose(&context, u) else { return Spectrum::ZERO };
         let u = self.numbers.two(at(dimension::LIGHT_POINT));
         let Some(s) = lights.sample(light, &context, u, &v.lambda, scene.textures()) else { return Spectrum::ZERO };
@@ -304,6 +315,7 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
         let cos_at_light = if kind.is_delta || kind.is_parallel { 1.0 } else { n.dot(s.wi).abs() };
         let asked = if kind.is_delta && !kind.is_parallel { pdf * s.distance * s.distance } else { pdf * cos_at_light };
         let emitted = self.tracer.emission.as_ref().map_or(0.0, |e| e.pdf(scene, light, n, -s.wi, v.lambda.time));
+        // Ratios of the other techniques: met by scattering, and found by paths from the light.
         let by_scattering = if kind.is_delta { 0.0 } else { squared(e.pdf / pdf) };
         let by_light = squared(emitted * v.cos(s.wi) / asked)
             * (v.merge(&self.ways) + v.sums.vcm + v.sums.vc * squared(e.reverse));
@@ -317,6 +329,7 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
     /// A connection of a camera vertex and a light vertex.
     fn connection(&self, v: &Vertex<'_>, y: &Vertex<'_>, counters: &mut Counters) -> Vec3 {
         let scene = self.scene();
+        // Geometry term 1/d²; the cosines are in the values of both ends.
         let to = y.i.surface.p - v.i.surface.p;
         let d2 = to.length_squared();
         let distance = d2.sqrt();
@@ -327,10 +340,12 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
         let (Some(at_v), Some(at_y)) = (v.eval(scene, w, Radiance), y.eval(scene, -w, Importance)) else {
             return Vec3::ZERO;
         };
+        // β_v β_y f_v f_y |cos| |cos| / d².
         let light = v.beta * y.beta * at_v.value * at_y.value / d2;
         if light.is_black() {
             return Vec3::ZERO;
         }
+        // Ratios of densities on one side of the connection: area density by the other end, times the sums there.
         let side = |from: &Scattered, to: &Vertex<'_>, back: &Scattered| {
             squared(from.pdf * to.cos(w) / d2)
                 * (to.merge(&self.ways) + to.sums.vcm + to.sums.vc * squared(back.reverse))
@@ -346,17 +361,20 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
     /// Light that photons near a camera vertex bring.
     fn merged(&self, v: &Vertex<'_>, photons: &Grid, radius: f32) -> Vec3 {
         let mut sum = Vec3::ZERO;
+        // Kernel of merging: 1 / (π r² n) for n light paths.
         let (scale, merge) =
             (1.0 / (std::f32::consts::PI * radius * radius * self.ways.light_paths), v.merge(&self.ways));
         if merge == 0.0 {
             return sum;
         }
+        // Photons on the same surface within the radius, up to the depth.
         photons.near(v.i.surface.p, radius, |photon| {
             if v.events + photon.events + 1 > self.most_events() || !photon.lies_on(&v.i) {
                 return;
             }
             let Some(e) = v.eval(self.scene(), photon.wi, Radiance) else { return };
             let cos = v.cos(photon.wi);
+            // Weight of merging against all connections.
             let by_light = photon.sums.vcm + photon.sums.vc * squared(e.pdf);
             let by_camera = v.sums.vcm + v.sums.vc * squared(e.reverse);
             let weight = 1.0 / (1.0 + (by_light + by_camera) / merge);
@@ -403,6 +421,7 @@ impl Pass for Tracer {
     fn pass(&self, run: &Run<'_>, number: u32, film: &mut PassFilm<'_>) -> Option<Counters> {
         let scene = run.scene;
         let ways = self.ways(scene, number);
+        // Merged vertices have to carry the same wavelengths: one draw for the pass.
         let shared = self.merges().then(|| super::pass_wavelengths(run, number));
         let (width, height) = (scene.film().width, scene.film().height);
         let pixels = width as usize * height as usize;
@@ -437,6 +456,7 @@ impl Pass for Tracer {
             None
         };
         let crop = film.crop();
+        // Camera subpaths, wave by wave, so that findings are added to the film in order and memory stays bounded.
         for first in (0..pieces).step_by(WAVE) {
             let (found, counters) = run.in_order(WAVE.min(pieces - first), |piece, counters| {
                 let mut all = (Vec::new(), Vec::new());
@@ -452,6 +472,8 @@ impl Pass for Tracer {
                     let pair = Pair { tracer: self, run, ways, numbers: &sample.sampler, photons };
                     found.vertices.clear();
                     found.own = Vec3::ZERO;
+                    // The light subpath of the pixel: kept from the photons, or followed again with the same random
+                    // numbers.
                     match kept.get(first + piece).filter(|_| is_kept) {
                         Some(subpaths) => {
                             let (vertices, splats): &(Vec<_>, Vec<_>) = &subpaths[k - begin];

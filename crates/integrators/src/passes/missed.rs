@@ -30,6 +30,7 @@ pub fn missed_caustics(scene: &Scene, depth: &Depth) -> Vec3 {
         return Vec3::ZERO;
     }
     let Some(emission) = Emission::new(scene) else { return Vec3::ZERO };
+    // Light tracing with a fixed number of independent paths, so that the estimate is always the same.
     let control = Control::default();
     let sampler = Sampler { kind: SamplerKind::Independent, spp: 1, seed: 0 };
     let run = Run { scene, sampler, threads: 1, control: &control };
@@ -42,15 +43,18 @@ fn path(run: &Run<'_>, emission: &Emission, depth: &Depth, numbers: &PixelSample
     let (scene, ways) = (run.scene, Ways::connections(PATHS as f32, true));
     let (mut counters, mut sum) = (Counters::default(), Vec3::ZERO);
     let Some(mut path) = Subpath::from_light(scene, emission, numbers, run.wavelengths(numbers)) else { return sum };
+    // Only lights without extent are missed by camera paths.
     if !path.is_from_delta(scene) {
         return sum;
     }
     let mut is_focused = false;
     while let Arrival::Vertex(v) = path.arrive(scene, numbers, &mut counters, |_, _, _, _| ()) {
+        // Focused: all events so far were specular, and there was one at least.
         is_focused |= path.is_specular && v.events > 0;
         if v.events >= depth.max {
             break;
         }
+        // Connect to the camera where no camera path could have found the light.
         if is_focused && !v.scattering.bsdf.is_specular() {
             sum += seen(run, &v, numbers, depth);
         }
@@ -65,11 +69,13 @@ fn path(run: &Run<'_>, emission: &Emission, depth: &Depth, numbers: &PixelSample
 fn seen(run: &Run<'_>, v: &Vertex<'_>, numbers: &PixelSampler, depth: &Depth) -> Vec3 {
     let (scene, crop) = (run.scene, run.scene.film().crop);
     let lens = numbers.get_2d(dimension::at(LIGHT_EVENTS + v.events, dimension::BRANCHES));
+    // The place on the film and the importance of the camera for this point.
     let Some(seen) = scene.camera().receive(scene.film(), v.i.surface.p, lens) else { return Vec3::ZERO };
     let within = |at: f32, from: u32, to: u32| at >= from as f32 && at < to as f32;
     if !within(seen.at.x, crop.x0, crop.x1) || !within(seen.at.y, crop.y0, crop.y1) {
         return Vec3::ZERO;
     }
+    // f |cos| towards the camera; then visibility, and the mean over all light paths.
     let Some(e) = v.eval(scene, seen.to_camera, TransportMode::Importance) else { return Vec3::ZERO };
     if super::is_hidden_from_camera(scene, depth, &v.i, (seen.to_camera, seen.distance)) {
         return Vec3::ZERO;

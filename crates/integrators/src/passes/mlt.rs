@@ -118,6 +118,7 @@ impl Proposal {
 
     fn accept(&self) {
         let s = &mut *self.0.borrow_mut();
+        // An accepted large step has drawn all coordinates anew.
         if s.is_large {
             s.last_large = s.time;
         }
@@ -125,6 +126,7 @@ impl Proposal {
 
     fn reject(&self) {
         let s = &mut *self.0.borrow_mut();
+        // Rejected: coordinates go back to what they were before the proposal.
         s.time -= 1;
         while let Some((key, was)) = s.before.pop() {
             match was {
@@ -140,6 +142,7 @@ impl Proposal {
 
     fn get(&self, key: u32) -> f32 {
         let s = &mut *self.0.borrow_mut();
+        // Lazy evaluation (Kelemen et al. 2002): a coordinate is brought up to date only when it is asked for.
         let was = s.coordinates.get(&key).copied();
         if let Some(c) = was.filter(|c| c.time == s.time) {
             return c.value;
@@ -167,6 +170,7 @@ impl Proposal {
 
 /// A small change of a number, exponentially distributed, around the unit interval.
 fn perturbed(value: f32, u: f32) -> f32 {
+    // s₂ exp(−ln(s₂/s₁) u) in either direction, wrapped around [0, 1).
     let (u, sign) = if u < 0.5 { (2.0 * u, 1.0) } else { (2.0 * u - 1.0, -1.0) };
     let step = LARGEST * (-(LARGEST / SMALLEST).ln() * u).exp();
     let v = value + sign * step;
@@ -194,6 +198,7 @@ impl Chains {
     /// The sample of the numbers as they are, of the picture as a whole.
     fn sample(&self, run: &Run<'_>, numbers: &Proposal, counters: &mut Counters) -> Sample {
         let (scene, film) = (run.scene, run.scene.film());
+        // A place on the film, a camera ray, wavelengths and a moment: all from the coordinates of the chain.
         let size = Vec2::new(film.width as f32, film.height as f32);
         let margin = (film.filter.radius() - 0.5).max(Vec2::ZERO);
         // Filters of pixels at the edge reach beyond the frame.
@@ -203,11 +208,13 @@ impl Chains {
         let lambda = if scene.is_timed() { lambda.at_time(numbers.one(dimension::TIME)) } else { lambda };
         let sampler = run.sampler.pixel(0, 0, 0);
         let camera = CameraSample { at, ray, sampler, lambda, weight: 1.0 };
+        // Bidirectional path tracing at that point of primary sample space.
         let (own, mut splats) = self.tracer.connect(run, &camera, numbers, counters);
         let pixels = size.x * size.y;
         splats.iter_mut().for_each(|s| s.rgb *= pixels);
         splats.push(Splat { at, rgb: own * ((size.x + 2.0 * margin.x) * (size.y + 2.0 * margin.y)) });
         splats.retain(|s| s.rgb.is_finite());
+        // Target function: luminance of everything that the sample adds to the film.
         let importance = splats.iter().map(|s| luminance(s.rgb.abs())).sum::<f32>();
         Sample { importance: if importance.is_finite() { importance } else { 0.0 }, splats }
     }
@@ -220,6 +227,8 @@ impl Chains {
             .iter()
             .map_while(|s| (!run.is_cancelled()).then(|| self.sample(run, &Proposal::new(*s), counters).importance))
             .collect();
+        // Start-up bias is avoided: the chain starts from independent samples by importance, and their mean is its
+        // scale.
         let sum: f32 = weights.iter().sum();
         if !(sum > 0.0 && sum.is_finite()) {
             return Vec::new();
@@ -245,9 +254,11 @@ impl Chains {
         // What a state brings is added when it is left.
         let mut stayed = 0.0;
         for _ in (0..mutations).take_while(|_| !run.is_cancelled()) {
+            // Mutation: a large step, or small changes of all coordinates that are used.
             let is_large = numbers.uniform() < self.large_step;
             numbers.mutate(is_large);
             let proposed = self.sample(run, &numbers, counters);
+            // Metropolis acceptance a = min(1, f(y)/f(x)); both states are added with their expected share.
             let accept = (proposed.importance / state.importance).min(1.0);
             stayed += 1.0 - accept;
             if numbers.uniform() < accept {
@@ -277,6 +288,7 @@ impl Pass for Chains {
     fn pass(&self, run: &Run<'_>, number: u32, film: &mut PassFilm<'_>) -> Option<Counters> {
         let spec = run.scene.film();
         let pixels = u64::from(spec.width) * u64::from(spec.height);
+        // As many chains as it takes for the samples of the pass.
         let chains = (pixels * u64::from(SAMPLES)).div_ceil(MUTATIONS as u64).max(1) as usize;
         let mut total = Counters::default();
         const WAVE: usize = 64;

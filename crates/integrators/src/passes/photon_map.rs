@@ -81,12 +81,15 @@ impl Mapped {
     /// Sends the photons of a pass.
     fn maps(&self, run: &Run<'_>, number: u32) -> Option<(Maps, Counters)> {
         let mut found = (Vec::new(), Counters::default());
+        // Photons at every vertex that is not specular, those of direct light among them.
         if let Some(emission) = &self.emission {
             let lambda = super::pass_wavelengths(run, number);
             let seed = |k: u32| (run.sampler.pixel(k & 0xffff, (k >> 16) + 0x1_0000, number), lambda);
             found = land(run, emission, &self.settings.depth, paths(self.settings.photons, run), seed, |_| true)?;
         }
         let (photons, counters) = found;
+        // Two maps: caustics, whose paths were specular from the light on, and all others (or all, for the final
+        // gather).
         let focused = photons.iter().filter(|p| p.is_focused).copied().collect();
         // Where photons are not gathered over a bounce, direct and focused light is not read from the global map.
         let counts = |p: &&Photon| self.settings.gather || (p.events > 0 && !p.is_focused);
@@ -102,6 +105,7 @@ impl Mapped {
         if self.settings.nearest == 0 {
             return gathered(v, map, radius, sent, depth, run);
         }
+        // The k nearest photons on the surface: a density estimate with the radius of the next one.
         let mut near: Vec<(f32, Photon)> = Vec::new();
         map.near(v.i.surface.p, radius, |photon| {
             if v.events + photon.events < depth.max && photon.lies_on(&v.i) {
@@ -128,6 +132,8 @@ impl Mapped {
         let lambda = super::pass_wavelengths(run, maps.number);
         let mut path = Subpath::from_camera(scene, sample.ray, lambda, &ways, depth);
         let (mut sum, mut stage) = (Vec3::ZERO, Stage::Open);
+        // Specular vertices are followed; at the first other one light is looked up, and with a final gather once more
+        // behind it.
         loop {
             let (v, seen) = next(scene, &mut path, sampler, depth, counters);
             if path.context.is_none() && matches!(stage, Stage::Open | Stage::PastCurve) {
@@ -138,6 +144,7 @@ impl Mapped {
             if is_curve {
                 sum += direct(run, &v, sampler, counters);
             } else if !v.scattering.bsdf.is_specular() {
+                // Direct light, caustics, and what the global map knows where no gather follows.
                 sum += match stage {
                     Stage::Open => self.lit(run, &v, maps, sampler, counters),
                     Stage::Bounce | Stage::PastCurve => self.estimate(&v, &maps.global, maps.radius, run),
@@ -147,6 +154,7 @@ impl Mapped {
             if !path.scatter(scene, &v, sampler, &ways, depth) {
                 break;
             }
+            // Next stage by the event and the final gather.
             stage = match (is_curve, self.settings.gather) {
                 (true, true) => Stage::PastCurve,
                 (true, false) => Stage::Open,

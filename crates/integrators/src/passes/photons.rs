@@ -61,6 +61,7 @@ impl Grid {
         let buckets = photons.len().max(1).next_power_of_two();
         let mut grid =
             Self { photons: Vec::new(), starts: vec![0; buckets + 1], per_cell: 0.5 / radius.max(f32::MIN_POSITIVE) };
+        // Counting sort by hashed cell: numbers in each bucket, prefix sums, and every photon to its place.
         let of: Vec<u32> = photons.iter().map(|p| grid.bucket(grid.cell(p.p))).collect();
         of.iter().for_each(|b| grid.starts[*b as usize + 1] += 1);
         for b in 0..buckets {
@@ -87,6 +88,7 @@ impl Grid {
 
     /// Calls `found` for every photon within a radius of a point.
     pub fn near(&self, p: Vec3, radius: f32, mut found: impl FnMut(&Photon)) {
+        // The cells that the sphere of the query meets; two along each axis, three with rounding.
         let (lo, hi) = (self.cell(p - radius), self.cell(p + radius));
         let mut buckets = [u32::MAX; 27];
         let mut count = 0;

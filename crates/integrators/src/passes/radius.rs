@@ -45,6 +45,7 @@ const ALPHA: f32 = 2.0 / 3.0;
 
 /// The radius of a pass, counted from zero.
 pub(super) fn of_pass(first: f32, number: u32) -> f32 {
+    // r_n = r_1 (n + 1)^((α − 1)/2).
     first * (number as f32 + 1.0).powf((ALPHA - 1.0) / 2.0)
 }
 
@@ -53,6 +54,7 @@ fn pixel_size(scene: &Scene) -> f32 {
     const EDGE: u32 = 16;
     let size = Vec2::new(scene.film().width as f32, scene.film().height as f32);
     let mut edges = Vec::new();
+    // A coarse grid of camera rays: distance over the root of the density on the film is the edge of a pixel there.
     for k in 0..EDGE * EDGE {
         let place = Vec2::new((k % EDGE) as f32 + 0.5, (k / EDGE) as f32 + 0.5) / EDGE as f32;
         let ray = scene.camera().ray(scene.film(), place * size, Vec2::splat(0.5));

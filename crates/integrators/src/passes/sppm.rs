@@ -94,6 +94,7 @@ pub(super) fn land(
         let mut photons = Vec::new();
         for k in (piece * PIECE..count.min((piece + 1) * PIECE)).take_while(|_| !run.is_cancelled()) {
             let (sampler, lambda) = seed(k as u32);
+            // One light path: photons at its vertices that are not specular, until roulette or the depth.
             let Some(mut path) = Subpath::from_light(run.scene, emission, &sampler, lambda) else { continue };
             while let Arrival::Vertex(v) = path.arrive(run.scene, &sampler, counters, |_, _, _, _| ()) {
                 if v.events >= depth.max {
@@ -115,6 +116,7 @@ pub(super) fn land(
 /// Radiance towards the camera by photons near, each of which counts as `weight` of a square of the radius.
 pub(super) fn gathered(v: &Vertex<'_>, photons: &Grid, radius: f32, paths: f32, depth: &Depth, run: &Run<'_>) -> Vec3 {
     let mut sum = Vec3::ZERO;
+    // Density estimate with a constant kernel: Σ β f / (π r² n).
     let scale = 1.0 / (PI * radius * radius * paths);
     photons.near(v.i.surface.p, radius, |photon| {
         if v.events + photon.events < depth.max && photon.lies_on(&v.i) {
@@ -127,6 +129,7 @@ pub(super) fn gathered(v: &Vertex<'_>, photons: &Grid, radius: f32, paths: f32, 
 /// Radiance that a photon stands for.
 pub(super) fn brought(v: &Vertex<'_>, photon: &Photon, scale: f32, run: &Run<'_>) -> Vec3 {
     let Some(e) = v.eval(run.scene, photon.wi, Radiance) else { return Vec3::ZERO };
+    // f without its cosine, since a photon's flux is per area already.
     let light = v.beta * photon.beta * e.value * (scale / v.cos(photon.wi).max(1e-4));
     run.developed(light, common(&v.lambda, &photon.lambda))
 }
@@ -136,6 +139,7 @@ pub(super) fn brought(v: &Vertex<'_>, photon: &Photon, scale: f32, run: &Run<'_>
 pub(super) fn direct(run: &Run<'_>, v: &Vertex<'_>, sampler: &PixelSampler, counters: &mut Counters) -> Vec3 {
     let (scene, context, wo) = (run.scene, v.context(), v.frame.to_local(v.i.wo));
     let mut sum = Spectrum::ZERO;
+    // Technique 1: a light sample, with its MIS weight.
     if let Some(s) = nee::sample_light(scene, &context, v.events, sampler, &v.lambda) {
         let light = nee::unoccluded(&s, wo, &v.frame, &v.scattering);
         if !light.is_black() {
@@ -147,6 +151,7 @@ pub(super) fn direct(run: &Run<'_>, v: &Vertex<'_>, sampler: &PixelSampler, coun
     }
     let at = |decision| dimension::at(v.events, decision);
     let (u, u2) = (sampler.get_1d(at(dimension::LOBE)), sampler.get_2d(at(dimension::DIRECTION)));
+    // Technique 2: a direction by scattering, and the light that it meets, with its MIS weight.
     if let Some(s) = v.scattering.sample(wo, u, u2, Radiance).filter(|s| !s.lobe.is_specular()) {
         let origin = Some((context, s.pdf));
         let mut ray = v.i.spawn(v.frame.to_world(s.wi));
@@ -179,6 +184,7 @@ impl Pass for Progressive {
         let lambda = super::pass_wavelengths(run, number);
         let (width, count) = (scene.film().width, paths(self.settings.photons, run));
         let mut total = Counters::default();
+        // Photon pass: indirect photons only, since direct light is sampled.
         let photons = match &self.emission {
             None => Vec::new(),
             Some(emission) => {
@@ -188,6 +194,7 @@ impl Pass for Progressive {
                 photons
             }
         };
+        // Camera pass: every pixel gathers within the radius of this pass.
         let radius = radius::of_pass(self.radius, number);
         let landed = Landed { number, lambda, photons: Grid::new(photons, radius), radius, paths: count as f32 };
         let crop = film.crop();
@@ -227,6 +234,7 @@ impl Progressive {
         // Whether photons brought all light that comes without passing a curve.
         let mut is_gathered = false;
         loop {
+            // The next vertex; lights seen by way of specular events count directly.
             let (v, seen) = next(scene, &mut path, sampler, depth, counters);
             if !is_gathered && path.context.is_none() {
                 sum += run.developed(seen, &path.lambda);
@@ -234,6 +242,7 @@ impl Progressive {
             let Some(v) = v else { break };
             let is_curve = v.view == View::Curve;
             is_gathered &= !is_curve;
+            // Direct light by sampling, indirect light by photons.
             if !v.scattering.bsdf.is_specular() && !is_gathered {
                 sum += direct(run, &v, sampler, counters);
                 if !is_curve {

@@ -122,6 +122,7 @@ impl Subpath {
     /// From the camera along one of its rays.
     pub fn from_camera(scene: &Scene, ray: Ray, lambda: Wavelengths, ways: &Ways, depth: &Depth) -> Self {
         let d = scene.camera().ray_density(scene.film(), &ray);
+        // dVCM of a camera subpath: (n / p)², with n the light paths and p the density of the camera ray on the film.
         let vcm = if ways.to_camera { squared(ways.light_paths / d.density) } else { 0.0 };
         Self {
             ray: Ray { time: lambda.time, ..ray },
@@ -145,12 +146,14 @@ impl Subpath {
     /// From a light.
     pub fn from_light(scene: &Scene, emission: &Emission, numbers: &impl Numbers, lambda: Wavelengths) -> Option<Self> {
         let at = |decision| dimension::at(LIGHT_EVENTS - 1, decision);
+        // A light, a point on it, and a direction: β = Le cosθ / p.
         let place = numbers.two(at(dimension::LIGHT_POINT));
         let direction = numbers.two(at(dimension::DIRECTION));
         let emitted = emission.sample(scene, numbers.one(at(dimension::LIGHT)), place, direction, &lambda)?;
         let kind = scene.lights().lights[emitted.light as usize].kind();
         let beta = emitted.radiance * (emitted.cos / emitted.pdf);
         let live = live_max(beta, &lambda);
+        // dVC of a light subpath: (cosθ / p)², zero for lights that scattering cannot meet.
         let vc = if kind.is_delta { 0.0 } else { squared(emitted.cos / emitted.pdf) };
         (live > 0.0 && live.is_finite()).then(|| Self {
             ray: Ray { time: lambda.time, ..emitted.ray },
@@ -189,6 +192,8 @@ impl Subpath {
     /// The sums where the subpath meets a surface at a distance and a cosine.
     fn sums_at(&self, distance: f32, cos: f32) -> Sums {
         let (mut sums, cos) = (self.sums, squared(cos));
+        // Conversion from solid angle to area: ratios of densities grow with d², fall with cosθ; all sums hold squares
+        // (power heuristic).
         if !(self.is_parallel && self.events == 0) {
             sums.vcm *= squared(distance) * squared(distance);
         }
@@ -203,6 +208,7 @@ impl Subpath {
         counters: &mut Counters,
         mut met: impl FnMut(&Self, &Interaction, f32, Sums),
     ) -> Arrival<'s> {
+        // Surface by surface, up to one that scatters.
         for _ in 0..MAX_PASSES {
             counters.rays += 1;
             let Some(hit) = scene.intersect(&self.ray) else { return Arrival::Escaped };
@@ -210,6 +216,7 @@ impl Subpath {
             let distance = self.distance + hit.t;
             let cos = i.surface.n.dot(i.wo).abs().max(1e-12);
             let sums = self.sums_at(distance, cos);
+            // Emission is handled by the caller, at interfaces too.
             met(self, &i, distance, sums);
             let choice = if scene.has_mixtures() { numbers.one(self.at(dimension::MIXTURE)) } else { 0.5 };
             let passes_straight = self.passes_emitters && self.events == 0 && scene.is_passed_when_hidden(i.geometry);
@@ -224,6 +231,8 @@ impl Subpath {
                     }
                     v.sums = Sums::default();
                 }
+                // First vertex of a light subpath: dVCM is the ratio of the light sample's density here to that of
+                // emission.
                 if let Some(e) = self.emitted.take() {
                     if !scene.lights().reaches(e.light, i.surface.p, i.wo, &self.lambda) {
                         return Arrival::Ended;
@@ -251,12 +260,15 @@ impl Subpath {
         let (u, u2) = (numbers.one(self.at(dimension::LOBE)), numbers.two(self.at(dimension::DIRECTION)));
         let Some(s) = v.sample(scene, u, u2, self.mode) else { return false };
         let cos = v.cos(s.wi);
+        // Update of the sums.
         match s.densities {
+            // Specular: no other technique connects or merges here, dVCM = 0, and dVC only passes through.
             None => {
                 let vc = if s.is_two_way { v.sums.vc * squared(cos) } else { 0.0 };
                 self.sums = Sums { vcm: 0.0, vc };
                 self.context = None;
             }
+            // dVC = (cosθ/p)² (dVC p_back² + dVCM + merging), dVCM = 1/p².
             Some((pdf, back)) => {
                 let vc = squared(cos / pdf) * (v.sums.vc * squared(back) + v.sums.vcm + v.merge(ways));
                 self.sums = Sums { vcm: 1.0 / squared(pdf), vc };
@@ -264,6 +276,7 @@ impl Subpath {
                 self.is_specular = false;
             }
         }
+        // β ← β f |cosθ| / p; roulette does not see the compression of radiance.
         self.beta *= s.weight;
         if self.mode == TransportMode::Radiance {
             self.scale *= s.eta * s.eta;
@@ -275,6 +288,7 @@ impl Subpath {
         if !(live > 0.0 && live.is_finite() && sums_are_sound(&self.sums)) {
             return false;
         }
+        // Roulette: β/q, and a random number only for q below one.
         match survival(live, self.events, depth) {
             1.0.. => true,
             p => {
@@ -305,6 +319,7 @@ fn sums_are_sound(s: &Sums) -> bool {
 fn asked(scene: &Scene, e: &EmittedRay, context: &LightContext, (distance, time): (f32, f32)) -> f32 {
     let (lights, wi) = (scene.lights(), -e.ray.direction);
     let kind = lights.lights[e.light as usize].kind();
+    // Area lights by solid angle times the emission's cosine; distant ones by direction; points by d².
     match (kind.is_delta, kind.is_parallel) {
         (false, false) => lights.area_pdf(e.light, context, (wi, distance), e.n, time) * e.cos,
         (false, true) => lights.environment_pdf(e.light, context, wi),

@@ -90,6 +90,7 @@ impl<'s> Vertex<'s> {
         (beta, lambda): (Spectrum, Wavelengths),
         (events, sums): (u32, Sums),
     ) -> Self {
+        // Kinds of surfaces that look different from the camera's side and from the light's.
         let view = if scene.faces_rays(i.geometry) {
             View::Curve
         } else if scattering.detail.is_some_and(|d| d.depends_on_viewer()) {
@@ -122,6 +123,7 @@ impl<'s> Vertex<'s> {
     #[inline]
     pub fn eval(&self, scene: &Scene, w: Vec3, mode: TransportMode) -> Option<Scattered> {
         let own = (self.scattering, self.frame);
+        // One frame for both sides: value, density, and density of the reverse direction.
         if self.view != View::Detail {
             let (s, frame) = &own;
             let (wo, wi) = (frame.to_local(self.i.wo), frame.to_local(w));
@@ -129,6 +131,7 @@ impl<'s> Vertex<'s> {
             let reverse = || s.bsdf.pdf(wi, wo, mode.adjoint());
             return is_light(e.value).then(|| Scattered { value: e.value, pdf: e.pdf, reverse: reverse() });
         }
+        // Two frames: values go by the camera's, densities by the frame of each subpath.
         let other = self.seen_from(scene, w)?;
         let (camera, light, to_camera, to_light) = match mode {
             TransportMode::Radiance => (&own, &other, self.i.wo, w),
@@ -159,6 +162,7 @@ impl<'s> Vertex<'s> {
             let e = s.bsdf.eval(wo, wi, mode);
             BsdfEval { value: e.value * (share * self.adjoint(frame, wo.z, to)), ..e }
         };
+        // Importance: the adjoint BSDF with its correction for shading normals, under the occlusion of bumps.
         match &s.ground {
             None => lit(wo, 1.0),
             Some(Ground::Covers(cover)) => cover.passes(wo).map_or(BsdfEval::ZERO, |share| lit(wo, share)),
@@ -183,6 +187,7 @@ impl<'s> Vertex<'s> {
 
     /// The density with which a light subpath draws directions where the shading normal depends on the viewer.
     fn light_pdf(&self, side: &Side<'_>, wo: Vec3, wi: Vec3) -> f32 {
+        // Mixture density of model and even draws.
         (1.0 - EVEN) * pdf(side, wo, wi, TransportMode::Importance) + EVEN * self.even_pdf(&side.0, wo, wi)
     }
 
@@ -191,6 +196,7 @@ impl<'s> Vertex<'s> {
     fn even_pdf(&self, s: &Scattering<'_>, wo: Vec3, wi: Vec3) -> f32 {
         let n = self.i.surface.ns;
         let cos = n.dot(wi).abs() * FRAC_1_PI;
+        // cosθ/π on one side, or half of it on both.
         match (s.bsdf.has_transmission(), n.dot(wo) * n.dot(wi) > 0.0) {
             (true, _) => 0.5 * cos,
             (false, true) => cos,
@@ -209,6 +215,7 @@ impl<'s> Vertex<'s> {
 
     /// A direction to go on in.
     pub fn sample(&self, scene: &Scene, u: f32, u2: Vec2, mode: TransportMode) -> Option<Drawn> {
+        // Camera and light subpaths differ only where the shading normal depends on the viewer.
         match (self.view, mode) {
             (View::Detail, TransportMode::Importance) => self.sample_by_light(scene, u, u2),
             (View::Detail, TransportMode::Radiance) => self.sample_by_camera(scene, u, u2),
@@ -246,6 +253,7 @@ impl<'s> Vertex<'s> {
     }
 
     fn sample_by_camera(&self, scene: &Scene, u: f32, u2: Vec2) -> Option<Drawn> {
+        // By the camera's own frame; the reverse density is that of the light's frame and its even draws.
         let s = self.drawn(u, u2, TransportMode::Radiance)?;
         let wi = self.frame.to_world(s.wi);
         let light = self.seen_from(scene, wi);
@@ -262,11 +270,13 @@ impl<'s> Vertex<'s> {
     fn sample_by_light(&self, scene: &Scene, u: f32, u2: Vec2) -> Option<Drawn> {
         const MODE: TransportMode = TransportMode::Importance;
         let own = (self.scattering, self.frame);
+        // One of two techniques by a share of the random number: even about the surface, or by the light's own frame.
         let (wi, eta) = if u < EVEN {
             (self.draw_even(u / EVEN, u2), 1.0)
         } else {
             let s = self.drawn((u - EVEN) / (1.0 - EVEN), u2, MODE)?;
             let wi = self.frame.to_world(s.wi);
+            // A specular direction counts only where the camera's frame mirrors it in the same way.
             if s.lobe.is_specular() {
                 let (_, frame) = self.seen_from(scene, wi)?;
                 let cos_o = self.frame.z.dot(self.i.wo);
@@ -276,6 +286,7 @@ impl<'s> Vertex<'s> {
             }
             (wi, s.eta)
         };
+        // Value by the camera's frame over the mixture density.
         let camera = self.seen_from(scene, wi)?;
         let value = self.value(&camera, self.i.wo, wi, MODE).value;
         let density = self.light_pdf(&own, self.i.wo, wi);

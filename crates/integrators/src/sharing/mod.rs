@@ -102,10 +102,12 @@ impl<'s> Member<'s> {
         (ray, context): (Ray, &mut PathContext<'s, '_>),
     ) -> bool {
         let Self { path_state, x, .. } = self;
+        // The camera path up to x: emission and specular vertices are the pixel's own, as in the loop of single paths.
         *path_state = PathState::camera(context.scene, ray);
         meet::<MEDIA>(path_state, (hit, false), depth, radiance, x, context);
         loop {
             match x {
+                // x is found: the first vertex at which others' directions have a density.
                 Arrival::Vertex(v) if !v.is_specular() => {
                     path_state.lights = precomputed.effort.lights;
                     return true;
@@ -113,6 +115,7 @@ impl<'s> Member<'s> {
                 Arrival::Vertex(v) => {
                     let guide = precomputed.caustics.as_ref();
                     let Some(draw) = path_state.sample(v, context.sampler, guide) else { return false };
+                    // A mirror or clear pane: throughput, roulette, and on to the next vertex.
                     path_state.turn::<MEDIA>(context.scene, v, &draw);
                     if !path_state.beta.is_finite() {
                         *radiance = path_state.beta;
@@ -140,10 +143,12 @@ impl<'s> Member<'s> {
         precomputed: &Precomputed,
         pixel_sample: &mut PixelSample,
     ) -> bool {
+        // What the member carries to x stays; without a direction its density is zero and it finds no y.
         (self.beta, self.events, self.y) = (self.path_state.beta, self.path_state.events, Arrival::End);
         self.sample.pdf = 0.0;
         let Self { x, path_state, .. } = self;
         let Arrival::Vertex(x) = x else { return false };
+        // The direction at x is drawn by random numbers that are stratified over the group.
         let Some(draw) = path_state.sample(x, &pixel_sample.joint, precomputed.caustics.as_ref()) else { return false };
         (self.sample, self.ratio) = (draw.sample, draw.ratio);
         path_state.turn::<MEDIA>(scene, x, &draw);
@@ -172,6 +177,7 @@ pub(crate) fn group<'s, const MEDIA: bool>(
         }
         return;
     }
+    // 1. All camera rays of the group in one batch, each followed to its x.
     let (mut rays, mut hits) = ([NO_RAY; MAX_GROUP], [None; MAX_GROUP]);
     rays.iter_mut().zip(&*pixel_samples).for_each(|(ray, pixel_sample)| *ray = pixel_sample.ray);
     scene.intersect_batch(&rays[..pixel_samples.len()], &mut hits[..pixel_samples.len()]);
@@ -187,6 +193,8 @@ pub(crate) fn group<'s, const MEDIA: bool>(
             continue;
         }
         let Arrival::Vertex(x) = &member.x else { continue };
+        // Members are those that still carry all wavelengths and whose model can stand in for others; all other paths
+        // go on alone.
         if *context.lambda == for_all_wavelengths && is_shareable(x) {
             member.pixel_sample = index;
             count += 1;
@@ -195,22 +203,26 @@ pub(crate) fn group<'s, const MEDIA: bool>(
         }
     }
     let group = &mut members[..count];
+    // A single member has nobody to share with.
     if let [Member { pixel_sample, x: Arrival::Vertex(x), path_state, .. }] = group {
         let PixelSample { own, lambda, radiance, .. } = &mut pixel_samples[*pixel_sample];
         let context = &mut PathContext { scene, sampler: own, lambda, counters };
         *radiance = path.leaving(x, *path_state, guide, context, *radiance);
         return;
     }
+    // 2. Light samples at every x, each the pixel's own.
     for k in 0..precomputed.effort.lights {
         direct::<MEDIA>(scene, k, group, pixel_samples, counters);
     }
     if counters.stop.is_asked() {
         return;
     }
+    // 3. Every member draws a direction at x and finds its y.
     bounce(path, scene, precomputed, group, pixel_samples, counters);
     if counters.stop.is_asked() {
         return;
     }
+    // 4. The light that leaves each y goes to all members that see it.
     share(path, scene, precomputed, group, pixel_samples, counters);
 }
 
@@ -232,6 +244,7 @@ fn direct<const MEDIA: bool>(
             count += 1;
         }
     }
+    // Shadow rays of all members in one batch.
     let mut occluded = [false; MAX_GROUP];
     scene.occluded_batch(&rays[..count], &mut occluded[..count]);
     counters.rays += count as u64;
@@ -256,6 +269,7 @@ fn bounce<'s, const MEDIA: bool>(
             count += 1;
         }
     }
+    // The rays of all members in one batch; emission met at y is the finder's.
     let mut hits = [None; MAX_GROUP];
     scene.intersect_batch(&rays[..count], &mut hits[..count]);
     counters.rays += count as u64;

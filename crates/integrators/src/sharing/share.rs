@@ -58,6 +58,8 @@ enum Shared {
 
 impl Shared {
     fn of(scene: &Scene, member: &Member<'_>, y: &Vertex<'_>, lambda: &Wavelengths) -> Self {
+        // Specular directions have no density for others, and a path that lost wavelengths brings nothing to those that
+        // have them.
         if member.sample.lobe.is_specular() || member.lambda != *lambda {
             Self::No
         } else if is_lambertian(scene, y) {
@@ -79,11 +81,13 @@ pub(super) fn share<const MEDIA: bool>(
     pixel_samples: &mut [PixelSample],
     counters: &mut Counters,
 ) {
+    // For every finder k with its y: light that leaves y, claims of all members on it, and their shares.
     let mut member_densities = [MemberDensity::NONE; MAX_GROUP];
     for (k, finder) in group.iter().enumerate() {
         let PixelSample { joint, lambda: common, radiance, .. } = &mut pixel_samples[finder.pixel_sample];
         let y = match &finder.y {
             Arrival::End => continue,
+            // The sky that a member finds is its own.
             Arrival::Escaped => {
                 let context = &mut PathContext { scene, sampler: joint, lambda: common, counters };
                 escape(&finder.path_state, &path.depth, radiance, context);
@@ -94,6 +98,7 @@ pub(super) fn share<const MEDIA: bool>(
         let mut lambda = finder.lambda;
         let shared = Shared::of(scene, finder, y, common);
         let roulette_below = precomputed.effort.roulette_below;
+        // Shared light is followed with throughput one: every member multiplies it by its own later.
         let mut path_state = match shared {
             Shared::No => finder.path_state,
             _ => PathState { beta: Spectrum::ONE, for_roulette: 1.0, roulette_below, ..finder.path_state },
@@ -103,6 +108,7 @@ pub(super) fn share<const MEDIA: bool>(
             continue;
         }
         let mut light = Spectrum::ZERO;
+        // Light that leaves y alike in all directions, or for its finder alone: the path simply goes on from y.
         if shared != Shared::ByDirection {
             light = path.leaving(y, path_state, precomputed.caustics.as_ref(), context, Spectrum::ZERO);
             light = for_all_wavelengths(light, &lambda, common, scene.mode());
@@ -114,17 +120,22 @@ pub(super) fn share<const MEDIA: bool>(
                 continue;
             }
         }
+        // Control variate: the finder takes the sky behind y with certainty, and y counts by its difference from the
+        // sky.
         if precomputed.is_open {
             let Arrival::Vertex(x) = &finder.x else { continue };
             let w = finder.path_state.ray.direction;
             *radiance += finder.path_state.beta * sky(scene, x, w, finder.sample.pdf, common);
         }
         let found = Found { path, scene, precomputed, group, k, y };
+        // Σ_m p_m, the denominator of the balance heuristic.
         let total = found.member_densities(&mut member_densities, pixel_samples, counters);
         let mut by_member = [light; MAX_GROUP];
+        // Models at y that look different from each x: the light is evaluated towards every member.
         if shared == Shared::ByDirection {
             by_member = found.scattered(path_state, (&member_densities, total), pixel_samples, counters);
         }
+        // I_j += β_j f_j |cos| G V (L − L_sky) / Σ_m p_m.
         for ((member, member_density), light) in group.iter().zip(&member_densities).zip(by_member) {
             if !member_density.value.is_black() {
                 pixel_samples[member.pixel_sample].radiance +=
@@ -177,6 +188,7 @@ impl<const MEDIA: bool> Found<'_, '_, MEDIA> {
             }
             (values, density / total)
         };
+        // Light sample at y, weighted against the mean density with which members draw its direction there.
         if scene.lights().can_sample()
             && let Some(s) = nee::sample_light(scene, &y.context(), path_state.events, &joint, &lambda)
         {
@@ -188,6 +200,7 @@ impl<const MEDIA: bool> Found<'_, '_, MEDIA> {
                 sums.iter_mut().zip(values).for_each(|(sum, v)| *sum += v * light);
             }
         }
+        // A direction at y by the finder; it serves all members unless its lobe is specular.
         let Some(draw) = path_state.sample(y, &joint, guide) else { return sums };
         path_state.turn::<MEDIA>(scene, y, &draw);
         if !path_state.beta.is_finite() {
@@ -201,6 +214,7 @@ impl<const MEDIA: bool> Found<'_, '_, MEDIA> {
         }
         let is_own = draw.sample.lobe.is_specular();
         let mut values = [Spectrum::ZERO; MAX_GROUP];
+        // Σ_m p_m q_m over Σ_m p_m is the density of the direction; values are divided by it for every member.
         if !is_own {
             let (towards, density) = towards_all(path_state.ray.direction);
             if density <= 0.0 {
@@ -211,6 +225,7 @@ impl<const MEDIA: bool> Found<'_, '_, MEDIA> {
             path_state.beta = Spectrum::splat(live_max(path_state.beta, &lambda));
             path_state.origin = Some((y.context(), density));
         }
+        // The path beyond y, whose light is the same for all members.
         let (mut next, mut light) = (Arrival::End, Spectrum::ZERO);
         arrive::<MEDIA>(&mut path_state, depth, &mut light, &mut next, context);
         match &next {
@@ -280,6 +295,7 @@ impl<const MEDIA: bool> Found<'_, '_, MEDIA> {
                 continue;
             }
             let Arrival::Vertex(x) = &member.x else { continue };
+            // Geometry term of member m relative to the finder's: cos_y / d² over its own.
             let to = p - x.p();
             let d2 = to.length_squared();
             let distance = d2.sqrt();
@@ -288,14 +304,17 @@ impl<const MEDIA: bool> Found<'_, '_, MEDIA> {
             if !(relative > 0.0 && relative.is_finite()) {
                 continue;
             }
+            // f_m |cos_m| and the density per solid angle with which m would have drawn this direction.
             let e = x.eval(w);
             if e.value.is_black() && e.pdf <= 0.0 {
                 continue;
             }
+            // A point in a medium can only be claimed through the same medium.
             if MEDIA && facing.is_none() && x.medium_towards(scene, w) != finder.path_state.medium {
                 continue;
             }
             let lambda = &pixel_samples[member.pixel_sample].lambda;
+            // In a medium: transmittance on the way, and the density of a flight that ends there.
             let (passed, density) = flight(x, w, distance, lambda);
             member_densities[m] = MemberDensity {
                 direction: w,
@@ -306,12 +325,14 @@ impl<const MEDIA: bool> Found<'_, '_, MEDIA> {
             (rays[count], places[count]) = (x.spawn_towards(w, distance), m);
             count += 1;
         }
+        // Visibility of y from all members in one batch; those that do not see it have no claim.
         let mut occluded = [false; MAX_GROUP];
         scene.occluded_batch(&rays[..count], &mut occluded[..count]);
         counters.rays += count as u64;
         for (m, _) in places[..count].iter().zip(occluded).filter(|(_, is_occluded)| *is_occluded) {
             member_densities[*m] = MemberDensity::NONE;
         }
+        // The finder's own claim, with the sampled weight times its density; its visibility is certain.
         let (pdf, w, lambda) = (finder.sample.pdf, -y.wo(), &pixel_samples[finder.pixel_sample].lambda);
         let (passed, density) = flight(finders_x, w, own_distance, lambda);
         member_densities[k] = MemberDensity {
