@@ -88,8 +88,7 @@ impl Mapped {
             found = land(run, emission, &self.settings.depth, paths(self.settings.photons, run), seed, |_| true)?;
         }
         let (photons, counters) = found;
-        // Two maps: caustics, whose paths were specular from the light on, and all others (or all, for the final
-        // gather).
+        // Two maps: caustics, whose paths were specular from the light on, and the global one.
         let focused = photons.iter().filter(|p| p.is_focused).copied().collect();
         // Where photons are not gathered over a bounce, direct and focused light is not read from the global map.
         let counts = |p: &&Photon| self.settings.gather || (p.events > 0 && !p.is_focused);

@@ -113,7 +113,7 @@ pub(super) fn land(
     Some((found.into_iter().flatten().collect(), counters))
 }
 
-/// Radiance towards the camera by photons near, each of which counts as `weight` of a square of the radius.
+/// Radiance towards the camera by the photons within a radius.
 pub(super) fn gathered(v: &Vertex<'_>, photons: &Grid, radius: f32, paths: f32, depth: &Depth, run: &Run<'_>) -> Vec3 {
     let mut sum = Vec3::ZERO;
     // Density estimate with a constant kernel: Σ β f / (π r² n).

@@ -122,7 +122,7 @@ impl Subpath {
     /// From the camera along one of its rays.
     pub fn from_camera(scene: &Scene, ray: Ray, lambda: Wavelengths, ways: &Ways, depth: &Depth) -> Self {
         let d = scene.camera().ray_density(scene.film(), &ray);
-        // dVCM of a camera subpath: (n / p)², with n the light paths and p the density of the camera ray on the film.
+        // dVCM of a camera subpath: (n / p)², with n light paths and the density p of the camera ray.
         let vcm = if ways.to_camera { squared(ways.light_paths / d.density) } else { 0.0 };
         Self {
             ray: Ray { time: lambda.time, ..ray },

@@ -19,6 +19,7 @@ impl Bands {
         let wavelengths = match mode {
             ColorMode::Rgb => vec![Wavelengths::RGB],
             ColorMode::Spectral => {
+                // λ_k evenly from the least to the greatest visible wavelength, four to a band.
                 let count = 4 * bands.max(1);
                 let at = |k: usize| LAMBDA_MIN + (LAMBDA_MAX - LAMBDA_MIN) * k as f32 / (count - 1) as f32;
                 (0..bands.max(1)).map(|b| Wavelengths::at(std::array::from_fn(|l| at(4 * b + l)))).collect()
@@ -46,6 +47,7 @@ impl Bands {
         let last = 4 * self.count() - 1;
         let value = |k: usize| values[k / 4][k % 4];
         Spectrum::new(lambda.lambda.map(|l| {
+            // Linear interpolation between the two wavelengths next to λ.
             let x = ((l - LAMBDA_MIN) / (LAMBDA_MAX - LAMBDA_MIN)).clamp(0.0, 1.0) * last as f32;
             let k = (x as usize).min(last - 1);
             let (a, b) = (value(k), value(k + 1));

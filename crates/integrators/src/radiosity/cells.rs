@@ -46,6 +46,7 @@ impl Cell {
     /// The parameters at a point of the unit square, by a map that keeps areas of the parameters.
     pub fn at(&self, u: Vec2) -> Vec2 {
         let c = &self.corners;
+        // Uniform in the triangle, bilinear in the rectangle of parameters.
         if self.is_triangle {
             let [a, b, w] = steradian_math::warp::uniform_triangle(u);
             c[0] * a + c[1] * b + c[2] * w
@@ -59,10 +60,12 @@ impl Cell {
         let c = &self.corners;
         if self.is_triangle {
             let (a, b, p) = (c[1] - c[0], c[2] - c[0], uv - c[0]);
+            // Barycentric coordinates by Cramer's rule.
             let det = a.perp_dot(b);
             let (s, t) = ((p.perp_dot(b) / det).clamp(0.0, 1.0), (a.perp_dot(p) / det).clamp(0.0, 1.0));
             [(1.0 - s - t).max(0.0), s, t, 0.0]
         } else {
+            // Bilinear weights.
             let p = ((uv - c[0]) / (c[2] - c[0])).clamp(Vec2::ZERO, Vec2::ONE);
             let (s, t) = (p.x, p.y);
             [(1.0 - s) * (1.0 - t), s * (1.0 - t), s * t, (1.0 - s) * t]
@@ -72,6 +75,7 @@ impl Cell {
     /// Which of the children holds parameters.
     fn child(&self, uv: Vec2) -> u32 {
         let w = self.weights(uv);
+        // A corner's child holds all points whose weight of that corner is above one half; the rest is the middle one.
         if self.is_triangle {
             (0..3).find(|k| w[*k as usize] > 0.5).unwrap_or(3)
         } else {
@@ -89,9 +93,11 @@ impl Cell {
         let c = self.corners;
         let m = |i: usize, j: usize| (c[i] + c[j]) * 0.5;
         if self.is_triangle {
+            // Four congruent triangles by the middles of the edges.
             let (ab, bc, ca, z) = (m(0, 1), m(1, 2), m(2, 0), Vec2::ZERO);
             [[c[0], ab, ca, z], [ab, c[1], bc, z], [ca, bc, c[2], z], [bc, ca, ab, z]]
         } else {
+            // Four quarters around the centre.
             let (ab, bc, cd, da, o) = (m(0, 1), m(1, 2), m(2, 3), m(3, 0), m(0, 2));
             [[c[0], ab, o, da], [ab, c[1], bc, o], [o, bc, c[2], cd], [da, o, cd, c[3]]]
         }
@@ -120,6 +126,7 @@ impl Cells {
     pub fn split(&mut self, pieces: &[Piece], cell: u32) -> u32 {
         let parent = self.cells[cell as usize];
         debug_assert!(parent.is_leaf());
+        // Children lie one behind the other; leaves keep zero as first child.
         let first = self.cells.len() as u32;
         for corners in parent.corners_of_children() {
             let mut child = Cell { corners, children: 0, ..parent };
@@ -150,6 +157,7 @@ impl Cells {
         (center, radius): (DVec3, f64),
         tell: &dyn Fn(usize) -> bool,
     ) {
+        // Area over squared distance, with all that lies within the sphere at full area.
         let need = |cells: &Self, k: u32| {
             let cell = &cells.cells[k as usize];
             let distance = cell.polygon(&surfaces.pieces).center().distance(center) / radius;
@@ -173,6 +181,7 @@ impl Cells {
         tell: &dyn Fn(usize) -> bool,
         of_child: impl Fn(&Self, u32, f32) -> f32,
     ) {
+        // Greedy: the leaf of greatest need is split, and its four children join the heap.
         let mut heap: BinaryHeap<Urgent> = self.leaves().zip(needs).map(|(k, need)| Urgent(*need, k)).collect();
         let mut leaves = self.leaf_count(surfaces);
         while leaves + 3 <= count && tell(0) {
@@ -189,6 +198,7 @@ impl Cells {
     /// The leaf that holds parameters of a piece.
     #[inline]
     pub fn find(&self, piece: u32, uv: Vec2) -> u32 {
+        // Down the quadtree to the leaf.
         let mut k = piece;
         loop {
             let cell = &self.cells[k as usize];

@@ -67,6 +67,7 @@ impl Ord for Group {
 fn measures(patches: &Patches) -> Vec<[f64; 6]> {
     let centers: Vec<DVec3> = patches.list.iter().map(|p| p.polygon.center()).collect();
     let (low, high) = centers.iter().fold((DVec3::MAX, DVec3::MIN), |(low, high), p| (low.min(*p), high.max(*p)));
+    // Six coordinates: places in half diagonals, and normals with a weight.
     let scale = 2.0 / (high - low).length().max(f64::MIN_POSITIVE);
     let of = |(patch, center): (&super::patches::Patch, &DVec3)| {
         let ([x, y, z], n) = (((*center - low) * scale).to_array(), patch.polygon.normal() * TURN);
@@ -78,6 +79,7 @@ fn measures(patches: &Patches) -> Vec<[f64; 6]> {
 impl Group {
     fn new(members: Vec<u32>, is_double: bool, patches: &Patches, measures: &[[f64; 6]]) -> Self {
         let area = |k: u32| patches.list[k as usize].area;
+        // Area-weighted mean and variance along each coordinate; the group is split along the greatest.
         let total: f64 = members.iter().map(|k| area(*k)).sum();
         let moments = |axis: usize| {
             let at = |k: &u32| measures[*k as usize][axis];
@@ -95,15 +97,18 @@ impl Clusters {
     /// At most `count` clusters of some patches, or one for each group that cannot be mixed; `None` where told to stop.
     pub fn new(patches: &Patches, count: usize, tell: &dyn Fn(usize) -> bool) -> Option<Self> {
         let measures = measures(patches);
+        // True if any band of a patch has such a value.
         let any = |values: &[DVec4], k: u32| {
             let k = k as usize * patches.bands;
             values[k..k + patches.bands].iter().any(|v| v.max_element() > 0.0)
         };
         let twin = |k: u32| patches.list[k as usize].twin;
+        // Sides that light passes between are clustered together with those behind them.
         let passes = |k: u32| {
             let twin = twin(k);
             twin != NONE && [k, twin].iter().any(|k| any(&patches.transmittance, *k))
         };
+        // Four kinds that never mix: lamps or dark, single or double sided.
         let all = 0..patches.len() as u32;
         let (double, single): (Vec<u32>, Vec<u32>) = all.partition(|k| passes(*k));
         let (lamps, dark): (Vec<u32>, Vec<u32>) = single.into_iter().partition(|k| any(&patches.emission, *k));
@@ -120,10 +125,12 @@ impl Clusters {
         let mut done: Vec<Group> = Vec::new();
         let size = |group: &Group| 1 + usize::from(group.is_double);
         let mut clusters: usize = heap.iter().map(size).sum();
+        // Top down: the most varied group is split at its mean, until the number of clusters is reached.
         while let Some(group) = heap.pop() {
             if !tell(0) {
                 return None;
             }
+            // Members on either side of the mean along the axis of greatest variance.
             let is_small = |k: &u32| measures[*k as usize][group.axis] < group.middle;
             let (a, b): (Vec<u32>, Vec<u32>) = group.members.iter().partition(|k| is_small(k));
             if clusters + size(&group) > count || a.is_empty() || b.is_empty() {
@@ -133,6 +140,7 @@ impl Clusters {
             clusters += size(&group);
             heap.extend([a, b].map(|members| Group::new(members, group.is_double, patches, &measures)));
         }
+        // Double groups become two clusters, each the twin of the other.
         let mut new = Self { of_patch: vec![NONE; patches.len()], ..Self::default() };
         for group in done {
             let first = new.members.len() as u32;
@@ -150,6 +158,7 @@ impl Clusters {
     fn add(&mut self, patches: &Patches, members: Vec<u32>, twin: u32) {
         let cluster = self.members.len() as u32;
         members.iter().for_each(|k| self.of_patch[*k as usize] = cluster);
+        // Cumulative areas, for drawing members by area.
         let upto = members.into_iter().scan(0.0, |sum, k| {
             *sum += patches.list[k as usize].area;
             Some((k, *sum))
@@ -166,6 +175,7 @@ impl Clusters {
     pub fn means(&self, patches: &Patches, values: &[DVec4]) -> Vec<DVec4> {
         let n = patches.bands;
         let mut means = vec![DVec4::ZERO; self.members.len() * n];
+        // Mean by area: Σ v A / Σ A.
         for (k, &cluster) in self.of_patch.iter().enumerate() {
             let share = patches.list[k].area / self.area(cluster as usize);
             for b in 0..n {
@@ -182,6 +192,7 @@ impl Clusters {
 
     /// The row of a cluster, by rays from all over it.
     fn row(&self, exchange: &Exchange<'_>, cluster: usize) -> Row {
+        // Rays from points drawn by area over the cluster, with cosine-distributed directions.
         let count = match exchange.method {
             FormFactors::MonteCarlo(rays) => rays,
             _ => RAYS.max(2 * self.members.len()) as u32,
@@ -191,6 +202,7 @@ impl Clusters {
         let ray = |k: u32| {
             let [a, b, c, d] = steradian_math::sobol::shuffled_scrambled_sobol_4d(k, seed);
             let at = f64::from(a) * area;
+            // The member by inversion of the cumulative area; what is left of the number places the point within it.
             let chosen = members.partition_point(|m| m.1 <= at).min(members.len() - 1);
             let before = if chosen > 0 { members[chosen - 1].1 } else { 0.0 };
             let within = ((at - before) / (members[chosen].1 - before)).clamp(0.0, 1.0 - 1e-7) as f32;
@@ -198,6 +210,7 @@ impl Clusters {
         };
         let share = 1.0 / f64::from(count);
         let mut row = Row::new();
+        // F_ij is the share of rays that cluster j receives.
         for start in (0..count).step_by(TOGETHER as usize).take_while(|_| (exchange.tell)(0)) {
             let rays: Vec<_> = (start..count.min(start + TOGETHER)).map(ray).collect();
             let met = exchange.met(&rays).into_iter().filter(|k| *k != NONE);
@@ -234,6 +247,7 @@ impl<'a> Unknowns<'a> {
     /// The equation without form factors.
     pub fn system(&self) -> System {
         let patches = self.exchange.patches;
+        // Albedos and sources of clusters are means by area; the form factors come later.
         let whole = System::of(patches);
         let Some(clusters) = &self.clusters else { return whole };
         System {

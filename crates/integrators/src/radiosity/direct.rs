@@ -35,6 +35,7 @@ pub fn irradiance(
     if lights.is_empty() {
         return vec![DVec4::ZERO; patches.len() * bands.count()];
     }
+    // The mean irradiance over the points of each patch.
     patches
         .par_iter()
         .flat_map_iter(|patch| {
@@ -63,10 +64,12 @@ fn at_point(
     sum: &mut [Spectrum],
 ) {
     let ctx = LightContext { p: point.p, n: point.n };
+    // Environments are sampled by directions, other lights at their one point or direction.
     if let Light::Environment(e) = &scene.lights().lights[light as usize] {
         environment(scene, e, point, seed, k, wavelengths, sum);
         return;
     }
+    // One shadow ray for all bands, traced when the first of them asks.
     let mut is_seen = None;
     for (sum, lambda) in sum.iter_mut().zip(wavelengths) {
         let Some(s) = scene.lights().sample(light, &ctx, Vec2::splat(0.5), lambda, scene.textures()) else { continue };
@@ -93,6 +96,7 @@ fn environment(
 ) {
     let frame = Frame::from_z(point.n);
     let samples_light = e.sampled_irradiance() > 0.0;
+    // Two techniques with equal numbers of samples: by the cosine, and by the radiance of the environment.
     for j in 0..DIRECTIONS {
         let index = k * DIRECTIONS + j;
         let u = |salt: u32| Vec2::from(steradian_math::sobol::shuffled_scrambled_sobol_2d(index, seed ^ salt));
@@ -103,6 +107,7 @@ fn environment(
             if cos <= 0.0 || scene.occluded(&spawn(point, w)) {
                 continue;
             }
+            // Balance heuristic: cosθ L / (p_cos + p_env), over the number of samples.
             let other = if samples_light { e.pdf(point.p, w) } else { 0.0 };
             let density = cos * std::f32::consts::FRAC_1_PI + other;
             for (sum, lambda) in sum.iter_mut().zip(wavelengths) {

@@ -15,6 +15,7 @@ impl System {
     pub fn direct(&self, tell: &dyn Fn(usize) -> bool) -> Option<Solved> {
         let n = self.len();
         let mut radiosity = vec![DVec4::ZERO; self.sources.len()];
+        // Every lane has a matrix of its own, since albedos differ by wavelength.
         for b in 0..self.bands {
             let mut done: Vec<(usize, Vec<f64>, Vec<f64>)> = Vec::new();
             for lane in 0..4 {
@@ -32,6 +33,7 @@ impl System {
                 done.push((lane, albedo.0, sources));
             }
         }
+        // H = F B from the radiosities.
         let mut irradiance = vec![DVec4::ZERO; radiosity.len()];
         for (k, h) in irradiance.iter_mut().enumerate() {
             let (i, b) = (k / self.bands, k % self.bands);
@@ -47,6 +49,7 @@ impl System {
             .into_par_iter()
             .map(|i| {
                 let mut row = vec![0.0; self.len()];
+                // Row i of I − ρ_i F_i − τ_i F_i'.
                 row[i] = 1.0;
                 self.rows[i].iter().for_each(|(j, f)| row[*j as usize] -= reflectance[i] * f);
                 if self.twins[i] != NONE && transmittance[i] > 0.0 {
@@ -62,6 +65,7 @@ impl System {
 /// Solves `M x = y` by elimination with row pivoting.
 fn eliminate(mut m: Vec<Vec<f64>>, mut y: Vec<f64>, tell: &dyn Fn(usize) -> bool) -> Option<Vec<f64>> {
     let n = y.len();
+    // Forward elimination: the pivot is the greatest entry of the column below.
     for k in 0..n {
         if !tell(1) {
             return None;
@@ -73,6 +77,7 @@ fn eliminate(mut m: Vec<Vec<f64>>, mut y: Vec<f64>, tell: &dyn Fn(usize) -> bool
         let first = &above[k];
         let (known, rest) = y.split_at_mut(k + 1);
         below.par_iter_mut().zip(rest).with_min_len(32).for_each(|(row, y)| {
+            // Row − factor · pivot row, in parallel over the rows below.
             let factor = row[k] / first[k];
             if factor != 0.0 {
                 row[k] = 0.0;
@@ -81,6 +86,7 @@ fn eliminate(mut m: Vec<Vec<f64>>, mut y: Vec<f64>, tell: &dyn Fn(usize) -> bool
             }
         });
     }
+    // Back substitution.
     for k in (0..n).rev() {
         let sum: f64 = (k + 1..n).map(|j| m[k][j] * y[j]).sum();
         y[k] = (y[k] - sum) / m[k][k];

@@ -77,6 +77,7 @@ impl Exchange<'_> {
         if self.method != FormFactors::Analytic {
             return self.rows_by(n, &|i| self.row(i));
         }
+        // Closed form: each pair once, above the diagonal; A_i F_ij serves both directions.
         let upper = self.rows_by(n, &|i| self.pairs(i, i + 1..n).collect())?;
         let area = |i: usize| self.patches.list[i].area;
         let mut rows: Vec<Row> = vec![Row::new(); n];
@@ -86,6 +87,7 @@ impl Exchange<'_> {
                 rows[j as usize].push((i as u32, a / area(j as usize)));
             }
         }
+        // Rows in order of patches, and none above one.
         rows.par_iter_mut().for_each(|row| {
             row.sort_unstable_by_key(|e| e.0);
             hold_to_one(row);
@@ -115,6 +117,7 @@ impl Exchange<'_> {
         }
         // The same for both orders, so that what is exchanged is.
         let (a, b) = (&self.patches.list[i.min(j)], &self.patches.list[i.max(j)]);
+        // Unoccluded exchange first, which is cheap to find zero; visibility only where something is exchanged.
         let exchange = form_factor::exchange(&a.polygon, &b.polygon);
         if exchange <= 0.0 {
             return None;
@@ -125,6 +128,7 @@ impl Exchange<'_> {
 
     /// The part of what two patches exchange that nothing stops.
     pub fn visibility(&self, a: &Patch, b: &Patch) -> f64 {
+        // A few pairs of points decide in most cases: all see each other, or none.
         let (seen, all) = self.seen(a, b, 0..FIRST_PAIRS);
         if all <= 0.0 || seen == 0.0 || seen >= all {
             let (more, rest) = if all <= 0.0 { self.seen(a, b, FIRST_PAIRS..PAIRS) } else { (0.0, 0.0) };
@@ -132,6 +136,7 @@ impl Exchange<'_> {
             // Polygons that stand for curved surfaces may lie before each other where the surfaces do not.
             return if all > 0.0 { seen / all } else { 0.0 };
         }
+        // Partly seen: all pairs.
         let (more, rest) = self.seen(a, b, FIRST_PAIRS..PAIRS);
         (seen + more) / (all + rest)
     }
@@ -151,11 +156,13 @@ impl Exchange<'_> {
             let q = &b.points[(k * 7 + 3) % b.points.len()];
             let to = q.p - p.p;
             let d2 = to.length_squared();
+            // cosθ cosθ' / r², up to the common factor: pairs count by what they exchange.
             let kernel = p.n.dot(to).max(0.0) * (-q.n.dot(to)).max(0.0) / (d2 * d2);
             if !(kernel > 0.0 && kernel.is_finite()) {
                 continue;
             }
             all += f64::from(kernel);
+            // Shadow ray between the points, both moved off their surfaces.
             let origin = offset_ray_origin(p.p, p.error, p.n, to);
             let end = offset_ray_origin(q.p, q.error, q.n, -to);
             let codec = end - origin;
@@ -172,6 +179,7 @@ impl Exchange<'_> {
     /// The patch that a ray meets first, or [`NONE`].
     pub fn first_met(&self, ray: &Ray, hit: Option<Hit>) -> u32 {
         let (mut ray, mut hit) = (*ray, hit);
+        // Interfaces are passed.
         for _ in 0..PASSES {
             let Some(h) = hit else { return NONE };
             let i = self.scene.interaction(&ray, &h);
@@ -188,6 +196,7 @@ impl Exchange<'_> {
 
     /// The patches that rays meet.
     pub(super) fn met(&self, rays: &[Ray]) -> Vec<u32> {
+        // Rays in one batch, then each hit to its patch.
         let mut hits = vec![None; rays.len()];
         self.scene.intersect_batch(rays, &mut hits);
         self.rays.fetch_add(rays.len() as u64, Ordering::Relaxed);
@@ -196,6 +205,7 @@ impl Exchange<'_> {
 
     fn row_by_rays(&self, i: usize, count: u32) -> Row {
         let patch = &self.patches.list[i];
+        // F_ij by cosine-distributed rays: the share that meets patch j.
         let rays: Vec<Ray> = (0..count).map(|k| self.ray_from(patch, k, self.seed)).collect();
         let share = 1.0 / f64::from(count);
         collected(self.met(&rays).into_iter().map(|j| (j, share)))
@@ -209,6 +219,7 @@ impl Exchange<'_> {
 
     /// The ray from a patch whose point and direction belong to uniform random numbers.
     pub fn ray_at(&self, patch: &Patch, [a, b, c, d]: [f32; 4]) -> Ray {
+        // Two numbers for the point, two for the direction about the normal of the side.
         let cell = &self.cells.cells[patch.cell as usize];
         let piece = &self.surfaces.pieces[cell.piece as usize];
         let seen = piece.seen(self.scene, cell.at(Vec2::new(a, b)), patch.front);
@@ -223,6 +234,7 @@ impl Exchange<'_> {
         let seen = piece.seen(self.scene, cell.at(Vec2::splat(0.5)), patch.front);
         let point = super::patches::Point { p: seen.surface.p, error: seen.surface.error, n: seen.wo };
         let frame = Frame::from_z(point.n);
+        // Pixels of the hemicube with their delta form factors, normalised to a sum of one.
         let edge = (edge.max(2) / 2) * 2;
         let sum: f64 = (0..edge).flat_map(|j| hemicube_pixels(edge, j)).map(|pixel| pixel.1).sum();
         let mut row = Row::new();
@@ -264,6 +276,7 @@ fn hold_to_one(row: &mut Row) {
 
 /// A row from single contributions.
 pub(super) fn collected(shares: impl Iterator<Item = (u32, f64)>) -> Row {
+    // Contributions of the same patch are added up.
     let mut all: Row = shares.filter(|s| s.0 != NONE).collect();
     all.sort_by_key(|s| s.0);
     all.dedup_by(|from, into| {

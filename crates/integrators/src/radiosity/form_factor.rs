@@ -54,12 +54,15 @@ pub fn exchange(a: &Polygon, b: &Polygon) -> f64 {
     if !rises(b, ca, na) || !rises(a, cb, nb) {
         return 0.0;
     }
+    // Parts behind the other's plane are cut away.
     let (Some(b), Some(a)) = (b.before(ca, na), a.before(cb, nb)) else { return 0.0 };
+    // Far pairs: two Gauss points for each edge, and one logarithm for four distances.
     if distance > FAR_AWAY * size {
         let unit = 1.0 / (distance * distance);
         let sum: f64 = edges(&a).map(|p| edges(&b).map(|q| far_edge_pair(p, q, unit)).sum::<f64>()).sum();
         return (sum / TAU).max(0.0);
     }
+    // Quadrature by distance: 3 or 6 Gauss points, or tanh–sinh where edges may touch.
     let rule: &[_] = if distance > 4.0 * size {
         &FAR
     } else if distance > 1.5 * size {
@@ -96,10 +99,12 @@ fn far_edge_pair(p: (DVec3, DVec3), q: (DVec3, DVec3), unit: f64) -> f64 {
     // Of Gauss and Legendre on [0, 1]: ½ ± 1/√12.
     const AT: [f64; 2] = [0.211_324_865_405_187_13, 0.788_675_134_594_812_9];
     let (along, other) = (p.1 - p.0, q.1 - q.0);
+    // Edges at right angles add nothing.
     let cosine = along.dot(other);
     if cosine == 0.0 {
         return 0.0;
     }
+    // Σ ln r² = ln ∏ r².
     let mut product = 1.0;
     for s in AT {
         let x = p.0 + along * s - q.0;
@@ -120,6 +125,7 @@ fn edge_pair(p: (DVec3, DVec3), q: (DVec3, DVec3), unit: f64, rule: &[(f64, f64)
         return 0.0;
     }
     let direction = other / length;
+    // Outer integral over a part of the edge by quadrature, inner integral in closed form.
     let whole = |from: f64, to: f64| {
         let inner = |s: f64| log_distance(p.0 + along * (from + (to - from) * s), q.0, direction, length, unit);
         (to - from) * rule.iter().map(|(s, w)| w * inner(*s)).sum::<f64>()
@@ -131,6 +137,7 @@ fn edge_pair(p: (DVec3, DVec3), q: (DVec3, DVec3), unit: f64, rule: &[(f64, f64)
         let s = along.dot(c - p.0) / square;
         (within(s) && (p.0 + along * s).distance_squared(c) < 1e-2 * length * length).then_some(s)
     };
+    // The parameter at which the lines of both edges come closest.
     let (tilt, to) = (along.dot(direction), p.0 - q.0);
     let across = square - tilt * tilt;
     let crossing = (tilt * direction.dot(to) - along.dot(to)) / across;
@@ -139,6 +146,7 @@ fn edge_pair(p: (DVec3, DVec3), q: (DVec3, DVec3), unit: f64, rule: &[(f64, f64)
         let foot = q.0 + direction * direction.dot(x - q.0).clamp(0.0, length);
         x.distance_squared(foot) < 1e-2 * length * length
     };
+    // The edge is cut there, and beside the ends of the other edge.
     let mut cuts = [Some(0.0), beside(q.0), beside(q.1), crosses.then_some(crossing), Some(1.0)];
     cuts.sort_by(|a, b| a.unwrap_or(0.0).total_cmp(&b.unwrap_or(0.0)));
     let mut from = 0.0;
@@ -155,6 +163,7 @@ fn edge_pair(p: (DVec3, DVec3), q: (DVec3, DVec3), unit: f64, rule: &[(f64, f64)
 /// `∫ ln(r·unit)` from a point along an edge.
 #[inline]
 fn log_distance(x: DVec3, q: DVec3, direction: DVec3, length: f64, unit: f64) -> f64 {
+    // ∫ ln √(h² + t²) dt = t ln r − t + h atan(t/h), with h the distance of the point from the line of the edge.
     let to = q - x;
     let a = to.dot(direction);
     let b = a + length;
@@ -170,6 +179,7 @@ fn log_distance(x: DVec3, q: DVec3, direction: DVec3, length: f64, unit: f64) ->
 /// The form factor from a point with a unit normal to a polygon: `−1/2π Σ Γₖ·n` over the edges, whose `Γₖ` are the
 /// angle that an edge subtends times the unit normal of the plane through it and the point.
 pub fn from_point(p: DVec3, n: DVec3, polygon: &Polygon) -> f64 {
+    // Nothing is received from behind the polygon.
     let c = polygon.center();
     if polygon.normal().dot(p - c) <= 0.0 {
         return 0.0;
@@ -178,6 +188,7 @@ pub fn from_point(p: DVec3, n: DVec3, polygon: &Polygon) -> f64 {
     let sum: f64 = edges(&part)
         .map(|(a, b)| {
             let (a, b) = (a - p, b - p);
+            // Γ: the angle between the directions to both ends, times the unit normal of their plane.
             let across = a.cross(b);
             let sin = across.length();
             if sin > 0.0 { -sin.atan2(a.dot(b)) * across.dot(n) / sin } else { 0.0 }

@@ -105,12 +105,14 @@ pub fn solve(exchange: &Exchange<'_>, bands: &Bands, wanted: Wanted) -> Option<R
     all.grow();
     // Whole pieces come first.
     let count = 2 * surfaces.pieces.len() as u32;
+    // All whole pieces are linked to all others first.
     let roots: Vec<u32> = (0..count).filter(|k| all.nodes[*k as usize].is_some()).collect();
     let pairs: Vec<(u32, u32)> =
         roots.iter().flat_map(|p| roots.iter().filter(move |q| *q / 2 != *p / 2).map(move |q| (*p, *q))).collect();
     all.link(&pairs);
     all.iterate(wanted);
     let mut rounds = 0;
+    // Rounds: links that carry too much are refined, and light is exchanged anew over all links.
     while rounds < ROUNDS {
         if !(exchange.tell)(1) {
             return None;
@@ -125,6 +127,7 @@ pub fn solve(exchange: &Exchange<'_>, bands: &Bands, wanted: Wanted) -> Option<R
         return None;
     }
     let n = bands.count();
+    // Irradiance of every node, for leaves and those above them.
     let mut irradiance = vec![DVec4::ZERO; all.nodes.len() * n];
     let mut links = 0;
     for (k, node) in all.nodes.iter().enumerate() {
@@ -149,6 +152,7 @@ impl Hierarchy<'_> {
         if !self.goes_on() {
             return None;
         }
+        // Patch and materials of the side, and its light from lights that are no patches.
         let made = make(self.scene, self.surfaces, &self.cells, self.bands, k / 2, k.is_multiple_of(2));
         let (patch, matter) = made.patch?;
         let of = |sharp: bool| {
@@ -181,6 +185,7 @@ impl Hierarchy<'_> {
             .par_iter()
             .map(|&(p, q)| {
                 let (a, b) = (self.at(p)?, self.at(q)?);
+                // F_pq without occlusion, and the part of the pairs of points that see each other.
                 let factor = form_factor::exchange(&a.patch.polygon, &b.patch.polygon) / a.patch.area;
                 (factor > 0.0).then(|| {
                     let seen = self.exchange.visibility_of_all(&a.patch, &b.patch);
@@ -204,6 +209,7 @@ impl Hierarchy<'_> {
             self.pull(false);
             most = most.min(bounces as usize);
         }
+        // Gather: H_p = Σ F_pq V_pq B_q over the links of each node.
         for _ in 0..most {
             if !self.goes_on() {
                 break;
@@ -214,6 +220,7 @@ impl Hierarchy<'_> {
                 .map(|node| {
                     let Some(node) = node else { return Vec::new() };
                     let mut sum = vec![DVec4::ZERO; node.matter.len()];
+                    // F V B of each link; a source may be of any level.
                     for link in &node.links {
                         let Some(source) = self.at(link.source) else { continue };
                         let f = link.factor * link.seen;
@@ -228,6 +235,7 @@ impl Hierarchy<'_> {
                     node.gathered = gathered;
                 }
             }
+            // Push H down, then pull B up, until nothing changes.
             self.push();
             let (moved, largest) = self.pull(true);
             if moved <= wanted.precision * largest {
@@ -242,6 +250,7 @@ impl Hierarchy<'_> {
         for cell in 0..self.cells.cells.len() as u32 {
             let children = self.cells.cells[cell as usize].children;
             for side in 0..if children == 0 { 0 } else { 2 } {
+                // A child's irradiance is its own and that of its parent.
                 let Some(above) = self.at(cell * 2 + side).map(|n| n.irradiance.clone()) else { continue };
                 for child in children..children + 4 {
                     if let Some(node) = self.nodes[(child * 2 + side) as usize].as_deref_mut() {
@@ -257,11 +266,14 @@ impl Hierarchy<'_> {
     fn pull(&mut self, with_direct: bool) -> (f64, f64) {
         let direct = f64::from(u8::from(with_direct));
         let (mut moved, mut largest) = (0.0_f64, 0.0_f64);
+        // Children come after their parents: backwards, radiosities are ready when they are needed.
         for cell in (0..self.cells.cells.len() as u32).rev() {
             let children = self.cells.cells[cell as usize].children;
             for side in 0..2 {
                 let k = cell * 2 + side;
                 let Some(node) = self.at(k) else { continue };
+                // A leaf reflects and transmits: B = E + ρ H + τ H'; an inner node has the mean of its children by
+                // area.
                 let next: Vec<DVec4> = if children == 0 {
                     let other = self.at(k ^ 1);
                     (0..node.matter.len())
@@ -303,6 +315,7 @@ impl Hierarchy<'_> {
     /// Replaces links that carry too much; whether there were any.
     fn refine(&mut self, wanted: Wanted) -> bool {
         let brightest = |values: &[DVec4]| values.iter().map(|v| v.max_element()).fold(0.0, f64::max);
+        // Light of all sources, W: the tolerance is relative to it.
         let total: f64 = self
             .cells
             .leaves()
@@ -326,6 +339,7 @@ impl Hierarchy<'_> {
             .flat_map_iter(|(p, node)| {
                 node.iter().flat_map(move |node| {
                     node.links.iter().filter_map(move |link| {
+                        // Power over the link as far as it is in doubt: form factor times radiosity times area.
                         let source = brightest(&all.at(link.source)?.radiosity);
                         let carried = link.doubt() * source * node.patch.area;
                         (carried > limit).then_some((carried, p as u32, link.source))
@@ -336,6 +350,7 @@ impl Hierarchy<'_> {
         heavy.sort_by(|a, b| b.0.total_cmp(&a.0).then((a.1, a.2).cmp(&(b.1, b.2))));
         let mut replaced = Vec::new();
         let mut leaves = self.cells.leaf_count(self.surfaces);
+        // The larger end is split, unless the number of leaves is used up.
         for &(_, p, q) in &heavy {
             let area = |k: u32| self.cells.cells[k as usize / 2].area;
             let larger = if area(q) > area(p) { q } else { p };
@@ -351,6 +366,7 @@ impl Hierarchy<'_> {
         if replaced.is_empty() {
             return false;
         }
+        // Nodes of the new cells; then the old links go, and four new ones take the place of each.
         self.grow();
         let mut gone: Vec<(u32, u32)> = replaced.iter().map(|r| (r.0, r.1)).collect();
         gone.sort_unstable();
@@ -359,6 +375,7 @@ impl Hierarchy<'_> {
                 node.links.retain(|link| gone.binary_search(&(p as u32, link.source)).is_err());
             }
         });
+        // Four links to or from the children of the larger end.
         let pairs: Vec<(u32, u32)> = replaced
             .iter()
             .flat_map(|&(p, q, source)| {

@@ -28,6 +28,8 @@ pub fn lambertian(bsdf: &Bsdf<'_>) -> (Spectrum, Spectrum, bool) {
         Bsdf::DiffuseTransmission(b) => (b.reflectance, b.transmittance, true),
         _ => {
             let (mut r, mut t) = (Spectrum::ZERO, Spectrum::ZERO);
+            // Diffuse part of other models: weights of samples whose lobe is diffuse, in the mean over
+            // cosine-distributed directions.
             for k in 0..SAMPLES {
                 let [a, b, c, d] = steradian_math::sobol::shuffled_scrambled_sobol_4d(k, 0x51d3);
                 let wo = warp::cosine_hemisphere(Vec2::new(a, b));
@@ -57,6 +59,7 @@ pub fn of_cell(scene: &Scene, piece: &Piece, cell: &Cell, front: bool, bands: &B
     let mut sum = vec![Matter::default(); bands.count()];
     let mut is_pure = true;
     let geometry = &scene.geometries()[piece.geometry as usize];
+    // Without textures and mixtures one point stands for all.
     let is_plain = !geometry.needs.parameters && !scene.has_mixtures();
     let places = if is_plain { 1 } else { PLACES };
     for k in 0..places {
@@ -67,6 +70,7 @@ pub fn of_cell(scene: &Scene, piece: &Piece, cell: &Cell, front: bool, bands: &B
         };
         let seen = piece.seen(scene, cell.at(u), front);
         let choice = (k as f32 + 0.5) / places as f32;
+        // Means over the points; emitted radiosity is π L.
         for (matter, lambda) in sum.iter_mut().zip(bands.wavelengths()) {
             let (r, t, pure) = of_surface(scene, &seen, choice, lambda);
             matter.reflectance += r / places as f32;

@@ -175,9 +175,11 @@ pub fn check(scene: &Scene, settings: &Settings) -> Result<(), Refusal> {
         Method::Shooting => Some("shooting"),
         _ => None,
     };
+    // Methods without an order of bounces cannot stop at a limit.
     if let (Some(method), Some(limit)) = (method, settings.bounces) {
         return Err(Refusal::Bounces { method, limit });
     }
+    // Bounds on memory and time, by method.
     let (pieces, count) = (surfaces.pieces.len(), settings.patches);
     if settings.method != Method::Stochastic {
         within("a matrix of form factors", pieces, PIECES_LIMIT)?;
@@ -225,7 +227,9 @@ pub fn solve(scene: &Scene, settings: &Settings, watcher: &dyn Watcher) -> Resul
     let surfaces = Surfaces::new(scene)?;
     let bands = Bands::new(scene.mode(), settings.bands);
     let tell = |parts: usize| watcher.advances(parts as u64);
+    // One quadtree for each piece of surface.
     let mut cells = Cells::new(&surfaces);
+    // More pieces than patches: clusters share their irradiance.
     let is_crowded = surfaces.pieces.len() > settings.patches;
     let is_adaptive = settings.adaptive > 0 && settings.method != Method::Hierarchical && !is_crowded;
     // Of the hierarchy's leaves some are made beforehand, for light that does not come over links.
@@ -237,6 +241,7 @@ pub fn solve(scene: &Scene, settings: &Settings, watcher: &dyn Watcher) -> Resul
         cells.split_to(&surfaces, count, surfaces.middle(scene), &tell);
     }
     let passes = if is_adaptive { settings.adaptive } else { 0 };
+    // Solve, split where the solution varies most, and solve again.
     for pass in 0..=passes {
         let Some(solution) = solve_cells(scene, &surfaces, &cells, &bands, settings, watcher)? else { return Ok(None) };
         if pass == passes {
@@ -260,6 +265,7 @@ fn solve_cells(
 ) -> Result<Option<Solution>, Refusal> {
     watcher.begins("patches", 1);
     let tell = |parts: usize| watcher.advances(parts as u64);
+    // Sides of leaves as patches, with materials, emission, and light from lights that are no patches.
     let patches = match settings.method {
         Method::Hierarchical => Some(Patches::default()),
         _ => Patches::new(scene, surfaces, cells, bands, &tell),
@@ -268,8 +274,11 @@ fn solve_cells(
     let rays = AtomicU64::new(0);
     let seed = steradian_math::hash::mix64(settings.seed) as u32;
     let method = settings.factors;
+    // All that form factors and rays are made from.
     let exchange = Exchange { scene, surfaces, cells, patches: &patches, method, seed, rays: &rays, tell: &tell };
+    // Irradiances that patches exchange, by the method.
     let (cells, patches, exchanged, mut report) = match settings.method {
+        // Hierarchy: cells are refined by the solver, and the patches are those of the final leaves.
         Method::Hierarchical => {
             watcher.begins("links", 0);
             let Settings { tolerance, patches, bounces, .. } = *settings;
@@ -280,6 +289,7 @@ fn solve_cells(
             let report = Report { steps: refined.rounds, factors: refined.links, ..Report::default() };
             (refined.cells, patches, exchanged, report)
         }
+        // Rays: no matrix; rays by the number of unknowns, in four runs.
         Method::Stochastic => {
             let Some(unknowns) = Unknowns::new(&exchange, settings.patches) else { return Ok(None) };
             let system = System::of(&patches);
@@ -293,6 +303,7 @@ fn solve_cells(
             let exchanged = unknowns.evened(solved.irradiance);
             (cells.clone(), patches, exchanged, report)
         }
+        // Progressive shooting: one row of form factors for each shot.
         Method::Shooting => {
             let Some(unknowns) = Unknowns::new(&exchange, settings.patches) else { return Ok(None) };
             let system = unknowns.system();
@@ -314,12 +325,14 @@ fn solve_cells(
             let exchanged = unknowns.by_patch(irradiance);
             (cells.clone(), patches, exchanged, report)
         }
+        // The whole matrix, then iteration or elimination.
         Method::Jacobi | Method::GaussSeidel | Method::Direct => {
             let Some(unknowns) = Unknowns::new(&exchange, settings.patches) else { return Ok(None) };
             watcher.begins("form factors", unknowns.len() as u64);
             let Some(rows) = unknowns.rows() else { return Ok(None) };
             let system = System { rows, ..unknowns.system() };
             let entries = system.rows.iter().map(Vec::len).sum::<usize>() * system.bands;
+            // Iterations are bounded by the work that they are.
             let most = (MOST_PRODUCTS / entries.max(1)).clamp(100, MOST_STEPS);
             let solved = match settings.method {
                 Method::Jacobi | Method::GaussSeidel if settings.bounces.is_some() => {
@@ -338,6 +351,7 @@ fn solve_cells(
             (cells.clone(), patches, exchanged, report)
         }
     };
+    // Statistics; then the solution with what is looked up at hits.
     report.patches = patches.len();
     report.rays = rays.into_inner();
     report.impure = patches.impure.iter().map(|m| scene.material_names()[*m as usize].clone()).collect();

@@ -82,6 +82,7 @@ impl Patches {
         bands: &Bands,
         tell: &(dyn Fn(usize) -> bool + Sync),
     ) -> Option<Self> {
+        // Both sides of all leaves, in parallel; sides that neither scatter nor emit are no patches.
         let leaves: Vec<u32> = cells.leaves().collect();
         let sides: Vec<[Made; 2]> = leaves
             .par_iter()
@@ -105,6 +106,7 @@ impl Patches {
                     all.emission.push(lanes(m.emission));
                 }
             }
+            // Both sides of a leaf know each other, for transmission.
             all.of_cell[*leaf as usize] = twins;
             for (side, index) in twins.iter().enumerate() {
                 if *index != NONE {
@@ -114,6 +116,7 @@ impl Patches {
         }
         all.impure.sort_unstable();
         all.impure.dedup();
+        // Irradiance from lights that are no patches.
         all.sharp = direct::irradiance(scene, &all.list, bands, true, tell);
         all.sky = direct::irradiance(scene, &all.list, bands, false, tell);
         tell(0).then_some(all)
@@ -133,6 +136,7 @@ impl Patches {
     /// Radiosity of light that was not reflected among patches: emitted, and reflected and transmitted from lights that
     /// are no patches.
     pub fn sources(&self) -> Vec<DVec4> {
+        // S = E + ρ H_direct + τ H_direct'.
         let direct = |k: usize| self.sharp[k] + self.sky[k];
         let twins = |i: usize, b: usize| match self.list[i].twin {
             NONE => DVec4::ZERO,
@@ -165,12 +169,14 @@ pub fn make(scene: &Scene, surfaces: &Surfaces, cells: &Cells, bands: &Bands, k:
     if matter.iter().all(is_black) {
         return Made { patch: None, is_pure };
     }
+    // The back has the polygon in reverse.
     let polygon = cell.polygon(&surfaces.pieces);
     let polygon = if front { polygon } else { polygon.reversed() };
     let area = polygon.area();
     if !(area > 0.0 && area.is_finite()) {
         return Made { patch: None, is_pure };
     }
+    // Stratified points with their error bounds, for visibility and light samples.
     let points = (0..POINTS as u32)
         .map(|j| {
             let u = Vec2::from(steradian_math::sobol::shuffled_scrambled_sobol_2d(j, k ^ 0x2f6b_93a1));

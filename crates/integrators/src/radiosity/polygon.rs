@@ -87,6 +87,7 @@ impl Polygon {
             return Some(*self);
         }
         let mut part = Self { corners: self.corners, count: 0 };
+        // Edge by edge: a crossing adds the point on the plane, an end in front adds itself.
         for (k, &to) in corners.iter().enumerate() {
             let from = corners[(k + corners.len() - 1) % corners.len()];
             let (a, b) = (height(from), height(to));

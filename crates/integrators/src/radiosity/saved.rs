@@ -33,6 +33,7 @@ impl Solution {
     /// # Errors
     /// Those of writing.
     pub fn save(&self, out: &mut dyn Write) -> io::Result<()> {
+        // Header: sizes, and the eye that planes were cut from. Then splits, sides and light.
         let mut number = |v: u64| out.write_all(&v.to_le_bytes());
         number(self.surfaces.pieces.len() as u64)?;
         self.surfaces.eye.to_array().iter().try_for_each(|v| number(v.to_bits()))?;
@@ -63,6 +64,7 @@ impl Solution {
         let pieces = number()?;
         let eye = DVec3::new(f64::from_bits(number()?), f64::from_bits(number()?), f64::from_bits(number()?));
         let (bands, splits, sides) = (number()?, number()?, number()?);
+        // Sizes are held against the length of the file before anything is allocated.
         let fits = |count: u64, bytes: u64| count.checked_mul(bytes).is_some_and(|b| b <= length);
         if !(eye.is_finite() && fits(splits, 4) && fits(sides, 4) && bands <= 256 && fits(sides, 32 * bands)) {
             return Err(LoadError::OtherScene("more than the file holds"));
@@ -80,6 +82,7 @@ impl Solution {
             from.read_exact(&mut bytes)?;
             Ok(bytes)
         };
+        // Splits are made again in their order; each must be of a leaf.
         let mut cells = Cells::new(&surfaces);
         for _ in 0..splits {
             let cell = u32::from_le_bytes(word()?);
@@ -97,6 +100,7 @@ impl Solution {
             }
             light.sides.push(side);
         }
+        // Light: four lanes for each side and band, all finite.
         for values in [&mut light.irradiance, &mut light.reflected] {
             for _ in 0..sides * bands {
                 let mut lanes = [0.0; 4];

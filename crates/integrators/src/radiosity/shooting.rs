@@ -47,6 +47,7 @@ impl Shooting {
     /// Shoots from the patch with the most unshot light; `row` gives its form factors. By reciprocity a receiver `j`
     /// has `ΔH_j = F_ij A_i / A_j ΔB_i`.
     pub fn shoot(&mut self, system: &System, row: impl FnOnce(usize) -> Row) {
+        // The patch with the most unshot light, area times radiosity.
         let brightest = (0..system.len())
             .map(|i| (self.power(system, i), i))
             .max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
@@ -54,6 +55,7 @@ impl Shooting {
         let n = system.bands;
         let shot: Vec<DVec4> = self.unshot[i * n..(i + 1) * n].to_vec();
         self.unshot[i * n..(i + 1) * n].fill(DVec4::ZERO);
+        // Receivers: irradiance grows, and what is reflected or transmitted becomes unshot there.
         for (j, f) in row(i) {
             let j = j as usize;
             let share = f * system.areas[i] / system.areas[j];
@@ -81,6 +83,7 @@ impl Shooting {
                 let mean = |values: &[DVec4]| -> DVec4 {
                     (0..system.len()).map(|i| values[i * system.bands + b] * system.areas[i]).sum::<DVec4>() / area
                 };
+                // Ambient: mean unshot radiosity times 1 + ρ + ρ² + … = 1/(1 − ρ).
                 let albedo = mean(&system.reflectance) + mean(&system.transmittance);
                 let ambient = mean(&self.unshot) / (DVec4::ONE - albedo.min(DVec4::splat(0.99)));
                 (0..system.len()).for_each(|i| self.irradiance[i * system.bands + b] += ambient);

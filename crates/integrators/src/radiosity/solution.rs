@@ -75,10 +75,12 @@ pub struct Report {
 impl Light {
     /// From the irradiance that patches exchange.
     pub(super) fn new(patches: &Patches, exchanged: &[DVec4]) -> Self {
+        // Light that may be interpolated, and all light.
         let smooth: Vec<DVec4> = exchanged.iter().zip(&patches.sky).map(|(a, b)| *a + *b).collect();
         let total: Vec<DVec4> = smooth.iter().zip(&patches.sharp).map(|(a, b)| *a + *b).collect();
         let n = patches.bands;
         let single = |v: DVec4| Spectrum(v.as_vec4());
+        // ρ H + τ H' of the mean irradiance.
         let reflected = |k: usize| {
             let through = match patches.list[k / n].twin {
                 NONE => DVec4::ZERO,
@@ -105,6 +107,7 @@ impl Solution {
         report: Report,
         tell: &(dyn Fn(usize) -> bool + Sync),
     ) -> Option<Self> {
+        // Vertices for interpolation, and an index from sides of leaves to patches.
         let vertices = Vertices::new(scene, &surfaces, &cells, &light.sides, tell)?;
         let at_vertices = vertices.values(&cells, &light.sides, bands.count(), &light.irradiance);
         let mut of_cell = vec![[NONE; 2]; cells.cells.len()];
@@ -122,6 +125,7 @@ impl Solution {
 
     /// The patch on the side that a surface is seen from (`front`), or on the other, and the weights of its corners.
     fn patch(&self, i: &Interaction, front: bool) -> Option<(usize, [f32; 4])> {
+        // From the hit to a piece, to the leaf that holds its parameters, to the patch on the side.
         let (piece, uv) = self.surfaces.locate(i).or_else(|| self.surfaces.nearest_on_plane(i))?;
         let cell = self.cells.find(piece, uv);
         let patch = self.of(cell, front);
@@ -133,6 +137,7 @@ impl Solution {
     pub fn irradiance(&self, i: &Interaction, front: bool, smooth: bool, lambda: &Wavelengths) -> Spectrum {
         let Some((patch, weights)) = self.patch(i, front) else { return Spectrum::ZERO };
         let n = self.bands.count();
+        // The patch's own value, or that of its corners with the weights of the point.
         if !smooth {
             return self.bands.at(&self.light.irradiance[patch * n..(patch + 1) * n], lambda);
         }
@@ -164,6 +169,7 @@ impl Solution {
             }
             let own = &self.light.irradiance[patch as usize * n..][..n];
             let leaf = &self.cells.cells[cell as usize];
+            // Greatest difference between patch and corner over all bands.
             let differs = |vertex: &u32| {
                 let there = &self.at_vertices[*vertex as usize * n..][..n];
                 own.iter().zip(there).map(|(a, b)| (*a - *b).0.abs().max_element()).fold(0.0, f32::max)

@@ -51,16 +51,19 @@ pub fn run(system: &System, exchange: &Exchange<'_>, shots: Shots, seed: u32) ->
         Some(_) => (emission.clone(), Some(system.sources.iter().zip(emission).map(|(s, e)| *s - *e))),
     };
     let mut irradiance = vec![DVec4::ZERO; unshot.len()];
+    // Power over all bands, by which rays are divided among patches.
     let power = |unshot: &[DVec4], i: usize| {
         unshot[i * n..(i + 1) * n].iter().map(|u| u.element_sum()).sum::<f64>() * system.areas[i]
     };
     let first: f64 = (0..system.len()).map(|i| power(&system.sources, i)).sum();
+    // Each iteration carries the unshot light one bounce on.
     for iteration in 0..MOST.min(shots.bounces.map_or(MOST, |b| b as usize)) {
         let powers: Vec<f64> = (0..system.len()).map(|i| power(&unshot, i)).collect();
         let total: f64 = powers.iter().sum();
         if total <= LEAST * first && later.is_none() {
             break;
         }
+        // As many rays as the light has left, so that each carries about the same.
         let budget = (shots.rays as f64 * total / first).ceil().max(64.0);
         // Systematic sampling: each patch has the rounded number of rays, up or down by one chance for all.
         let seed = steradian_math::hash::combine32(seed, iteration as u32);
@@ -75,8 +78,10 @@ pub fn run(system: &System, exchange: &Exchange<'_>, shots: Shots, seed: u32) ->
                 (share, ((upto + chance).floor() - (before + chance).floor()) as u32)
             })
             .collect();
+        // What the rays bring is irradiance now, and unshot light of the next iteration.
         let mut next = vec![DVec4::ZERO; unshot.len()];
         let mut pieces = pieces(shares.iter().map(|share| share.1)).peekable();
+        // Rays in pieces, many at once, added up in order.
         while pieces.peek().is_some() {
             let mut room = AT_ONCE;
             let some: Vec<Piece> = std::iter::from_fn(|| {

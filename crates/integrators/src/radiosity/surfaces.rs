@@ -133,6 +133,7 @@ impl Piece {
     pub fn point(&self, uv: Vec2) -> DVec3 {
         let (u, v) = (f64::from(uv.x), f64::from(uv.y));
         match &self.sheet {
+            // Barycentric, bilinear, or by the quadric's own angles.
             Sheet::Triangle(c) => c[0] * (1.0 - u - v) + c[1] * u + c[2] * v,
             Sheet::Quad(c) => c[0].lerp(c[1], u).lerp(c[2].lerp(c[3], u), v),
             Sheet::Quadric(q, place) => {
@@ -150,6 +151,7 @@ impl Piece {
         points.dedup();
         let mut polygon = Polygon::new(&points);
         if let (false, [a, _, b, _]) = (self.is_triangle(), corners) {
+            // Curved pieces: the polygon is scaled to their area.
             let ratio = (self.curved_area(*a, *b) / polygon.area()).sqrt();
             if ratio.is_finite() && (ratio - 1.0).abs() > 1e-6 {
                 let (from, to) = (polygon.center(), self.point((*a + *b) * 0.5));
@@ -169,6 +171,7 @@ impl Piece {
         let at = |i: u32, j: u32| self.point(a + (b - a) * Vec2::new(i as f32, j as f32) / PARTS as f32);
         let triangle = |a: DVec3, b: DVec3, c: DVec3| 0.5 * (b - a).cross(c - a).length();
         let cell = |i: u32, j: u32| {
+            // Two triangles for each cell of a fine grid.
             let c = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
             triangle(c[0], c[1], c[2]) + triangle(c[0], c[2], c[3])
         };
@@ -181,6 +184,7 @@ impl Piece {
         let e = 1e-3;
         let (du, dv) = (Vec2::new(e, 0.0), Vec2::new(0.0, e));
         let inward = |d: Vec2| if uv.dot(d) > 0.5 * e { -d } else { d };
+        // Tangents by differences that stay within the parameters; the normal is their cross product.
         let (su, sv) = (inward(du), inward(dv));
         let (a, b) = (self.point(uv + su) - self.point(uv), self.point(uv + sv) - self.point(uv));
         let turn = f64::from(su.x * sv.y).signum() * if self.flipped { -1.0 } else { 1.0 };
@@ -215,6 +219,7 @@ const ON_PLANE: u32 = u32::MAX;
 
 /// The coordinates of a vector in the basis of two others of its plane.
 fn within(p: DVec3, a: DVec3, b: DVec3) -> Vec2 {
+    // Least squares in the plane (normal equations).
     let (aa, ab, bb) = (a.dot(a), a.dot(b), b.dot(b));
     let det = aa * bb - ab * ab;
     let (pa, pb) = (p.dot(a), p.dot(b));
@@ -223,6 +228,7 @@ fn within(p: DVec3, a: DVec3, b: DVec3) -> Vec2 {
 
 /// The object-space point at a quadric's parameters.
 fn quadric_point(q: &Quadric, u: f64, v: f64) -> DVec3 {
+    // Cylindrical coordinates of the quadric by its parameters.
     let phi = f64::from(q.phi_max) * u;
     let (r, z) = match q.kind {
         QuadricKind::Sphere { radius, z_min, z_max } => {
@@ -269,6 +275,7 @@ impl Surfaces {
         if scene.geometries().iter().any(|g| g.alpha.as_ref().is_some_and(is_masked)) {
             return Err(Refusal::Masks);
         }
+        // Geometry of the world, then of every placement.
         let mut all = Self { eye, ..Self::default() };
         let world = scene.placements().iter().map(|p| p.base).min().unwrap_or(scene.geometries().len() as u32);
         for (g, geometry) in scene.geometries()[..world as usize].iter().enumerate() {
@@ -310,6 +317,7 @@ impl Surfaces {
             self.pieces.push(Piece { id: PrimId { prim, ..id }, geometry: index, domain, sheet, flipped: false });
         };
         if !geometry.is_interface {
+            // Pieces by kind of shape; what cannot be cut is noted.
             match &geometry.shape {
                 Shape::Mesh(m) => {
                     for t in 0..m.triangles.len() as u32 {
@@ -322,6 +330,7 @@ impl Surfaces {
                     }
                 }
                 Shape::Quadric(q) => {
+                    // Columns by the angle, rows by the kind.
                     let turn = (f64::from(q.phi_max) / TAU * f64::from(COLUMNS)).ceil().max(1.0) as u32;
                     (columns, rows) = match q.kind {
                         QuadricKind::Sphere { .. } => (turn, ROWS),
@@ -338,6 +347,7 @@ impl Surfaces {
                     if scene.planes().len() > PLANES {
                         return Err(Refusal::TooManyPlanes { count: scene.planes().len(), limit: PLANES });
                     }
+                    // A rectangle of a plane stays one piece, other polygons become fans of triangles.
                     if let Some(part) = face_of(scene, index, plane, eye) {
                         let c = part.corners();
                         match *c {
@@ -358,6 +368,7 @@ impl Surfaces {
         }
         let count = (self.pieces.len() - first) as u32;
         self.blocks.push(Block { first: first as u32, columns, rows, count });
+        // Orientation: polygons face the way of the surface's normal.
         for k in first..self.pieces.len() {
             let piece = &self.pieces[k];
             let middle = piece.middle();
@@ -384,6 +395,7 @@ impl Surfaces {
             return None;
         }
         let piece = &self.pieces[block.first as usize];
+        // Planes: the piece whose parameters hold the point.
         if piece.id.prim == ON_PLANE {
             return (block.first..block.first + block.count).find_map(|k| {
                 let piece = &self.pieces[k as usize];
@@ -394,6 +406,7 @@ impl Surfaces {
                 holds.then_some((k, uv.clamp(Vec2::ZERO, Vec2::ONE)))
             });
         }
+        // Quadrics: column and row of the parameters.
         if let Sheet::Quadric(..) = piece.sheet {
             let uv = piece.parameters(i).clamp(Vec2::ZERO, Vec2::ONE);
             let cell = |x: f32, n: u32| ((x * n as f32) as u32).min(n - 1);
@@ -448,6 +461,7 @@ const PLANES: usize = 10;
 
 /// The part of an infinite plane that the camera may see past the other opaque planes, within a box around everything.
 fn face_of(scene: &Scene, index: u32, plane: &Plane, eye: DVec3) -> Option<Polygon> {
+    // The other opaque planes; each keeps the side that the eye is on.
     let others: Vec<&Plane> = scene
         .planes()
         .iter()
@@ -470,6 +484,7 @@ fn face_of(scene: &Scene, index: u32, plane: &Plane, eye: DVec3) -> Option<Polyg
     let reach = f64::from(bounds.diagonal().length().max(1e-3)) * f64::from(1.0 + PLANE_MARGIN);
     let center = bounds.center().as_dvec3();
     let n = plane.n.as_dvec3();
+    // A large square around the foot of the scene's centre, cut by all other planes.
     let foot = center - n * (n.dot(center) + f64::from(plane.d));
     // Along the planes that cut it, where that makes a rectangle.
     let edge = others.iter().map(|p| p.n.as_dvec3()).map(|m| m - n * m.dot(n)).find(|m| m.length() > 1e-3);
@@ -496,6 +511,7 @@ fn extent(scene: &Scene, eye: Vec3) -> Bounds3 {
         .iter()
         .filter_map(|g| if let Shape::Plane(p) = &scene.geometries()[*g as usize].shape { Some(p) } else { None })
         .collect();
+    // Corners of three planes, solved by their matrix, if they are not too far away.
     let reach = bounds.diagonal().length().max(1e-3) * 10.0;
     for (i, a) in planes.iter().enumerate() {
         for (j, b) in planes.iter().enumerate().skip(i + 1) {

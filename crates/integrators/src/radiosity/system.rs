@@ -49,6 +49,8 @@ struct Moved {
 impl Moved {
     /// Notes what a sweep moved; whether `most` of them would come nowhere.
     fn is_hopeless(&mut self, sweep: usize, light: f64, most: usize) -> bool {
+        // Loss per sweep over the last few; hopeless where all sweeps allowed would lose too little, several times in a
+        // row.
         let before = std::mem::replace(&mut self.light[sweep % SWEEPS], light);
         let loss = (1.0 - light / before) / SWEEPS as f64;
         let is_lost = sweep < SWEEPS || loss * most as f64 >= LEAST_LOSS;
@@ -89,6 +91,7 @@ impl System {
 
     /// `H = F B` at a patch.
     fn gather(&self, i: usize, radiosity: &[DVec4], into: &mut [DVec4]) {
+        // Σ_j F_ij B_j for each band.
         into.fill(DVec4::ZERO);
         for &(j, f) in &self.rows[i] {
             for (h, b) in into.iter_mut().zip(&radiosity[j as usize * self.bands..]) {
@@ -104,6 +107,7 @@ impl System {
 
     fn radiosity_at(&self, i: usize, b: usize, irradiance: &[DVec4]) -> DVec4 {
         let k = i * self.bands + b;
+        // B = S + ρ H + τ H'.
         let through = match self.twins[i] {
             NONE => DVec4::ZERO,
             twin => irradiance[twin as usize * self.bands + b] * self.transmittance[k],
@@ -129,6 +133,7 @@ impl System {
         let mut irradiance = vec![DVec4::ZERO; radiosity.len()];
         let mut solved = Solved { residual: f64::INFINITY, ..Solved::default() };
         let (mut light, mut is_hopeless) = (Moved::default(), false);
+        // One sweep: H = F B in parallel, then B from H, and the change between both.
         while solved.steps < most && solved.residual > tolerance && !is_hopeless && tell(solved.steps) {
             irradiance
                 .par_chunks_mut(self.bands.max(1))
@@ -158,9 +163,11 @@ impl System {
                 if k.is_multiple_of(256) && !tell(0) {
                     break;
                 }
+                // Symmetric sweeps: forwards and backwards in turn.
                 let i = if solved.steps.is_multiple_of(2) { k } else { n - 1 - k };
                 self.gather(i, &radiosity, &mut into);
                 irradiance[i * self.bands..(i + 1) * self.bands].copy_from_slice(&into);
+                // The patch and the one behind it take the new irradiance at once.
                 for i in [i as u32, self.twins[i]].into_iter().filter(|i| *i != NONE) {
                     for b in 0..self.bands {
                         let next = self.radiosity_at(i as usize, b, &irradiance);
@@ -194,6 +201,7 @@ impl System {
 
 /// The largest change of a value relative to the largest value.
 fn change(before: &[DVec4], after: &[DVec4]) -> f64 {
+    // max |Δ| / max |B|.
     let largest = after.iter().map(|v| v.abs().max_element()).fold(0.0, f64::max);
     let moved = before.iter().zip(after).map(|(a, b)| (*b - *a).abs().max_element()).fold(0.0, f64::max);
     if largest > 0.0 { moved / largest } else { 0.0 }

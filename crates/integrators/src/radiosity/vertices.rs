@@ -30,6 +30,7 @@ impl Vertices {
         sides: &[Side],
         tell: &(dyn Fn(usize) -> bool + Sync),
     ) -> Option<Self> {
+        // Place and oriented shading normal of every corner.
         let corners: Vec<Vec<(Vec3, Vec3)>> = sides
             .par_iter()
             .map(|patch| {
@@ -48,6 +49,7 @@ impl Vertices {
             .collect::<Option<_>>()?;
         let all = || corners.iter().flatten().map(|c| c.0);
         let (low, high) = all().fold((Vec3::MAX, Vec3::MIN), |(l, h), p| (l.min(p), h.max(p)));
+        // Places are quantised: equal cells are the same place.
         let grain = ((high - low).max_element() * NEAR).max(f32::MIN_POSITIVE);
         // Off the round numbers that corners like to lie on.
         let place = |p: Vec3| ((p - low) / grain + 0.377).floor().to_array().map(|v| v as i64);
@@ -59,6 +61,7 @@ impl Vertices {
             }
             let mut of_patch = [0; 4];
             for (slot, (p, n)) in of_patch.iter_mut().zip(corners) {
+                // A corner joins the vertex whose normal is close to its own, or begins a new one.
                 let here = known.entry(place(*p)).or_default();
                 *slot = match here.iter().find(|(m, _)| m.dot(*n) > SMOOTH) {
                     Some((_, index)) => *index,
@@ -78,6 +81,7 @@ impl Vertices {
     pub fn values(&self, cells: &Cells, sides: &[Side], n: usize, of_patches: &[Spectrum]) -> Vec<Spectrum> {
         let mut sums = vec![Spectrum::ZERO; self.count * n];
         let mut weights = vec![0.0_f32; self.count];
+        // The mean of the patches that meet in a vertex.
         for (i, patch) in sides.iter().enumerate() {
             let corners = cells.cells[patch.cell as usize].corners().len();
             for &vertex in &self.of_patch[i][..corners] {

@@ -53,10 +53,12 @@ impl Integrator for View {
         let mut is_camera_ray = true;
         let most = self.depth.max.min(MOST_EVENTS);
         let (mut event, mut passes) = (0, 0);
+        // Specular and glossy events are followed like paths; a Lambertian surface ends the ray with the solution.
         loop {
             let PathContext { sampler, lambda, counters, .. } = &mut *context;
             counters.rays += 1;
             let shows_lights = !(is_camera_ray && self.depth.hide_emitters);
+            // The environment, as far as the camera sees it.
             let Some(hit) = scene.intersect(&ray) else {
                 if shows_lights {
                     l += beta * nee::background(scene, ray.origin, ray.direction, &None, lambda);
@@ -70,6 +72,7 @@ impl Integrator for View {
             let u = sampler.get_1d_lazily(dimension::at(event, dimension::MIXTURE), scene.has_mixtures());
             let passes_straight = is_camera_ray && self.depth.hides(scene, i.geometry, 0);
             let surface = if passes_straight { None } else { scene.scattering(&i, u, lambda) };
+            // Interfaces, and lights that are hidden from the camera, are passed.
             let Some((s, frame)) = surface else {
                 passes += 1;
                 if passes > MAX_PASSES {
@@ -83,9 +86,11 @@ impl Integrator for View {
             }
             is_camera_ray = false;
             let wo = frame.to_local(i.wo);
+            // The solution with the surface's own texture, ρ H/π.
             if let Bsdf::Diffuse(_) | Bsdf::DiffuseTransmission(_) = s.bsdf {
                 return l + beta * seen.lambertian(&i, &s, &frame, event, context);
             }
+            // Other models: by a sample of a lobe. Diffuse lobes take the solution, others a further ray.
             let choice = sampler.get_1d(dimension::at(event, dimension::LOBE));
             let u = sampler.get_2d(dimension::at(event, dimension::DIRECTION));
             let Some(drawn) = s.sample(wo, choice, u, TransportMode::Radiance) else { break };
@@ -121,6 +126,7 @@ impl Seen<'_> {
         context: &mut PathContext<'_, '_>,
     ) -> Spectrum {
         let front = i.surface.n.dot(i.wo) > 0.0;
+        // Final gather: several rays with random numbers of their own.
         if self.view.gather > 0 {
             let mut sum = Spectrum::ZERO;
             for k in 0..self.view.gather {
@@ -133,6 +139,7 @@ impl Seen<'_> {
             let n = if side { i.surface.n } else { -i.surface.n };
             self.solution.irradiance(i, side, self.view.smooth, context.lambda) + self.sharp(i, n, context)
         };
+        // (ρ H + τ H')/π.
         let (reflectance, transmittance) = match &surface.bsdf {
             Bsdf::Diffuse(b) if frame.to_local(i.wo).z > 0.0 => (b.reflectance, Spectrum::ZERO),
             Bsdf::DiffuseTransmission(b) => (b.reflectance, b.transmittance),
@@ -148,6 +155,7 @@ impl Seen<'_> {
         let ctx = LightContext { p: i.surface.p, n };
         let ns = if i.surface.ns.dot(n) < 0.0 { -i.surface.ns } else { i.surface.ns };
         let mut sum = Spectrum::ZERO;
+        // Lights without extent, one by one: cosθ L with a shadow ray each.
         for &light in &self.solution.sharp_lights {
             let Some(s) = scene.lights().sample(light, &ctx, Vec2::splat(0.5), lambda, scene.textures()) else {
                 continue;
@@ -176,6 +184,7 @@ impl Seen<'_> {
         let wo = frame.to_local(i.wo);
         let ctx = nee::context(i, frame, &surface.bsdf);
         let mut l = Spectrum::ZERO;
+        // Technique 1: a light sample, with its MIS weight.
         if let Some(s) = nee::sample_light(scene, &ctx, event, sampler, lambda) {
             let light = nee::unoccluded(&s, wo, frame, surface);
             if !light.is_black() {
@@ -185,6 +194,8 @@ impl Seen<'_> {
                 }
             }
         }
+        // Technique 2: a direction by scattering; emission there has its MIS weight, and the solution gives what is
+        // reflected.
         let choice = sampler.get_1d(dimension::at(event, dimension::LOBE));
         let u = sampler.get_2d(dimension::at(event, dimension::DIRECTION));
         let Some(drawn) = surface.sample(wo, choice, u, TransportMode::Radiance) else { return l };

@@ -42,6 +42,7 @@ pub(crate) struct Outcome {
 
 /// Measures the gain of the photons of `precomputed`.
 pub(crate) fn trial<const MEDIA: bool>(scene: &Scene, path: &PathTracer<MEDIA>, precomputed: &Precomputed) -> Outcome {
+    // A grid of cells over the picture, with some paths in each.
     let cells = [scene.film().width, scene.film().height].map(|pixels| (pixels / CELL).clamp(1, MOST_CELLS));
     let count = PATHS.max(FEWEST_PATHS / (cells[0] * cells[1])).next_power_of_two();
     let sampler = Sampler { kind: SamplerKind::Sobol, spp: count, seed: 1 };
@@ -53,6 +54,7 @@ pub(crate) fn trial<const MEDIA: bool>(scene: &Scene, path: &PathTracer<MEDIA>, 
             (0..count).map(trace).collect()
         })
         .collect();
+    // Variances of the cells, added up: their ratio is the gain.
     let [with, without] = paths.iter().map(|cell| variances(cell)).fold([0.0; 2], |s, v| [s[0] + v[0], s[1] + v[1]]);
     Outcome { gain: if with > 0.0 { without / with } else { 1.0 }, rarest: rarest(&paths) }
 }
@@ -67,6 +69,7 @@ fn level(paths: &[Contributions]) -> (f64, f64) {
 fn variances(paths: &[Contributions]) -> [f64; 2] {
     let (pixel, mean) = level(paths);
     let (mut with, mut without) = (0.0, 0.0);
+    // E[(Σ c_k)²] with photons, as it is; and without, Σ_k c_k (c_k/r_k + 2 Σ_{j<k} c_j/r_j).
     for path in paths {
         with += path.iter().map(|c| c.0).sum::<f64>().powi(2);
         let mut before = 0.0;
@@ -81,6 +84,7 @@ fn variances(paths: &[Contributions]) -> [f64; 2] {
 
 /// [`Outcome::rarest`], by the paths to each cell.
 fn rarest(cells: &[Vec<Contributions>]) -> Option<f64> {
+    // All contributions, brightest first by their value without photons.
     let mut found: Vec<(f64, f64, f64)> = Vec::new();
     for paths in cells {
         let (pixel, _) = level(paths);
@@ -89,6 +93,8 @@ fn rarest(cells: &[Vec<Contributions>]) -> Option<f64> {
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
     let enough = MISSED * found.iter().map(|f| f.1).sum::<f64>();
     let (mut light, mut often, mut by_photons) = (0.0, 0.0, 0.0);
+    // The brightest ones, up to the share of the light that a picture may miss: how much they bring, how often they are
+    // found without photons, and how much of it photons find far more often.
     for (_, bright, ratio) in &found {
         light += bright;
         often += ratio;
@@ -114,6 +120,7 @@ fn trace<const MEDIA: bool>(
     if scene.is_timed() {
         lambda = lambda.at_time(sampler.get_1d(dimension::TIME));
     }
+    // A camera ray through a random place of the cell.
     let within = sampler.get_2d(dimension::FILM);
     let place = |axis: usize, size: u32| (at[axis] as f32 + within[axis]) / cells[axis] as f32 * size as f32;
     let place = Vec2::new(place(0, film.width), place(1, film.height));
@@ -122,6 +129,7 @@ fn trace<const MEDIA: bool>(
     let context = &mut PathContext { scene, sampler, lambda: &mut lambda, counters };
     let mut path_state = PathState::camera(scene, ray);
     let (mut found, mut ratio, mut arrival) = (Contributions::new(), 1.0, Arrival::End);
+    // The path tracer's loop, which notes each contribution with the ratio of densities up to it.
     loop {
         let mut light = Spectrum::ZERO;
         arrive::<MEDIA>(&mut path_state, depth, &mut light, &mut arrival, context);
@@ -136,6 +144,7 @@ fn trace<const MEDIA: bool>(
         }
         let Arrival::Vertex(v) = &arrival else { return found };
         let Some(draw) = path_state.sample(v, sampler, precomputed.caustics.as_ref()) else { return found };
+        // r ← r p_bsdf / p_mixture.
         ratio *= f64::from(draw.ratio);
         path_state.turn::<MEDIA>(scene, v, &draw);
         if !(path_state.survives(depth, context) && path_state.beta.is_finite() && ratio > 0.0) {

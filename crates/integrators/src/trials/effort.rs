@@ -66,6 +66,7 @@ impl Found {
 
     /// Variance × cost with some light samples and what was tried as roulette.
     fn product(&self, lights: u32, tried: usize) -> f64 {
+        // V(n, b) C(n, b) of the module's formulas.
         let n = f64::from(lights);
         let spared = (1.0 - 1.0 / n) * self.by_lights.min(self.variance);
         let light = LIGHT_COST * (self.cost[LAST] - self.cost[LAST - 1]);
@@ -74,6 +75,7 @@ impl Found {
 
     /// Candidate of the least product.
     fn best(&self) -> PathEffort {
+        // Every threshold with every number of light samples.
         let all = (0..LAST).flat_map(|tried| (1..=LIGHTS).map(move |lights| (lights, tried)));
         let best = all.min_by(|a, b| self.product(a.0, a.1).total_cmp(&self.product(b.0, b.1)));
         best.map_or_else(PathEffort::default, |(lights, tried)| PathEffort { lights, ..TRIED[tried] })
@@ -89,6 +91,7 @@ pub(crate) fn trial<const MEDIA: bool>(
     if precomputed.reuse() < 2 || !scene.lights().can_sample() {
         return PathEffort::default();
     }
+    // Every candidate renders the same groups, spread over the picture.
     let trials = TRIED.map(|effort| Precomputed { effort, ..precomputed.clone() });
     let found: Vec<Found> =
         (0..GROUPS).into_par_iter().map(|k| of_group(path, scene, &trials, tile(scene, k, 1), k)).collect();
@@ -116,6 +119,7 @@ fn of_group<const MEDIA: bool>(
     let (mut found, all) = (Found::default(), f64::from(2 * SAMPLES));
     // The mean luminance of each pixel, by render and by what is tried.
     let mut means = [[[0.0_f64; TRIED.len()]; MAX_GROUP]; 2];
+    // Two independent renders of a few samples; their difference gives the variance, the sums the brightness.
     for (seed, means) in (0..).zip(&mut means) {
         for index in 0..SAMPLES {
             let mut light = [[0.0; TRIED.len()]; MAX_GROUP];
@@ -126,6 +130,7 @@ fn of_group<const MEDIA: bool>(
             }
             for (light, mean) in light.iter().zip(&mut *means) {
                 mean.iter_mut().zip(light).for_each(|(m, l)| *m += l / f64::from(SAMPLES));
+                // S(b): mean square of the difference to the sample without roulette.
                 found.by_roulette.iter_mut().zip(light).for_each(|(sum, l)| *sum += (l - light[0]).powi(2) / all);
             }
         }
@@ -138,6 +143,7 @@ fn of_group<const MEDIA: bool>(
         // Half the difference of two independent light samples.
         found.by_lights += [a, b].map(|m| samples * (m[LAST] - m[LAST - 1]).powi(2)).iter().sum::<f64>();
     }
+    // Errors count relative to the brightness of the group.
     let scale = 1.0 / (level * level + FLOOR);
     found.variance *= scale;
     found.by_lights *= scale;

@@ -36,6 +36,7 @@ pub(crate) fn run<const MEDIA: bool>(
     if path.depth.max <= 1 || scene.is_for_paths_alone() {
         return Precomputed::default();
     }
+    // 1. Photons, and by a trial whether they pay.
     let mut precomputed =
         Precomputed { caustics: Caustics::new(scene, stop), stop: stop.clone(), ..Precomputed::default() };
     // Where they are not wanted they still tell what the picture lacks.
@@ -46,6 +47,7 @@ pub(crate) fn run<const MEDIA: bool>(
             precomputed.rarest = outcome.rarest;
         }
     }
+    // 2. The size of groups, by request, by rule or by a trial.
     let samples = u64::from(scene.film().width) * u64::from(scene.film().height) * u64::from(plan.sampler.spp);
     let is_open = !(MEDIA && scene.has_media()) && is_open(scene, stop);
     // Densities of ways through media that vary are not known, which sharing would need.
@@ -57,6 +59,7 @@ pub(crate) fn run<const MEDIA: bool>(
         None => sharing::trial(path, scene, &Precomputed { is_open, ..precomputed.clone() }, samples),
     };
     precomputed.is_open = is_open && precomputed.group > 1;
+    // 3. Effort; then path splitting, with that effort.
     match variance_reduction.effort {
         Some(effort) => precomputed.effort = effort,
         None if samples < FEWEST => {}
@@ -77,6 +80,7 @@ fn is_open(scene: &Scene, stop: &Stop) -> bool {
     }
     const EDGE: u32 = 16;
     let (mut seen, mut escaped) = (0, 0);
+    // One cosine-distributed ray from each of some points that the camera sees.
     for k in (0..EDGE * EDGE).take_while(|_| !stop.is_asked()) {
         let size = Vec2::new(scene.film().width as f32, scene.film().height as f32);
         let place = Vec2::new((k % EDGE) as f32 + 0.5, (k / EDGE) as f32 + 0.5) / EDGE as f32;

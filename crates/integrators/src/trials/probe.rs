@@ -47,6 +47,7 @@ impl<'a, 's> Probe<'a, 's> {
         self.pixel_samples.clear();
         self.pixel_samples
             .extend(self.places.iter().map(|p| PixelSample::at(scene, &sampler, self.partition, index, p).0));
+        // The group as a render would take it; cost is the rays, and one for the start of each path.
         let mut counters = Counters::until(&precomputed.stop);
         sharing::group(path, scene, precomputed, &mut self.pixel_samples, &mut self.buffer, &mut counters);
         let mut light = [0.0; MAX_GROUP];

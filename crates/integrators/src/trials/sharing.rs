@@ -57,11 +57,13 @@ impl Found {
 
     /// The geometric mean over the scales of variance, times cost.
     fn product(&self, size: u32) -> f64 {
+        // Mean variance v of a pixel, and mean covariance c of two members.
         let variance = self.variance / self.pixels.max(1.0);
         let covariance = if self.pairs > 0.0 { (self.covariance / self.pairs).clamp(0.0, variance) } else { 0.0 };
         let edge = size.isqrt();
         // Of the four scales the first two are within a block, no two pixels of which share.
         let scales = [0.0, 0.0, partners(2, edge), partners(4, edge)];
+        // ∏ (v + κ(n) c)^(1/4) over the four scales; the factor n² is common to all sizes.
         let product: f64 = scales.iter().map(|n| (variance + n * covariance).powf(0.25)).product();
         let spread = if size == 1 { SPREAD.powf(0.75) } else { 1.0 };
         spread * product * self.cost / self.pixels.max(1.0)
@@ -71,6 +73,7 @@ impl Found {
 /// Mean number of pixels of a square that share with one of it, over its pixels and over samples; edges of the square
 /// and of windows, in blocks.
 fn partners(square: u32, window: u32) -> f64 {
+    // Along one axis two blocks share with probability (w − |i − j|)/w; both axes are independent.
     let axis: f64 = (0..square * square)
         .map(|k| f64::from(window.saturating_sub((k / square).abs_diff(k % square))) / f64::from(window))
         .sum();
@@ -84,6 +87,7 @@ pub(crate) fn trial<const MEDIA: bool>(
     precomputed: &Precomputed,
     samples: u64,
 ) -> u32 {
+    // Many groups for large renders, few for small ones.
     let groups = (samples / PER_GROUP).clamp(GROUPS.0, GROUPS.1) as u32;
     let found: Vec<[Found; SIZES.len()]> =
         (0..groups).into_par_iter().map(|k| of_group(path, scene, precomputed, k)).collect();
@@ -92,6 +96,7 @@ pub(crate) fn trial<const MEDIA: bool>(
 
 /// The size that pays.
 fn best(found: &[Found; SIZES.len()]) -> u32 {
+    // Variance × cost in CPU time; sharing has to win clearly.
     let product = |size: usize| RAY[size] * found[size].product(SIZES[size]);
     let best = (0..SIZES.len()).min_by(|a, b| product(*a).total_cmp(&product(*b)));
     best.filter(|best| product(*best) * WORTH < product(0)).map_or(1, |best| SIZES[best])
@@ -112,6 +117,7 @@ fn of_group<const MEDIA: bool>(
     // Windows that begin with the tile, so that they are whole where the frame is.
     let mut found = [Found::default(); SIZES.len()];
     let (mut level, mut count) = (0.0, 0.0);
+    // The same pixels by each size of groups.
     for (size, found) in SIZES.into_iter().zip(&mut found) {
         let partition = Partition::new(size, 0);
         for window in large.parts(tile, layer, &partition) {
@@ -128,6 +134,7 @@ fn of_group<const MEDIA: bool>(
                     found.cost += cost / f64::from(2 * SAMPLES);
                 }
             }
+            // Two renders a and b: v from (a − b)²/2, c from the square of the sum less the squares.
             let differences = || (0..members).map(|m| means[0][m] - means[1][m]);
             let squares: f64 = differences().map(|d| d * d / 2.0).sum();
             found.variance += squares;

@@ -39,11 +39,13 @@ pub(crate) fn trial<const MEDIA: bool>(
 ) -> Splitting {
     let film = scene.film();
     let most = (samples / SAMPLES).min(MOST_CELLS);
+    // Squares as small as the budget of the pilot allows.
     let mut edge = CELL;
     while u64::from(film.width.div_ceil(edge)) * u64::from(film.height.div_ceil(edge)) > most {
         edge *= 2;
     }
     let measure = |edge| PilotStatistics::measure(path, scene, precomputed, edge);
+    // A coarse pilot first: pictures in which splitting promises little end here.
     if measure(2 * edge).best().gain < PROMISING {
         return Splitting::default();
     }
@@ -85,7 +87,9 @@ impl PilotStatistics {
 
     /// The numbers of paths that make variance × cost least, if each square goes by those beside it.
     fn best(&self) -> Best {
+        // s ∝ √(v/c), with v of the neighbours.
         let demands: Vec<f64> = self.beside().iter().zip(&self.needs).map(|(v, need)| demand(*v, need)).collect();
+        // Σ v/s · Σ c s for the numbers of paths that belong to a unit.
         let product = |unit: f64| {
             let (mut variance, mut cost) = (0.0, 0.0);
             for (need, demand) in self.needs.iter().zip(&demands) {
@@ -128,6 +132,7 @@ fn need<const MEDIA: bool>(
     square: [u32; 2],
     edge: u32,
 ) -> Need {
+    // A random cell of the square.
     let hash = combine32(mix32(square[0]), square[1]);
     let size = [scene.film().width, scene.film().height];
     // A cell of it that begins on the film.
@@ -141,6 +146,7 @@ fn need<const MEDIA: bool>(
     let (mut variance, mut level, mut cost, mut count) = (0.0, 0.0, 0.0, 0);
     for window in partition.about(at, hash) {
         let mut probe = Probe::new(scene, &partition, window);
+        // Two samples of each pixel: variance from their difference, brightness from their sum.
         let [a, b] = [0, 1].map(|seed| probe.sample(path, scene, precomputed, seed, (0, 1)));
         count += probe.places.len() as u32;
         cost += 0.5 * (a.1 + b.1);
