@@ -47,7 +47,7 @@ macro_rules! numbers {
     )* };
 }
 
-/// Implements [`State`] for structures that have only such fields.
+/// Implements `State` for structures that have only such fields.
 macro_rules! fields {
     ($($whole:ty { $($field:ident),* })*) => { $(
         impl $crate::state::State for $whole {

@@ -156,7 +156,7 @@ mod dimension {
     pub const POINT: u32 = 1;
     pub const DEPTH: u32 = 2;
     pub const WAVELENGTH: u32 = 3;
-    /// Direction of the indirect ray in [`irradiance`]; among the decisions of an event.
+    /// Direction of the indirect ray in `irradiance`; among the decisions of an event.
     pub const AROUND: u32 = 8;
     /// Event of the light sample, beyond those of all scattering events.
     pub const LIGHT_EVENT: u32 = 100;
