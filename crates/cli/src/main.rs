@@ -16,10 +16,10 @@ mod diagnostics;
 mod experiment;
 mod failure;
 mod frames;
-mod glance;
 mod info;
 mod list;
 mod material;
+mod material_summary;
 mod memory;
 mod meter;
 mod oidn;
@@ -33,9 +33,9 @@ mod render;
 mod report;
 mod signal;
 mod signals;
-mod slips;
 mod solving;
 mod terminal;
+mod usage_errors;
 mod values;
 mod verify;
 mod view;
@@ -80,7 +80,7 @@ fn answered(answer: &clap::Error) -> u8 {
         terminal.error(&failure.message);
         return failure.code;
     }
-    if let Some(advice) = slips::advice(answer) {
+    if let Some(advice) = usage_errors::advice(answer) {
         terminal.say(&advice);
     }
     answer.exit_code() as u8

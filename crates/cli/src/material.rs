@@ -4,7 +4,7 @@ use crate::{
     args::{Color, MaterialArgs, PlotScale},
     diagnostics,
     failure::{self, Failure, Outcome},
-    glance::{self, Setting},
+    material_summary::{self, Setting},
     open, output, relief,
     terminal::{self, Terminal},
     values::known_name,
@@ -122,10 +122,10 @@ pub fn run(args: &MaterialArgs, terminal: Terminal) -> Outcome {
     }
     let is_summary = is_summary(args);
     // Of what needs more to be measured, the parameters are told all the same.
-    if is_summary && args.params.is_empty() && glance::needed(&args.material).next().is_some() {
+    if is_summary && args.params.is_empty() && material_summary::needed(&args.material).next().is_some() {
         let kind = &args.material;
-        terminal.say(&format!("before it is measured, it needs more: {}", glance::example(kind)));
-        let parameters = glance::settings(&Node::new(Family::Material, kind, None), &SceneDesc::default());
+        terminal.say(&format!("before it is measured, it needs more: {}", material_summary::example(kind)));
+        let parameters = material_summary::settings(&Node::new(Family::Material, kind, None), &SceneDesc::default());
         let (material, kind) = (kind.clone(), Some(kind.clone()));
         return tell(&Report { schema: 1, material, kind, parameters, ..Report::default() }, args.json);
     }
@@ -283,7 +283,7 @@ fn under_glass(args: &MaterialArgs, terminal: Terminal) -> Result<Glass, Failure
         let opened = open::open(Path::new(file), &args.scene, None);
         let is_named = |n: &&Node| n.family == Family::Material && n.name.as_deref() == Some(name);
         let node = opened.desc.nodes.iter().rfind(is_named);
-        let parameters = node.map(|n| glance::settings(n, &opened.desc)).unwrap_or_default();
+        let parameters = node.map(|n| material_summary::settings(n, &opened.desc)).unwrap_or_default();
         let kind = node.map(|n| n.kind.clone()).unwrap_or_default();
         let ready = open::ready(opened, Path::new(file), args.scene.strict, terminal)?;
         let names = || ready.scene.material_names().iter().map(String::as_str);
@@ -294,7 +294,7 @@ fn under_glass(args: &MaterialArgs, terminal: Terminal) -> Result<Glass, Failure
     if args.material.starts_with("builtin:") || Path::new(&args.material).is_file() {
         return Err(of_which(args, terminal));
     }
-    glance::known(&args.material)?;
+    material_summary::known(&args.material)?;
     let desc = specimen::describe(&args.material, &args.params).map_err(Failure::bad_input)?;
     let mode = if args.scene.color == Color::Spectral { ColorMode::Spectral } else { ColorMode::Rgb };
     let compiling = CompileOptions {
@@ -310,7 +310,7 @@ fn under_glass(args: &MaterialArgs, terminal: Terminal) -> Result<Glass, Failure
             let inputs = Inputs::of(desc.files().chain(compiled.files.iter().map(PathBuf::as_path)));
             let is_it = |n: &&Node| n.family == Family::Material && n.name.as_deref() == Some(&*args.material);
             let node = desc.nodes.iter().rfind(is_it);
-            let parameters = node.map(|n| glance::settings(n, &desc)).unwrap_or_default();
+            let parameters = node.map(|n| material_summary::settings(n, &desc)).unwrap_or_default();
             let (index, kind) = (scene.geometries()[0].material, args.material.clone());
             Ok(Glass { index, scene: Arc::new(scene), inputs, kind, parameters })
         }
@@ -327,7 +327,7 @@ impl Report {
             None => "red, green, blue".into(),
         };
         if let Some(kind) = &self.kind {
-            glance::text(&mut out, kind, &self.parameters, self.summary.as_ref());
+            material_summary::text(&mut out, kind, &self.parameters, self.summary.as_ref());
         }
         if let Some(rows) = &self.albedo {
             let _ = writeln!(out, "albedo ({what})\n angle  reflectance                     transmittance");

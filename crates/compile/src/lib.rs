@@ -10,23 +10,23 @@
 mod assets;
 mod bezier;
 mod coats;
-mod code;
+mod description_checks;
 mod dispersion;
 mod displacement;
 mod emission;
-mod facets;
 mod fluorescent;
 mod grating;
 mod hair;
 mod height_field;
-mod kept;
+mod implicit_surfaces;
+mod incremental;
 mod layered;
-mod level;
 mod lights;
 mod mapping;
 mod materials;
 mod measured;
 mod media;
+mod microfacets;
 mod motion;
 mod parametric;
 mod params;
@@ -42,15 +42,15 @@ mod schedule;
 mod sensor;
 mod shapes;
 mod sky;
-mod sound;
 mod subsurface;
 mod textures;
+mod unknown_parameters;
 mod view;
 
 use assets::Assets;
 use coats::Coats;
-pub use kept::Kept;
-use kept::{KeptAccel, KeptScene, KeptShape, Space};
+pub use incremental::Kept;
+use incremental::{KeptAccel, KeptScene, KeptShape, Space};
 use schedule::Lamp;
 use std::{
     collections::{BTreeMap, HashMap, HashSet},

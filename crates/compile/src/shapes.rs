@@ -2,7 +2,7 @@
 
 use super::{
     Compiler, height_field,
-    kept::{KeptShape, Origin},
+    incremental::{KeptShape, Origin},
     schedule::Lamp,
 };
 use std::sync::Arc;

@@ -20,8 +20,8 @@ pub mod partition;
 mod passes;
 mod plan;
 mod session;
-mod sound;
 mod state;
+mod state_checks;
 mod tiles;
 
 pub use context::PathContext;

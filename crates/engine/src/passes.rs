@@ -10,8 +10,8 @@ use crate::{
     estimate::Sum,
     first_hit,
     session::Earlier,
-    sound,
     state::{Codec, In, Out, State},
+    state_checks,
 };
 use std::{
     fmt::Debug,
@@ -396,14 +396,14 @@ impl<P: Pass> Session for Passes<P> {
     fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
         self.pass_state(&mut In(from))?;
         let (plan, passes) = (&self.plan, self.passes);
-        let is_sound = sound::is_total(self.total, plan.sampler.spp)
+        let is_sound = state_checks::is_total(self.total, plan.sampler.spp)
             && passes <= self.total.div_ceil(self.integrator.samples_per_pass().max(1))
-            && sound::is_look(self.look, passes, plan.error)
+            && state_checks::is_look(self.look, passes, plan.error)
             && !(self.is_good_enough && plan.error.is_none())
-            && sound::are_counters(&self.counters)
-            && self.pixels.iter().all(|p| p.samples == passes && sound::is_pixel(p))
-            && self.layers.features.iter().all(|sums| sums.samples == passes && sound::are_hits(sums))
-            && self.layers.mattes.iter().all(|sums| sums.samples == passes && sound::are_mattes(sums))
+            && state_checks::are_counters(&self.counters)
+            && self.pixels.iter().all(|p| p.samples == passes && state_checks::is_pixel(p))
+            && self.layers.features.iter().all(|sums| sums.samples == passes && state_checks::are_hits(sums))
+            && self.layers.mattes.iter().all(|sums| sums.samples == passes && state_checks::are_mattes(sums))
             && self.even.iter().flatten().all(|sum| sum.abs() <= f64::from(passes) * f64::from(f32::MAX))
             && self.layers.by_light.iter().flatten().all(|sum| sum.abs() <= f64::from(passes) * f64::from(f32::MAX));
         if is_sound { Ok(()) } else { Err(Error::from(ErrorKind::InvalidData)) }

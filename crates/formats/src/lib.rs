@@ -13,7 +13,7 @@
 //! Sizes that a file declares are held against the bytes present before anything is allocated (`limits`), and
 //! nesting is followed with explicit stacks or to a stated depth.
 
-mod beside;
+mod companion_files;
 pub mod files;
 pub mod gltf;
 #[cfg(test)]

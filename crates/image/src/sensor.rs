@@ -19,8 +19,8 @@
 use crate::{Image, colour};
 use rayon::prelude::*;
 use steradian_math::{
-    counts::{normal, poisson},
     hash::{HashRng, combine64},
+    photon_noise::{normal, poisson},
 };
 
 /// A sensor and how a picture was taken with it.

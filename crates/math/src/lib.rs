@@ -6,21 +6,20 @@
 
 pub mod bounds;
 mod cell;
-pub mod chance;
 #[cfg(test)]
 mod chi_square;
 pub mod color;
-pub mod counts;
 pub mod distribution;
 pub mod elementary;
 pub mod error;
 pub mod frame;
 pub mod geometry;
+pub mod golden_section;
 pub mod harmonics;
 pub mod hash;
 pub mod intersect;
-pub mod minimum;
 pub mod motion;
+pub mod photon_noise;
 pub mod polarization;
 pub mod quadrature;
 pub mod ray;
@@ -29,11 +28,11 @@ pub mod spectra;
 pub mod spectrum;
 pub mod sphere_grid;
 pub mod transform;
+pub mod uniform_bits;
 pub mod warp;
 
 pub use bounds::Bounds3;
 pub use cell::cell;
-pub use chance::Chance;
 pub use error::Error;
 pub use frame::Frame;
 pub use glam::{DMat3, DMat4, DVec2, DVec3, Mat3, Mat4, Vec2, Vec3, Vec4};
@@ -41,3 +40,4 @@ pub use motion::Motion;
 pub use ray::Ray;
 pub use spectrum::Spectrum;
 pub use transform::Transform;
+pub use uniform_bits::Chance;

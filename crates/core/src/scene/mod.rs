@@ -7,9 +7,9 @@
 //! A scene whose details lie too far from the origin for single precision is compiled around another origin
 //! (`Scene::origin`). Points of the world pass `Scene::from_file` on the way in and `Scene::to_file` on the way out.
 
+mod derived;
 mod differentials;
-mod earlier;
-mod facts;
+mod motion_vectors;
 mod parts;
 mod tables;
 
@@ -23,8 +23,8 @@ use crate::{
     medium::{EmissiveVolume, Medium},
     shape::{SurfacePoint, TriMesh},
 };
-pub use earlier::Moved;
-use facts::{Facts, Kind};
+use derived::{Facts, Kind};
+pub use motion_vectors::Moved;
 pub use parts::{Geometry, Parts, Placement, Settings};
 use std::{collections::BTreeMap, sync::Arc};
 use steradian_accel::{Accel, Steps, UserHit, UserPrimitives};

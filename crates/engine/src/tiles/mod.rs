@@ -13,8 +13,8 @@
 
 mod alone;
 mod scales;
-mod sound;
 mod state;
+mod state_checks;
 mod tile;
 mod work;
 

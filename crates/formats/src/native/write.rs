@@ -5,7 +5,7 @@ use super::{
     read::{CONVENTIONS, FAMILIES},
     value,
 };
-use crate::beside::Beside;
+use crate::companion_files::Beside;
 use std::{
     collections::{HashMap, HashSet},
     fmt::Write,

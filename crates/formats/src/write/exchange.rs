@@ -2,7 +2,7 @@
 //! report of losses.
 
 use super::colour::Colour;
-use crate::beside::Beside;
+use crate::companion_files::Beside;
 use std::{
     collections::{BTreeMap, HashSet},
     f64::consts::PI,

@@ -5,7 +5,7 @@
 //! Rays are made noisy as in a scene: a bounce meets a wall whose emission is 1 ± `contrast`.
 
 use crate::laboratory::{Axis, Chart, Error, Experiment, Parameter, Report, Run, Series, Values};
-use steradian_math::{counts::unit, hash::HashRng};
+use steradian_math::{hash::HashRng, photon_noise::unit};
 
 pub const EXPERIMENT: Experiment = Experiment {
     name: "branching",

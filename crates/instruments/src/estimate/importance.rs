@@ -5,7 +5,7 @@
 
 use crate::laboratory::{Axis, Chart, Error, Experiment, Marker, Parameter, Report, Run, Series, Values};
 use std::f64::consts::PI;
-use steradian_math::{counts::unit, hash::HashRng};
+use steradian_math::{hash::HashRng, photon_noise::unit};
 
 pub const EXPERIMENT: Experiment = Experiment {
     name: "importance",

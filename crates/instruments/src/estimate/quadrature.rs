@@ -4,7 +4,7 @@
 
 use super::log_slope;
 use crate::laboratory::{Axis, Chart, Error, Experiment, Marker, Parameter, Report, Run, Series, Values};
-use steradian_math::{counts::unit, hash::HashRng};
+use steradian_math::{hash::HashRng, photon_noise::unit};
 
 pub const EXPERIMENT: Experiment = Experiment {
     name: "quadrature",

@@ -4,7 +4,7 @@
 use crate::laboratory::{Axis, Chart, Error, Experiment, Parameter, Report, Run, Series, Values};
 use glam::DVec3;
 use std::f64::consts::PI;
-use steradian_math::{counts::unit, hash::HashRng};
+use steradian_math::{hash::HashRng, photon_noise::unit};
 
 pub const EXPERIMENT: Experiment = Experiment {
     name: "solid-angle",

@@ -7,7 +7,7 @@ use crate::laboratory::{
 use std::f64::consts::PI;
 use steradian_math::{
     color::xyz::xyy_from_xyz,
-    minimum::golden_section,
+    golden_section::golden_section,
     quadrature::gauss_legendre,
     spectra::{
         blackbody::{BOLTZMANN, PLANCK, SPEED_OF_LIGHT, STEFAN_BOLTZMANN, planck_wavelength},

@@ -4,8 +4,8 @@
 
 use crate::laboratory::{Axis, Chart, Error, Experiment, Marker, Parameter, Report, Run, Series, Values};
 use steradian_math::{
-    counts::normal,
     hash::HashRng,
+    photon_noise::normal,
     spectra::blackbody::{PLANCK, SPEED_OF_LIGHT},
 };
 

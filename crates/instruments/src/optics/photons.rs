@@ -4,8 +4,8 @@
 
 use crate::laboratory::{Axis, Chart, Error, Experiment, Marker, Parameter, Picture, Report, Run, Series, Values};
 use steradian_math::{
-    counts::{ln_factorial, normal, poisson},
     hash::HashRng,
+    photon_noise::{ln_factorial, normal, poisson},
     spectra::blackbody::{PLANCK, SPEED_OF_LIGHT},
 };
 

@@ -3,7 +3,7 @@
 //! `I = I₀ cos² α` behind two polarisers (Born, Wolf, *Principles of Optics*, §1.5).
 
 use crate::laboratory::{Axis, Chart, Error, Experiment, Parameter, Report, Run, Series, Values};
-use steradian_math::minimum::golden_section;
+use steradian_math::golden_section::golden_section;
 
 pub const EXPERIMENT: Experiment = Experiment {
     name: "polarization",

@@ -7,7 +7,7 @@ use crate::laboratory::{
 };
 use glam::DVec3;
 use steradian_math::{
-    minimum::golden_section,
+    golden_section::golden_section,
     spectra::{cie, dispersion::FRAUNHOFER, named},
 };
 

@@ -13,7 +13,7 @@ use crate::laboratory::{
 use glam::DVec3;
 use std::f64::consts::PI;
 use steradian_math::{
-    minimum::golden_section,
+    golden_section::golden_section,
     spectra::{cie, named},
 };
 

@@ -11,7 +11,7 @@ use crate::laboratory::{
 use glam::DVec3;
 use steradian_math::{
     color::{RgbSpace, xyz::xyy_from_xyz},
-    minimum::golden_section,
+    golden_section::golden_section,
     spectra::{blackbody::planck_wavelength, cie},
 };
 

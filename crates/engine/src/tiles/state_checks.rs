@@ -10,7 +10,7 @@ use crate::{
     MOST_PATHS,
     adaptive::{CELL, Round, most},
     partition::CELLS,
-    sound::{are_counters, are_hits, are_mattes, is_look, is_pixel, is_total},
+    state_checks::{are_counters, are_hits, are_mattes, is_look, is_pixel, is_total},
 };
 use std::sync::atomic::Ordering;
 use steradian_core::film::Pixel;
