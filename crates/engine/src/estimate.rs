@@ -3,7 +3,7 @@
 //! The variance of a pixel is found without bias, but what is rare is not found at all most of the time: where much of
 //! the light comes by paths that are met a few times in the whole picture, samples tell of a smooth and dark one. So an
 //! estimate comes with a [`Doubt`]: an integrator may know how rarely its paths meet some of the
-//! light ([`crate::GroupIntegrator::rarest`]), and an error that sits in a few pixels, each of which a few bright
+//! light ([`crate::GroupIntegrator::rarest_path_probability`]), and an error that sits in a few pixels, each of which a few bright
 //! samples hit, is not known to better than a factor.
 
 use crate::adaptive::FLOOR;

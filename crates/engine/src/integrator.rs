@@ -87,7 +87,7 @@ pub trait GroupIntegrator: Debug + Send + Sync {
 
     /// Probability that one camera sample finds the rarest paths that carry a good part of the light, where that is
     /// known.
-    fn rarest(&self, _prepared: &Self::Prepared) -> Option<f64> {
+    fn rarest_path_probability(&self, _prepared: &Self::Prepared) -> Option<f64> {
         None
     }
 

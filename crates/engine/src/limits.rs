@@ -140,7 +140,7 @@ impl Feature {
                 named(scene.is_fluorescent(), "light that changes its wavelength (material 'fluorescent')")
             }
             Self::Schedules => named(scene.has_schedules(), "lights that go on and off (parameters 'on' and 'off')"),
-            Self::UnsampledEmitters => match scene.emitters_left_to_chance() {
+            Self::UnsampledEmitters => match scene.unsampled_emitters() {
                 0 => None,
                 1 => Some("the light of one shape of which no point can be drawn, such as an infinite plane".into()),
                 n => Some(format!("the light of {n} shapes of which no point can be drawn, such as an infinite plane")),

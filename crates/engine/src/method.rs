@@ -120,7 +120,7 @@ pub trait Method: Any + Debug + Send + Sync {
 /// A scene with what stands in for subsurface and wavelength-shifting materials, for methods that do not follow light
 /// there.
 pub fn local_scene(scene: Arc<Scene>) -> Arc<Scene> {
-    match scene.is_for_paths_alone() {
+    match scene.needs_scalar_path_tracer() {
         true => Arc::new(Scene::clone(&scene).with_local_scattering()),
         false => scene,
     }

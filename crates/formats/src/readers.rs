@@ -72,10 +72,6 @@ pub const READERS: &[Reader] = &[
         file: native::import,
         bytes: native::import_bytes,
     },
-    model(&[("ply", "polygon model")], |b| b.bytes.starts_with(b"ply")),
-    // Statements of OBJ begin with a small letter, pbrt's directives with a capital.
-    model(&[("obj", "Wavefront model with materials")], |b| b.first.is_ascii_lowercase()),
-    model(&[("bpt", "Bézier patches in text, such as the Utah teapot")], |_| false),
     Reader {
         extensions: &[("gltf", "glTF 2.0 scene, also in binary form (.glb)"), ("glb", "glTF 2.0 scene in binary form")],
         definitions: Some(&[
@@ -94,6 +90,10 @@ pub const READERS: &[Reader] = &[
         file: gltf::import,
         bytes: gltf::import_bytes,
     },
+    model(&[("ply", "polygon model")], |b| b.bytes.starts_with(b"ply")),
+    // Statements of OBJ begin with a small letter, pbrt's directives with a capital.
+    model(&[("obj", "Wavefront model with materials")], |b| b.first.is_ascii_lowercase()),
+    model(&[("bpt", "Bézier patches in text, such as the Utah teapot")], |_| false),
 ];
 
 impl Reader {

@@ -86,7 +86,7 @@ pub struct Precomputed {
     pub caustics: Option<Caustics>,
     /// Probability that one camera sample finds the rarest paths that carry a good part of the light, as far as a trial
     /// of photons showed.
-    pub rarest: Option<f64>,
+    pub rarest_path_probability: Option<f64>,
     /// Light samples and roulette threshold.
     pub effort: PathEffort,
     /// Path splitting per cell.

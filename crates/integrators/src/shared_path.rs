@@ -96,7 +96,7 @@ impl<const MEDIA: bool> GroupIntegrator for SharedPath<MEDIA> {
         counters: &mut Counters,
     ) {
         match pixel_samples {
-            [sample] if scene.is_for_paths_alone() => self.alone(scene, sample, counters),
+            [sample] if scene.needs_scalar_path_tracer() => self.alone(scene, sample, counters),
             [PixelSample { ray, own, lambda, radiance, .. }] => {
                 let context = &mut PathContext { scene, sampler: own, lambda, counters };
                 *radiance = self.path.arriving(*ray, precomputed.caustics.as_ref(), context);
@@ -113,7 +113,7 @@ impl<const MEDIA: bool> GroupIntegrator for SharedPath<MEDIA> {
         (_, buffer): &mut Self::Buffer<'s>,
         counters: &mut Counters,
     ) {
-        if scene.is_for_paths_alone() {
+        if scene.needs_scalar_path_tracer() {
             for sample in pixel_samples {
                 let before = counters.rays;
                 self.alone(scene, sample, counters);
@@ -132,8 +132,8 @@ impl<const MEDIA: bool> GroupIntegrator for SharedPath<MEDIA> {
         precomputed.splitting.paths(pixel)
     }
 
-    fn rarest(&self, precomputed: &Precomputed) -> Option<f64> {
-        precomputed.rarest
+    fn rarest_path_probability(&self, precomputed: &Precomputed) -> Option<f64> {
+        precomputed.rarest_path_probability
     }
 
     fn asks_photons(&self, precomputed: &Precomputed) -> bool {

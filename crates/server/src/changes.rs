@@ -7,13 +7,13 @@ use crate::{
     look::{Purpose, View, bytes, check_memory, options, quality, set},
     protocol::{Request, told},
     state,
-    viewer::{Reach, Viewer, compile},
+    viewer::{Invalidates, Viewer, compile},
 };
 use std::sync::Arc;
 
 impl Viewer {
     /// Carries out what a page asks for.
-    pub fn request(&mut self, request: Request) -> Result<Reach, String> {
+    pub fn request(&mut self, request: Request) -> Result<Invalidates, String> {
         let before = self.look.clone();
         let revert: fn(&mut Document) = match request {
             Request::Edit { .. } => Document::take_back,
@@ -21,15 +21,15 @@ impl Viewer {
             Request::Redo => |document| _ = document.undo(),
             _ => |_| {},
         };
-        let reach = self.change(request)?;
-        if reach >= Reach::Scene
+        let invalid = self.change(request)?;
+        if invalid >= Invalidates::Scene
             && let Err(why) = self.remake()
         {
             self.look = before;
             revert(&mut self.document);
             return Err(why);
         }
-        Ok(reach)
+        Ok(invalid)
     }
 
     /// Compiles the scene as it is to be looked at, and sees whether it can be rendered so.
@@ -73,7 +73,7 @@ impl Viewer {
         remade
     }
 
-    fn change(&mut self, request: Request) -> Result<Reach, String> {
+    fn change(&mut self, request: Request) -> Result<Invalidates, String> {
         let Self { document, look, job, .. } = self;
         match request {
             Request::Camera { eye, target, up, fov, moving } => {
@@ -89,31 +89,31 @@ impl Viewer {
                 }
                 look.view = Some(View { point, fov: fov.or(look.view.and_then(|v| v.fov)) });
                 look.moving = moving;
-                Ok(Reach::Scene)
+                Ok(Invalidates::Scene)
             }
             Request::CameraName { name } => {
                 let Some(_) = document.desc.camera(Some(&name)) else {
                     return Err(format!("there is no camera '{name}'"));
                 };
                 (look.camera, look.view, look.moving) = (Some(name), None, false);
-                Ok(Reach::Scene)
+                Ok(Invalidates::Scene)
             }
             Request::CameraReset => {
                 (look.view, look.moving) = (None, false);
-                Ok(Reach::Scene)
+                Ok(Invalidates::Scene)
             }
             Request::Settings(change) => {
                 set(&mut look.settings, change)?;
                 (look.region, look.moving) = (None, false);
-                Ok(Reach::Scene)
+                Ok(Invalidates::Scene)
             }
             Request::Region { pixels } => {
                 (look.region, look.moving) = (pixels, false);
-                Ok(Reach::Scene)
+                Ok(Invalidates::Scene)
             }
             Request::Layers { names } => {
                 look.layers = names.iter().map(|name| frame::layer(name)).collect::<Result<_, _>>()?;
-                Ok(Reach::Sent)
+                Ok(Invalidates::Layers)
             }
             Request::Edit { node, parameter, value, moving } => {
                 let purpose = if moving { Purpose::Preview } else { Purpose::Render };
@@ -121,19 +121,19 @@ impl Viewer {
                 let what = What::Parameter { node, parameter, value };
                 document.edit(Edit { what, moving }, &options)?;
                 look.moving = moving;
-                Ok(Reach::Scene)
+                Ok(Invalidates::Scene)
             }
             Request::Undo => {
                 look.moving = false;
-                document.undo().then_some(Reach::Scene).ok_or_else(|| "there is nothing to undo".into())
+                document.undo().then_some(Invalidates::Scene).ok_or_else(|| "there is nothing to undo".into())
             }
             Request::Redo => {
                 look.moving = false;
-                document.redo().then_some(Reach::Scene).ok_or_else(|| "there is nothing to redo".into())
+                document.redo().then_some(Invalidates::Scene).ok_or_else(|| "there is nothing to redo".into())
             }
             Request::Pause { on } => {
                 look.paused = on;
-                Ok(if on || job.is_some() { Reach::State } else { Reach::Picture })
+                Ok(if on || job.is_some() { Invalidates::State } else { Invalidates::Picture })
             }
         }
     }

@@ -191,15 +191,15 @@ fn open(source: Source, settings: SettingsChange, library: Library) -> Result<(V
     Ok((viewer, Handle { tasks, waiting, frames, states, messages, shown, subjects }))
 }
 
-/// Reach of a change.
+/// Part of the view that a change invalidates; each includes those before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Reach {
+pub enum Invalidates {
     /// Nowhere.
     Nothing,
     /// State that pages are told.
     State,
     /// Part of the picture that is sent.
-    Sent,
+    Layers,
     /// The picture.
     Picture,
     /// The scene.
@@ -287,17 +287,17 @@ fn fits(scene: &Scene) -> Result<(), Diagnostics> {
 
 impl Viewer {
     fn run(&mut self) {
-        let mut reach = if self.generation == 0 { Reach::Scene } else { Reach::Nothing };
+        let mut invalid = if self.generation == 0 { Invalidates::Scene } else { Invalidates::Nothing };
         loop {
-            if reach > Reach::Nothing {
-                self.tell_state(reach);
+            if invalid > Invalidates::Nothing {
+                self.tell_state(invalid);
             }
             for (answer, done) in self.answers.drain(..) {
                 // Its page may be gone.
                 let _ = answer.send(done);
             }
-            if reach > Reach::Nothing {
-                self.show_change(reach);
+            if invalid > Invalidates::Nothing {
+                self.show_change(invalid);
             }
             let is_idle = !self.owed && (self.look.paused || self.job.as_ref().is_none_or(Job::is_done));
             let first = match is_idle {
@@ -308,48 +308,48 @@ impl Viewer {
                 },
                 false => self.tasks.try_recv().ok(),
             };
-            reach = Reach::Nothing;
+            invalid = Invalidates::Nothing;
             let mut next = first;
             while let Some(task) = next {
                 self.waiting.remove();
-                reach = reach.max(self.take(task));
+                invalid = invalid.max(self.take(task));
                 next = self.tasks.try_recv().ok();
             }
             if self.files_changed() {
-                reach = reach.max(self.reload());
+                invalid = invalid.max(self.reload());
             }
-            if reach == Reach::Nothing && self.owed {
+            if invalid == Invalidates::Nothing && self.owed {
                 self.show_picture();
-            } else if reach == Reach::Nothing && !self.look.paused {
+            } else if invalid == Invalidates::Nothing && !self.look.paused {
                 self.advance();
             }
         }
     }
 
     /// Carries a task out; how far what it changed reaches.
-    fn take(&mut self, task: Task) -> Reach {
+    fn take(&mut self, task: Task) -> Invalidates {
         match task {
             Task::Page(request, answer) => {
                 let done = self.request(request);
-                let reach = *done.as_ref().unwrap_or(&Reach::Nothing);
+                let invalid = *done.as_ref().unwrap_or(&Invalidates::Nothing);
                 self.answers.push((answer, done.map(|_| ())));
-                reach
+                invalid
             }
             Task::Open(source, answer) => {
                 let opened = self.open(*source);
-                let reach = if opened.is_ok() { Reach::Scene } else { Reach::Nothing };
+                let invalid = if opened.is_ok() { Invalidates::Scene } else { Invalidates::Nothing };
                 let _ = answer.send(opened);
-                reach
+                invalid
             }
             Task::Environment(name, picture, answer) => {
                 let done = self.set_environment(name, picture);
-                let reach = if done.is_ok() { Reach::Scene } else { Reach::Nothing };
+                let invalid = if done.is_ok() { Invalidates::Scene } else { Invalidates::Nothing };
                 let _ = answer.send(done);
-                reach
+                invalid
             }
             Task::Ask(ask) => {
                 ask(&self.document, &self.look);
-                Reach::Nothing
+                Invalidates::Nothing
             }
         }
     }
@@ -370,13 +370,13 @@ impl Viewer {
     }
 
     /// Shows the scene as its files have it now; the camera, settings and edits stay.
-    fn reload(&mut self) -> Reach {
+    fn reload(&mut self) -> Invalidates {
         self.stamps.clone_from(&self.seen);
         let (fresh, lost) = match self.document.reloaded() {
             Ok(read) => read,
             Err(diagnostics) => {
                 self.say("error", told(&diagnostics));
-                return Reach::Nothing;
+                return Invalidates::Nothing;
             }
         };
         let old = std::mem::replace(&mut self.document, fresh);
@@ -384,12 +384,12 @@ impl Viewer {
         if let Err(why) = self.remake() {
             self.document = old;
             self.say("error", why);
-            return Reach::Nothing;
+            return Invalidates::Nothing;
         }
         lost.into_iter().for_each(|why| self.say("warning", format!("an edit does not fit any more: {why}")));
         self.say("note", "the scene's files have changed: they were read again".into());
         self.stamps = self.document.stamps();
-        Reach::Scene
+        Invalidates::Scene
     }
 
     fn open(&mut self, source: Source) -> Result<(), Vec<String>> {
@@ -409,8 +409,8 @@ impl Viewer {
     }
 
     /// Tells pages what has changed.
-    fn tell_state(&mut self, reach: Reach) {
-        if reach >= Reach::Picture {
+    fn tell_state(&mut self, invalid: Invalidates) {
+        if invalid >= Invalidates::Picture {
             self.generation += 1;
             (self.job, self.published) = (None, None);
             (self.broken_off, self.owed) = (0, true);
@@ -422,10 +422,10 @@ impl Viewer {
     }
 
     /// Shows what has changed: a preview, and the beginning of a render.
-    fn show_change(&mut self, reach: Reach) {
-        if reach < Reach::Picture {
+    fn show_change(&mut self, invalid: Invalidates) {
+        if invalid < Invalidates::Picture {
             // Other layers are sent of the same picture.
-            if reach == Reach::Sent || self.has_news() {
+            if invalid == Invalidates::Layers || self.has_news() {
                 self.publish();
             }
             return;

@@ -151,7 +151,12 @@ impl Render {
     /// there are none.
     pub fn left_out(&self, scene: &Scene) -> Option<LeftOut> {
         let what: Vec<String> = self.method.limits(scene).into_iter().map(|limit| limit.what).collect();
-        (!what.is_empty()).then(|| LeftOut { what: what.join(", "), instead: path_tracer(scene.has_media()).kind })
+        // Connections from the camera find what light tracing alone cannot, and its caustics.
+        let instead = match self.method.supports(Feature::SpecularView) {
+            Support::Exact => path_tracer(scene.has_media()).kind,
+            _ => "bdpt",
+        };
+        (!what.is_empty()).then(|| LeftOut { what: what.join(", "), instead })
     }
 
     /// Why a denoiser cannot tell noise in the picture: where what pixels err is not independent, or not noise.

@@ -15,7 +15,7 @@ const ROULETTE_BELOW: f32 = 1.0 / 3.0;
 pub const LONG_PATH: (u32, f32) = (1000, 0.99);
 
 /// Russian roulette after `events` scattering events: what a path that carries `live`, in the eyes of roulette
-/// ([`crate::PathState::for_roulette`]), goes on with times as much, or `None` where it ends. The number is that of
+/// ([`crate::PathState::roulette_scale`]), goes on with times as much, or `None` where it ends. The number is that of
 /// [`number`].
 #[inline(always)]
 pub fn roulette(

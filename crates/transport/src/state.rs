@@ -29,7 +29,7 @@ pub struct PathState {
     /// The throughput counts for this many times as much in roulette: without the compression of radiance by
     /// refraction, and as if surfaces alone had drawn the directions. A path that photons lead to light carries little
     /// because it is one of many, not because light was lost.
-    pub for_roulette: f32,
+    pub roulette_scale: f32,
     /// Last scattering event.
     pub origin: nee::Origin,
     /// Scattering events so far.
@@ -55,7 +55,7 @@ impl PathState {
     pub const NONE: Self = Self {
         ray: Ray { t_max: 0.0, ..Ray::new(Vec3::ZERO, Vec3::Z) },
         beta: Spectrum::ONE,
-        for_roulette: 1.0,
+        roulette_scale: 1.0,
         origin: None,
         events: 0,
         passes: 0,
@@ -149,7 +149,7 @@ impl PathState {
     #[inline]
     pub fn survives(&mut self, depth: &Depth, context: &PathContext<'_, '_>) -> bool {
         // Throughput of the strongest lane, without refraction's 1/η² and without the guide's share of the density.
-        let live = live_max(self.beta, context.lambda) * self.for_roulette;
+        let live = live_max(self.beta, context.lambda) * self.roulette_scale;
         let number = || number(self.events, context.sampler);
         // β/q for survivors, zero for paths that end.
         let scale = roulette(live, self.events, depth, self.roulette_below, number);
@@ -193,7 +193,7 @@ impl PathState {
         self.beta *= s.weight;
         // Roulette looks at β without the compression of radiance by refraction, 1/η², and as if scattering alone had
         // drawn the direction.
-        self.for_roulette *= s.eta * s.eta / ratio;
+        self.roulette_scale *= s.eta * s.eta / ratio;
         if MEDIA
             && let Vertex::Surface { i, .. } = v
             && s.lobe.is_transmission()

@@ -5,7 +5,7 @@
 //! A material `subsurface` has a lobe of its own (`Lobe::SUBSURFACE`, `steradian_bsdf::subsurface`). Where a path draws
 //! it, `PathState::emerge` finds the point at which the light leaves, and the path goes on from a vertex that scatters
 //! by `Emergence`. Scenes with subsurface or fluorescent materials are followed path by path, without waves, sharing
-//! and photons (`Scene::is_for_paths_alone`); the film sees the wavelengths with which a path began. Methods that do
+//! and photons (`Scene::needs_scalar_path_tracer`); the film sees the wavelengths with which a path began. Methods that do
 //! not follow such paths refuse the scene, or render a local approximation (`Scene::with_local_scattering`).
 
 use crate::{flight::lanes, live_max, state::PathState, vertex::Vertex};

@@ -368,5 +368,5 @@ fn the_graphics_pipeline_draws_at_once() {
     let run = place.succeed(&[&common[..], &["--time", "200ms", "--sampler", "sobol"]].concat());
     assert!(run.stderr.contains("--sampler has no effect"), "{}", run.stderr);
     place.refuse(2, &[&common[..], &["--adaptive"]].concat(), &["leave out --adaptive"]);
-    place.refuse(2, &["render", "--integrator", "raster:shadows=x"], &["one of ray, "]);
+    place.refuse(2, &["render", "--integrator", "raster:shadows=x"], &["'shadows' takes ray, "]);
 }

@@ -14,7 +14,7 @@
 //!   paths meet it by chance.
 //! * Schedules: where a light does not always shine, `Lights::timetable` is asked for the moment of the exposure, less
 //!   the time for which matter held the light back (`Wavelengths::delay`). Scenes of that kind are followed path by
-//!   path (`Scene::is_for_paths_alone`).
+//!   path (`Scene::needs_scalar_path_tracer`).
 
 pub mod area;
 pub mod emission;

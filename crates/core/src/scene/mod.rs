@@ -259,7 +259,7 @@ impl Scene {
     /// True if paths must be traced one by one from the eye: light goes below surfaces, or changes its wavelength, or
     /// does not always shine.
     #[inline]
-    pub fn is_for_paths_alone(&self) -> bool {
+    pub fn needs_scalar_path_tracer(&self) -> bool {
         self.has_subsurface() || self.is_fluorescent() || self.has_schedules()
     }
 
@@ -436,7 +436,7 @@ impl Scene {
 
     /// Number of emitting shapes that cannot be sampled as lights, such as infinite planes: only paths that meet them
     /// by chance find their light.
-    pub fn emitters_left_to_chance(&self) -> usize {
+    pub fn unsampled_emitters(&self) -> usize {
         self.parts.geometries.iter().filter(|g| g.emitter.is_some() && g.lights.is_empty()).count()
     }
 

@@ -125,14 +125,14 @@ impl<G: GroupIntegrator> Session for Tiles<G> {
             return;
         }
         let goal = self.frame.next.saturating_add(samples).min(self.frame.total);
-        let rarest = self.integrator.rarest(&self.prepared);
+        let rarest_path_probability = self.integrator.rarest_path_probability(&self.prepared);
         loop {
             if !self.frame.is_complete {
                 self.advance(control);
                 if !self.frame.is_complete {
                     return;
                 }
-                self.frame.decide(rarest);
+                self.frame.decide(rarest_path_probability);
             }
             let frame = &mut self.frame;
             if frame.next >= goal || frame.is_good_enough {
@@ -188,7 +188,7 @@ impl<G: GroupIntegrator> Session for Tiles<G> {
     }
 
     fn doubt(&self) -> Option<Doubt> {
-        self.frame.doubt(self.integrator.rarest(&self.prepared))
+        self.frame.doubt(self.integrator.rarest_path_probability(&self.prepared))
     }
 
     fn errors_of_means(&self) -> Option<[f64; SCALES.len()]> {
@@ -316,9 +316,10 @@ impl Frame {
     }
 
     /// Decides about the end of the render and the next round, when all tiles are where the steps are.
-    fn decide(&mut self, rarest: Option<f64>) {
+    fn decide(&mut self, rarest_path_probability: Option<f64>) {
         if let Some(error) = self.plan.error.filter(|_| self.next >= self.look) {
-            self.is_good_enough = self.error().is_some_and(|e| e <= error) && self.doubt(rarest).is_none();
+            self.is_good_enough =
+                self.error().is_some_and(|e| e <= error) && self.doubt(rarest_path_probability).is_none();
             self.look = self.look.saturating_add(self.look / 4);
         }
         if self.next == self.round.end && self.next < self.total && !self.is_good_enough {
@@ -395,10 +396,10 @@ impl Frame {
     }
 
     /// Why the error is not to be trusted, if so, where one path of the picture finds the rarest light so often.
-    fn doubt(&self, rarest: Option<f64>) -> Option<Doubt> {
+    fn doubt(&self, rarest_path_probability: Option<f64>) -> Option<Doubt> {
         let crop = self.scene.film().crop;
         let paths = f64::from(crop.width()) * f64::from(crop.height()) * f64::from(self.next);
-        if rarest.is_some_and(|probability| probability * paths < FEWEST_FINDS) {
+        if rarest_path_probability.is_some_and(|probability| probability * paths < FEWEST_FINDS) {
             return Some(Doubt::HardlyFound);
         }
         self.squared_errors().and_then(|sum| sum.doubt())

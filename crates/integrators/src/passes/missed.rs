@@ -23,7 +23,7 @@ const PATHS: u32 = 1 << 14;
 pub fn missed_caustics(scene: &Scene, depth: &Depth) -> Vec3 {
     let lights = &scene.lights().lights;
     if scene.has_media()
-        || scene.is_for_paths_alone()
+        || scene.needs_scalar_path_tracer()
         || !scene.camera().can_receive()
         || !lights.iter().any(|l| l.kind().is_delta)
     {

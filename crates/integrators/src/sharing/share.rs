@@ -101,7 +101,7 @@ pub(super) fn share<const MEDIA: bool>(
         // Shared light is followed with throughput one: every member multiplies it by its own later.
         let mut path_state = match shared {
             Shared::No => finder.path_state,
-            _ => PathState { beta: Spectrum::ONE, for_roulette: 1.0, roulette_below, ..finder.path_state },
+            _ => PathState { beta: Spectrum::ONE, roulette_scale: 1.0, roulette_below, ..finder.path_state },
         };
         let context = &mut PathContext { scene, sampler: joint, lambda: &mut lambda, counters };
         if shared == Shared::No && !path_state.survives(&path.depth, context) {

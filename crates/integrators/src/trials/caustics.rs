@@ -37,7 +37,7 @@ pub(crate) struct Outcome {
     pub gain: f64,
     /// Probability that one path without photons brings one of the brightest contributions, so many of which are taken
     /// together that they carry a fiftieth of the light; `None` where photons do not lead to these.
-    pub rarest: Option<f64>,
+    pub rarest_path_probability: Option<f64>,
 }
 
 /// Measures the gain of the photons of `precomputed`.
@@ -56,7 +56,10 @@ pub(crate) fn trial<const MEDIA: bool>(scene: &Scene, path: &PathTracer<MEDIA>, 
         .collect();
     // Variances of the cells, added up: their ratio is the gain.
     let [with, without] = paths.iter().map(|cell| variances(cell)).fold([0.0; 2], |s, v| [s[0] + v[0], s[1] + v[1]]);
-    Outcome { gain: if with > 0.0 { without / with } else { 1.0 }, rarest: rarest(&paths) }
+    Outcome {
+        gain: if with > 0.0 { without / with } else { 1.0 },
+        rarest_path_probability: rarest_path_probability(&paths),
+    }
 }
 
 /// The brightness to which the errors of the pixels of a cell are relative, and their mean.
@@ -82,8 +85,8 @@ fn variances(paths: &[Contributions]) -> [f64; 2] {
     [with, without].map(|squares| (squares / paths.len() as f64 - mean * mean) / (pixel * pixel))
 }
 
-/// [`Outcome::rarest`], by the paths to each cell.
-fn rarest(cells: &[Vec<Contributions>]) -> Option<f64> {
+/// [`Outcome::rarest_path_probability`], by the paths to each cell.
+fn rarest_path_probability(cells: &[Vec<Contributions>]) -> Option<f64> {
     // All contributions, brightest first by their value without photons.
     let mut found: Vec<(f64, f64, f64)> = Vec::new();
     for paths in cells {

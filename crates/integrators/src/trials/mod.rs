@@ -33,7 +33,7 @@ pub(crate) fn run<const MEDIA: bool>(
     stop: &Stop,
 ) -> Precomputed {
     // Such paths share nothing, and photons do not guide them.
-    if path.depth.max <= 1 || scene.is_for_paths_alone() {
+    if path.depth.max <= 1 || scene.needs_scalar_path_tracer() {
         return Precomputed::default();
     }
     // 1. Photons, and by a trial whether they pay.
@@ -44,7 +44,7 @@ pub(crate) fn run<const MEDIA: bool>(
         let outcome = caustics::trial(scene, path, &precomputed);
         if variance_reduction.caustics == Some(false) || outcome.gain < WORTH {
             precomputed.caustics = None;
-            precomputed.rarest = outcome.rarest;
+            precomputed.rarest_path_probability = outcome.rarest_path_probability;
         }
     }
     // 2. The size of groups, by request, by rule or by a trial.

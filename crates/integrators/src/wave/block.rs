@@ -38,7 +38,7 @@ pub struct Block {
     /// Ray direction.
     pub direction: [Column; 3],
     pub beta: [Column; 4],
-    pub for_roulette: Column,
+    pub roulette_scale: Column,
     /// True if one wavelength is left.
     pub is_single: Column<u32>,
     /// Scattering events before this one, and surfaces passed.
@@ -186,7 +186,7 @@ impl Default for Block {
             uv: [ONE; 2],
             direction: THREE,
             beta: [ONE; 4],
-            for_roulette: ONE,
+            roulette_scale: ONE,
             is_single: NONE,
             events: NONE,
             passes: NONE,
@@ -418,7 +418,7 @@ pub fn depart_from(b: &mut Block, k: usize, depth: &Depth) {
     let is_finite = beta[0].is_finite() & beta[1].is_finite() & beta[2].is_finite() & beta[3].is_finite();
     // Russian roulette by the strongest lane, or by the first where one wavelength is left.
     let most = beta[0].max(beta[1]).max(beta[2].max(beta[3]));
-    let live = if b.is_single[k] != 0 { beta[0] } else { most } * b.for_roulette[k];
+    let live = if b.is_single[k] != 0 { beta[0] } else { most } * b.roulette_scale[k];
     let number = b.roulette_u[k];
     let scale = roulette(live, b.events[k].wrapping_add(1), depth, None, || number);
     let survives = scale.is_some();
@@ -476,7 +476,7 @@ mod tests {
             b.light_distance[k] = if k == 8 { f32::INFINITY } else { unit() };
             b.light_pdf[k] = if k == 9 { 0.0 } else { unit() * 4.0 };
             (b.light_is_delta[k], b.is_smooth[k]) = ((k % 3 == 0).into(), (k as u32) % 2);
-            b.for_roulette[k] = 1.0;
+            b.roulette_scale[k] = 1.0;
             b.is_single[k] = (k % 7 == 0).into();
             let grey = [0.0, 1.0, unit()][k % 3];
             set4(&mut b.reflectance, k, [grey; 4]);

@@ -80,7 +80,7 @@ impl Block {
     pub fn gather_path(&mut self, k: usize, state: &PathState, sample: &PixelSample) {
         set3(&mut self.direction, k, state.ray.direction);
         set4(&mut self.beta, k, state.beta.to_array());
-        (self.for_roulette[k], self.events[k], self.passes[k]) = (state.for_roulette, state.events, state.passes);
+        (self.roulette_scale[k], self.events[k], self.passes[k]) = (state.roulette_scale, state.events, state.passes);
         self.is_single[k] = sample.lambda.is_secondary_terminated().into();
         let (seed, reversed) = sample.own.sobol().unwrap_or_default();
         (self.sampler[0][k], self.sampler[1][k]) = (seed, reversed);

@@ -113,7 +113,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
             b.is_drawn[k] = drawn.is_some().into();
             let Some(s) = drawn else { continue };
             set3(&mut b.wi, k, vertex.world(s.wi));
-            b.for_roulette[k] = state.for_roulette * (s.eta * s.eta);
+            b.roulette_scale[k] = state.roulette_scale * (s.eta * s.eta);
             b.is_single[k] = lambda.is_secondary_terminated().into();
             set4(&mut b.beta, k, (state.beta * s.weight).to_array());
             *draw = s;
@@ -134,7 +134,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
             if *goes_on {
                 let (ray, beta) = (Ray::new(get3(&b.origin, k), get3(&b.wi, k)), Spectrum::new(get4(&b.beta, k)));
                 state.leave::<MEDIA>(scene, vertex, draw, Ray { time, ..ray });
-                (state.beta, state.for_roulette) = (beta, b.for_roulette[k]);
+                (state.beta, state.roulette_scale) = (beta, b.roulette_scale[k]);
             }
         }
         vertices.clear();

@@ -14,15 +14,15 @@ fn viewer() -> (Viewer, Handle) {
 
 /// Goes on as the thread does without tasks, until the picture is done.
 fn finish(viewer: &mut Viewer) {
-    viewer.tell_state(Reach::Scene);
-    viewer.show_change(Reach::Scene);
+    viewer.tell_state(Invalidates::Scene);
+    viewer.show_change(Invalidates::Scene);
     while !viewer.job.as_ref().unwrap().is_done() {
         viewer.advance();
     }
 }
 
-/// Reach of a request.
-fn ask(viewer: &mut Viewer, request: Request) -> Reach {
+/// Invalidates of a request.
+fn ask(viewer: &mut Viewer, request: Request) -> Invalidates {
     let (reply, _) = oneshot::channel();
     let reach = viewer.take(Task::Page(request, reply));
     viewer.tell_state(reach);
@@ -42,7 +42,7 @@ fn a_finished_picture_is_sent_once() {
     assert!(!handle.frames.has_changed().unwrap());
     // A pause changes nothing of it, other layers do.
     for on in [true, false] {
-        assert_eq!(ask(&mut viewer, Request::Pause { on }), Reach::State);
+        assert_eq!(ask(&mut viewer, Request::Pause { on }), Invalidates::State);
         viewer.advance();
         assert!(!handle.frames.has_changed().unwrap());
     }
@@ -70,7 +70,7 @@ fn previews_are_broken_off_for_tasks() {
     viewer.owed = true;
     let task = viewer.tasks.try_recv().unwrap();
     viewer.waiting.remove();
-    assert_eq!(viewer.take(task), Reach::Nothing);
+    assert_eq!(viewer.take(task), Invalidates::Nothing);
     assert!(!viewer.waiting.is_any());
     viewer.show_picture();
     assert!(!viewer.owed && viewer.job.is_some());
