@@ -17,20 +17,21 @@ impl System {
         let mut radiosity = vec![DVec4::ZERO; self.sources.len()];
         // Every lane has a matrix of its own, since albedos differ by wavelength.
         for b in 0..self.bands {
-            let mut done: Vec<(usize, Vec<f64>, Vec<f64>)> = Vec::new();
+            let mut done = Vec::new();
             for lane in 0..4 {
                 let of = |values: &[DVec4]| -> Vec<f64> { (0..n).map(|i| values[i * self.bands + b][lane]).collect() };
-                let (albedo, sources) = ((of(&self.reflectance), of(&self.transmittance)), of(&self.sources));
+                let equation @ (reflectance, transmittance, sources) =
+                    &(of(&self.reflectance), of(&self.transmittance), of(&self.sources));
                 // Grey lanes have one matrix; so do those that the RGB mode leaves empty.
                 if sources.iter().all(|s| *s == 0.0) {
                     continue;
                 }
-                let values = match done.iter().find(|d| d.1 == albedo.0 && d.2 == sources) {
-                    Some(same) => of(&radiosity.iter().map(|r| DVec4::splat(r[same.0])).collect::<Vec<_>>()),
-                    None => eliminate(self.matrix(&albedo.0, &albedo.1), sources.clone(), tell)?,
+                let values = match done.iter().find(|(_, known)| known == equation) {
+                    Some((same, _)) => of(&radiosity.iter().map(|r| DVec4::splat(r[*same])).collect::<Vec<_>>()),
+                    None => eliminate(self.matrix(reflectance, transmittance), sources.clone(), tell)?,
                 };
                 values.iter().enumerate().for_each(|(i, v)| radiosity[i * self.bands + b][lane] = *v);
-                done.push((lane, albedo.0, sources));
+                done.push((lane, equation.clone()));
             }
         }
         // H = F B from the radiosities.
