@@ -105,7 +105,7 @@ pub struct Options {
 pub enum SensorNoise {
     /// None: pictures have the noise of their samples alone.
     Off,
-    /// That of a picture of a sequence, by its number; pictures of different numbers have independent noise.
+    /// Noise of one frame of a sequence, by its number; frames of different numbers have independent noise.
     OfFrame(u32),
 }
 

@@ -137,7 +137,7 @@ pub const CAMERAS: &[Model] = &[
     },
 ];
 
-/// What can be set of every camera.
+/// Parameters of every camera.
 pub static ANY_CAMERA: Group = Group {
     name: "any",
     doc: "every camera: where it is, what is around it, and when it looks",

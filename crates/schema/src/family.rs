@@ -8,7 +8,7 @@ use crate::{
 };
 use serde::{Deserialize, Serialize};
 
-/// What a node describes; with the kind it names a model.
+/// Subject of a node; with the kind it names a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 #[allow(missing_docs)]
@@ -85,7 +85,7 @@ impl Family {
         self.models().iter().find(|m| m.kind == kind)
     }
 
-    /// All that can be set of a kind; nothing for kinds that are not described here.
+    /// Parameters of a kind, with those of its groups and family; `None` for kinds that the tables do not describe.
     pub fn parameters(self, kind: &str) -> Option<impl Iterator<Item = &'static Parameter> + Clone + use<>> {
         let common = self.common().into_iter().flat_map(|group| group.parameters);
         let model = self.model(kind)?;
@@ -97,7 +97,7 @@ impl Family {
         self.models().iter().map(|m| m.kind)
     }
 
-    /// The word for all of it, as `steradian list` has it.
+    /// Plural noun of the family, as `steradian list` takes it.
     pub fn plural(self) -> &'static str {
         match self {
             Self::Shape => "shapes",

@@ -1,4 +1,4 @@
-//! Lights: those of shapes, and those that stand for themselves.
+//! Lights: area lights of shapes, and lights without a shape.
 
 use crate::{
     model::{Group, Model},
@@ -22,7 +22,7 @@ const ILLUMINANCE: Parameter = number(
 )
 .unit("lx");
 const INTENSITY: Parameter = spectrum("intensity", ANY, "1", "radiant intensity");
-/// Of all lights.
+/// Parameters of every light: its timetable.
 const SCHEDULE: Group = Group {
     name: "schedule",
     doc: "when a light shines, on the clock of the camera's `shutter_open` and `shutter_close`",
@@ -37,7 +37,7 @@ const SCHEDULE: Group = Group {
 };
 const FILE_FIRST: &str = "a picture over u and v, instead of radiance";
 
-/// Of lights that shapes have.
+/// Parameters of area lights, which shapes have.
 const OF_SHAPES: &[Parameter] = &[
     tex("radiance", ANY, "1", "radiance"),
     flag("two_sided", "false", "whether both sides emit"),
@@ -47,7 +47,7 @@ const OF_SHAPES: &[Parameter] = &[
     file("file", "none", FILE_FIRST),
 ];
 
-/// Of skies with a sun.
+/// Parameters of skies with a sun: its position, brightness and size.
 const SUN: Group = Group {
     name: "sun",
     doc: "where the sun of a sky is, how bright both are, and where its up is",
@@ -76,7 +76,7 @@ const SUN: Group = Group {
 const GROUND: Parameter =
     spectrum("albedo", (0.0, 1.0), "0.3", "reflectance of the ground, which lights the sky again").refused();
 
-/// Of the sky, in W/(m² sr nm).
+/// Parameters of the Hošek–Wilkie sky, whose radiance is in W/(m² sr nm).
 const OF_SKY: &[Parameter] = &[
     number("turbidity", (1.0, 10.0), "3", "haze: 2 is an arctic sky, 3 a clear one, 10 a humid day").refused(),
     GROUND,
@@ -89,7 +89,7 @@ const OF_SKY: &[Parameter] = &[
     ),
 ];
 
-/// Of the simulated air, in W/(m² sr nm).
+/// Parameters of the sky simulated from the air, whose radiance is in W/(m² sr nm).
 const OF_ATMOSPHERE: &[Parameter] = &[
     number("altitude", (0.0, 50_000.0), "0", "of the viewer above the ground, which is at sea level")
         .unit("m")

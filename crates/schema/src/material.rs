@@ -15,7 +15,7 @@ const INDEX: (f64, f64) = (0.05, 20.0);
 const OPTICAL_CONSTANT: (f64, f64) = (0.0, 1e6);
 /// Optical depth.
 const DEPTH: (f64, f64) = (0.0, 1e4);
-/// A factor or concentration without a natural end.
+/// Factor or concentration without a natural upper bound.
 const FACTOR: (f64, f64) = (0.0, 1e6);
 
 const ALPHA_U: Parameter = scalar("alpha_u", ALPHA, "0", "roughness α along the tangent; 0 is smooth").not_negative();
@@ -633,7 +633,7 @@ pub const MATERIALS: &[Model] = &[
     },
 ];
 
-/// What can be set of every material: what changes its shading normal.
+/// Parameters of every material: maps that change its shading normal.
 pub static DETAIL: Group = Group {
     name: "any",
     doc: "every material: maps that change its shading normal",

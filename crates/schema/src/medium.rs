@@ -195,7 +195,7 @@ pub static CELLS: Group = Group {
     source: "",
 };
 
-/// What grids give off.
+/// Emission parameters of grid media.
 pub static GLOW: Group = Group {
     name: "glow",
     doc: "what the medium gives off: by Le, or as a black body whose spectrum's largest value is Lescale",

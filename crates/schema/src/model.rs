@@ -1,4 +1,4 @@
-//! A model of a family: its kind and what can be set of it.
+//! A model of a family: its kind and its parameters.
 
 use crate::{names::did_you_mean, parameter::Parameter};
 
@@ -7,11 +7,11 @@ use crate::{names::did_you_mean, parameter::Parameter};
 pub struct Group {
     /// Its name in documentation.
     pub name: &'static str,
-    /// What it is for, in a phrase.
+    /// Purpose, in a phrase.
     pub doc: &'static str,
-    /// What can be set.
+    /// Parameters of the group.
     pub parameters: &'static [Parameter],
-    /// Where the equations are from; may be empty.
+    /// Source of the equations; may be empty.
     pub source: &'static str,
 }
 
@@ -20,18 +20,18 @@ pub struct Group {
 pub struct Model {
     /// Its name in descriptions.
     pub kind: &'static str,
-    /// What it is, in a phrase.
+    /// Definition, in a phrase.
     pub doc: &'static str,
-    /// What can be set of it alone.
+    /// Parameters of this model alone.
     pub parameters: &'static [Parameter],
-    /// What can be set of others, too.
+    /// Groups of parameters shared with other models.
     pub groups: &'static [&'static Group],
-    /// Where the equations are from; may be empty.
+    /// Source of the equations; may be empty.
     pub source: &'static str,
 }
 
 impl Model {
-    /// All that can be set.
+    /// All parameters: the model's own, then those of its groups.
     pub fn all(&self) -> impl Iterator<Item = &'static Parameter> + Clone + use<> {
         self.parameters.iter().chain(self.groups.iter().flat_map(|g| g.parameters))
     }
@@ -41,7 +41,8 @@ impl Model {
         self.all().find(|p| p.name == name)
     }
 
-    /// Whether there is no parameter of a name; then with the nearest that there is, if any is near.
+    /// Looks for a parameter that does not exist: `Some` if there is none of this name, with the most similar name that
+    /// exists, if any is similar.
     pub fn unknown(&self, name: &str) -> Option<Option<String>> {
         self.parameter(name).is_none().then(|| did_you_mean(name, self.all().map(|p| p.name)))
     }

@@ -3,7 +3,7 @@
 use crate::OptionValue;
 use std::fmt::Write;
 
-/// What values a parameter takes.
+/// Type of a parameter's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Type {
     /// A number, a spectrum, or a texture.
@@ -79,7 +79,7 @@ impl Type {
         }
     }
 
-    /// Whether its values are numbers that a range can hold.
+    /// True if the values are numbers that a range can bound.
     pub fn is_numeric(self) -> bool {
         matches!(
             self,
@@ -88,21 +88,21 @@ impl Type {
     }
 }
 
-/// What becomes of a number outside its range.
+/// Treatment of a number outside its range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outside {
-    /// It is held at the end, and reported.
+    /// Clamped to the range, and reported.
     Held,
-    /// It is an error.
+    /// Error.
     Refused,
-    /// It is an error below zero, else held at the end.
+    /// Error below zero; clamped to the range elsewhere.
     NegativeRefused,
-    /// It is an error up to zero, else held at the end.
+    /// Error up to and including zero; clamped to the range elsewhere.
     NotPositiveRefused,
 }
 
 impl Outside {
-    /// Whether a value outside the range is an error.
+    /// True if the value `v` outside the range is an error.
     pub fn refuses(self, v: f64) -> bool {
         match self {
             Self::Held => false,
@@ -113,14 +113,14 @@ impl Outside {
     }
 }
 
-/// What has to be so for a parameter to count.
+/// Condition for a parameter to have an effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Condition {
-    /// Nothing.
+    /// None.
     Always,
     /// Another parameter is given.
     Given(&'static str),
-    /// Another parameter is a word.
+    /// Another parameter has the given word as its value.
     Is(&'static str, &'static str),
 }
 
@@ -129,27 +129,28 @@ pub enum Condition {
 pub struct Parameter {
     /// Its name in descriptions.
     pub name: &'static str,
-    /// What values it takes.
+    /// Type of the values.
     pub kind: Type,
     /// Unit; empty for pure numbers.
     pub unit: &'static str,
-    /// Least and greatest number; values outside are reported. Infinite for what has no bounds or is no number.
+    /// Least and greatest number; values outside are reported. Infinite without bounds and for values that are not
+    /// numbers.
     pub range: (f64, f64),
-    /// What becomes of values outside.
+    /// Treatment of values outside the range.
     pub outside: Outside,
-    /// When it counts.
+    /// Condition for the parameter to have an effect.
     pub condition: Condition,
-    /// What counts where it is absent: a value, `none`, `needed`, or the name of another parameter; after a semicolon
-    /// where the default is another one.
+    /// Default as text: a value, `none`, `needed`, or the name of another parameter; after a semicolon the condition
+    /// under which another default holds.
     pub default: &'static str,
-    /// What it is.
+    /// Meaning, in a phrase.
     pub doc: &'static str,
 }
 
-/// Without bounds, or no number.
+/// Range without bounds, also of parameters that are no numbers.
 pub const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
-/// Above zero, without an upper bound.
+/// Range above zero, without an upper bound.
 pub const POSITIVE: (f64, f64) = (f64::MIN_POSITIVE, f64::INFINITY);
 
 impl Parameter {
@@ -164,43 +165,43 @@ impl Parameter {
         Self { name, kind, unit: "", range, outside: Outside::Held, condition: Condition::Always, default, doc }
     }
 
-    /// With a unit.
+    /// Parameter with a unit.
     pub const fn unit(mut self, unit: &'static str) -> Self {
         self.unit = unit;
         self
     }
 
-    /// Whose values outside the range are errors.
+    /// Parameter whose values outside the range are errors.
     pub const fn refused(mut self) -> Self {
         self.outside = Outside::Refused;
         self
     }
 
-    /// Whose values below zero are errors.
+    /// Parameter whose values below zero are errors.
     pub const fn not_negative(mut self) -> Self {
         self.outside = Outside::NegativeRefused;
         self
     }
 
-    /// Whose values up to zero are errors.
+    /// Parameter whose values up to and including zero are errors.
     pub const fn above_zero(mut self) -> Self {
         self.outside = Outside::NotPositiveRefused;
         self
     }
 
-    /// That counts only where another parameter is this word.
+    /// Parameter that has an effect only where the parameter `name` is `word`.
     pub const fn with(mut self, name: &'static str, word: &'static str) -> Self {
         self.condition = Condition::Is(name, word);
         self
     }
 
-    /// That counts only where another parameter is given.
+    /// Parameter that has an effect only where the parameter `name` is given.
     pub const fn where_given(mut self, name: &'static str) -> Self {
         self.condition = Condition::Given(name);
         self
     }
 
-    /// What it is, and when it counts.
+    /// Meaning and condition as text.
     pub fn meaning(&self) -> String {
         match self.condition {
             Condition::Always => self.doc.into(),
@@ -220,7 +221,7 @@ impl Parameter {
         }
     }
 
-    /// Whether a list of so many numbers for it stands for a colour, which has three.
+    /// True if a list of `numbers` numbers for this parameter stands for a colour, which has three.
     pub fn takes_color(&self, numbers: usize) -> bool {
         match self.kind {
             Type::Texture | Type::Spectrum => true,

@@ -255,7 +255,7 @@ pub const SHAPES: &[Model] = &[
     },
 ];
 
-/// What can be set of every shape.
+/// Parameters of every shape.
 pub static ANY_SHAPE: Group = Group {
     name: "any",
     doc: "every shape: where rays pass",

@@ -11,7 +11,7 @@ use crate::{
 const SHARE: (f64, f64) = (0.0, 1.0);
 
 const FREQUENCY: Parameter = number("frequency", ANY, "1", "factor on coordinates in space");
-/// Of patterns that are not in space.
+/// `frequency` of patterns not defined in space, where it has no effect.
 const NO_FREQUENCY: Parameter = number("frequency", ANY, "1", "without effect: it is of patterns in space");
 const DIMENSION: Parameter = integer("dimension", ANY, "3", "2 for the pattern over u and v, else in space");
 const BASIS: Parameter = word("basis", "gradient, value", "gradient", "noise of random slopes, or of random values");
@@ -361,7 +361,7 @@ const PLACES: Parameter = list("places", "evenly spaced from 0 to 1", "numbers t
 const INTERPOLATION: Parameter =
     word("interpolation", "linear, step, smooth, catmull_rom, bezier", "linear", "what lies between two places");
 
-/// How pictures are read and looked up.
+/// Parameters of picture files: decoding and lookup.
 pub static PICTURE: Group = Group {
     name: "picture",
     doc: "how a picture is read and looked up",
@@ -410,7 +410,7 @@ pub static PICTURE: Group = Group {
 
 const WRAPS: &str = "repeat, mirror, clamp, octahedral, border, black, one";
 
-/// From a point of a surface to coordinates.
+/// Mappings from a point of a surface to texture coordinates.
 pub static MAPPING: Group = Group {
     name: "mapping",
     doc: "from a point of a surface to texture coordinates: first the mapping, then scale_u to delta_v, then \
@@ -458,7 +458,7 @@ pub static MAPPING: Group = Group {
     source: "Bier, Sloan, Two-part texture mappings (1986); Khronos Group, KHR_texture_transform",
 };
 
-/// What is done with the number of a pattern.
+/// Parameters that map a pattern's number: factor, offset and filtering.
 pub static PATTERN: Group = Group {
     name: "pattern",
     doc: "what is done with the number of a pattern",
@@ -476,7 +476,7 @@ pub static PATTERN: Group = Group {
     source: "",
 };
 
-/// What a pattern leads between.
+/// Parameters of the two shades between which a pattern interpolates.
 pub static SHADES: Group = Group {
     name: "shades",
     doc: "where either is given, the texture leads from a to b by the number of the pattern; else it is that number",
