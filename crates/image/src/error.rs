@@ -104,13 +104,15 @@ pub enum Error {
     #[error(
         "unknown tone curve `{name}`{} (known: {})",
         suggestion.map(|s| format!("; did you mean `{s}`?")).unwrap_or_default(),
-        crate::tone::CURVES.iter().map(|c| c.name).collect::<Vec<_>>().join(", ")
+        known.join(", ")
     )]
     UnknownTone {
         /// The name asked for.
         name: String,
         /// The nearest known name, if one is near.
         suggestion: Option<&'static str>,
+        /// All names of tone curves.
+        known: Vec<&'static str>,
     },
     /// A tone curve's parameter is unknown or out of range.
     #[error("tone curve `{curve}`: {message}")]

@@ -4,13 +4,10 @@
 use crate::block::BlockFormat;
 use crate::container::{self, Layout, u32_at, u64_at};
 use crate::limits::{MOST_DEFLATED, within};
-use crate::{Error, FileKind, Limits, Result, TexelData, Texels};
+use crate::{Error, FileKind, Limits, Result, TexelData, Texels, kind};
 use std::io::Read;
 
 const KIND: FileKind = FileKind::Ktx2;
-
-/// The first bytes of a file.
-pub(crate) const MAGIC: [u8; 12] = [0xab, b'K', b'T', b'X', b' ', b'2', b'0', 0xbb, b'\r', b'\n', 0x1a, b'\n'];
 
 /// Numbers of Vulkan formats, their layout, and whether they are sRGB-encoded.
 const FORMATS: [(u32, Layout, bool); 36] = [
@@ -61,7 +58,7 @@ const LATE: [(u32, Layout, bool); 3] = [
 
 pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
     let at = |offset| u32_at(KIND, bytes, offset);
-    if !bytes.starts_with(&MAGIC) {
+    if !bytes.starts_with(&kind::KTX2) {
         return Err(Error::malformed(KIND, "the header is not a KTX2 header"));
     }
     let (number, width, height) = (at(12)?, u64::from(at(20)?), u64::from(at(24)?));
@@ -156,7 +153,7 @@ pub(crate) fn encode(width: u32, height: u32, format: BlockFormat, blocks: &[u8]
     // Header and index: 80 bytes, one entry of the level index: 24; then the descriptor, and blocks at a multiple of
     // 16.
     let start = (104 + descriptor.len()).next_multiple_of(16);
-    let mut bytes = MAGIC.to_vec();
+    let mut bytes = kind::KTX2.to_vec();
     for word in [number, 1, width, height, 0, 0, 1, 1, 0, 104, descriptor.len() as u32, 0, 0] {
         bytes.extend(word.to_le_bytes());
     }

@@ -74,9 +74,9 @@ pub static CURVES: &[Curve] = &[
 /// # Errors
 /// [`Error::UnknownTone`] with the nearest known name.
 pub fn by_name(name: &str) -> Result<&'static Curve> {
-    CURVES.iter().find(|curve| curve.name == name).ok_or_else(|| Error::UnknownTone {
-        name: name.to_owned(),
-        suggestion: nearest(name, CURVES.iter().map(|curve| curve.name)),
+    CURVES.iter().find(|curve| curve.name == name).ok_or_else(|| {
+        let known: Vec<&str> = CURVES.iter().map(|curve| curve.name).collect();
+        Error::UnknownTone { name: name.to_owned(), suggestion: nearest(name, known.iter().copied()), known }
     })
 }
 
