@@ -1,11 +1,14 @@
 //! All hits of a ray.
 #![allow(unsafe_code)]
 
-use crate::bvh::Tree;
 use crate::layout::{Block, ChildRef};
+use crate::leaves::UserLeaves;
+use crate::nearest::Nearest;
+use crate::ray_constants::RayConstants;
 use crate::simd::{LANES, Simd};
+use crate::slabs::Slabs;
 use crate::stack::{Stack, Waiting};
-use crate::traverse::{Nearest, RayConstants, Slabs, UserLeaves};
+use crate::tree::Tree;
 use crate::triangle::Shear;
 use crate::{Hit, UserHit};
 use steradian_math::Ray;

@@ -24,6 +24,7 @@
 
 mod arena;
 pub mod bounding;
+mod builder;
 mod bvh;
 pub mod columns;
 mod construct;
@@ -33,26 +34,35 @@ mod geometry;
 mod isa;
 mod lanes;
 mod layout;
+mod leaves;
+mod many;
+mod nearest;
 mod outline;
 mod packet;
+mod packet_hits;
+mod packet_rays;
 mod placement;
+mod ray_constants;
 mod refit;
 mod search;
 mod simd;
+mod single;
 mod sizes;
+mod slabs;
 mod spatial;
 mod stack;
 mod storage;
 mod stream;
+mod supported_isa;
 #[cfg(test)]
 mod tests;
 mod top_level;
-mod traverse;
+mod tree;
 mod triangle;
 mod widened;
 
+pub use builder::Builder;
 pub use bvh::Bvh;
-pub use construct::Builder;
 pub use geometry::{Error, Geometry, Hit, PrimId, Shape, UserHit, UserPrimitives, WORLD};
 pub use isa::Isa;
 pub use lanes::{Kernel, Lanes};

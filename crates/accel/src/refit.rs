@@ -2,17 +2,28 @@
 //! is kept.
 
 use crate::arena::Arena;
-use crate::bvh::Tree;
-use crate::construct::Primitives;
+use crate::construct::{self, Primitives};
 use crate::layout::{Block, ChildRef, Node};
 use crate::simd::LANES;
+use crate::tree::Tree;
+use crate::{Error, Geometry};
 use rayon::prelude::*;
 use steradian_math::Bounds3;
+
+/// Follows geometry that has moved: the shape of the tree is kept (`true`) when the same primitives can be hit as
+/// before, else it is built anew.
+pub(crate) fn update(tree: &mut Tree, geometries: &[Geometry]) -> Result<bool, Error> {
+    let kept = refit(tree, &Primitives::new(geometries)?);
+    if !kept {
+        *tree = construct::build(geometries, tree.builder)?;
+    }
+    Ok(kept)
+}
 
 /// Sets the blocks and boxes of a tree by the present places of its primitives. `false`, and nothing changed, when
 /// there are other primitives than those that the tree was built from, or one of them cannot be hit any more or could
 /// not before.
-pub(crate) fn refit(tree: &mut Tree, primitives: &Primitives) -> bool {
+fn refit(tree: &mut Tree, primitives: &Primitives) -> bool {
     if tree.first != primitives.first || primitives.count() != tree.primitives {
         return false;
     }

@@ -3,24 +3,24 @@
 #![allow(unsafe_code)]
 
 use crate::UserHit;
-use crate::bvh::Tree;
-use crate::dispatch::{SupportedIsa, any_hit, nearest_hit};
 use crate::layout::{Block, ChildRef};
+use crate::leaves::UserLeaves;
+use crate::nearest::{Nearest, Start};
+use crate::ray_constants::RayConstants;
 use crate::simd::{LANES, Simd};
+use crate::slabs::Slabs;
 use crate::stack::{OrderedStack, Stack, Waiting};
-use crate::traverse::{Nearest, RayConstants, Slabs, Start, UserLeaves};
+use crate::tree::Tree;
 use crate::triangle::Shear;
 use std::mem::MaybeUninit;
 use steradian_math::Ray;
 
 /// A query on its way.
 pub(crate) trait Query<S: Simd, U: UserLeaves>: Sized {
-    /// Result of the query.
+    /// Result of the query; the default for a ray that is not traceable.
     type Answer: Copy + Default;
     /// Stack of references to be visited.
     type Stack: Waiting;
-    /// The answer for a ray that goes alone; the default for one that is not traceable.
-    fn ask(isa: SupportedIsa, tree: &Tree, ray: &Ray, users: &U) -> Self::Answer;
     /// At the root of a tree.
     fn at_root(s: S, tree: &Tree, ray: &Ray, constants: &RayConstants) -> Self;
     /// Reference visited next.
@@ -50,11 +50,6 @@ impl<S: Simd, E: Copy> Closest<S, E> {
 impl<S: Simd, U: UserLeaves> Query<S, U> for Closest<S, U::Extra> {
     type Answer = Option<Nearest<U::Extra>>;
     type Stack = OrderedStack;
-
-    #[inline(always)]
-    fn ask(isa: SupportedIsa, tree: &Tree, ray: &Ray, users: &U) -> Self::Answer {
-        nearest_hit(isa, tree, ray, users)
-    }
 
     #[inline(always)]
     fn at_root(s: S, tree: &Tree, ray: &Ray, constants: &RayConstants) -> Self {
@@ -134,11 +129,6 @@ impl<S: Simd> Any<S> {
 impl<S: Simd, U: UserLeaves> Query<S, U> for Any<S> {
     type Answer = bool;
     type Stack = Stack;
-
-    #[inline(always)]
-    fn ask(isa: SupportedIsa, tree: &Tree, ray: &Ray, users: &U) -> bool {
-        any_hit(isa, tree, ray, users)
-    }
 
     #[inline(always)]
     fn at_root(s: S, tree: &Tree, ray: &Ray, constants: &RayConstants) -> Self {

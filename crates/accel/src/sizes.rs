@@ -1,8 +1,8 @@
 //! Bounds on the memory of a hierarchy, known from the number of its primitives alone.
 
-use crate::bvh::Tree;
 use crate::layout::{Block, Node};
 use crate::simd::Row;
+use crate::tree::Tree;
 use crate::{Builder, Bvh};
 
 impl Bvh {

@@ -1,14 +1,18 @@
 //! Two levels: world-space geometry and instances of other hierarchies, in one tree.
 
-use crate::bvh::{Leaves as ObjectLeaves, Tree};
-use crate::dispatch::{
-    SupportedIsa, all_hits, any_hit, any_hits, any_packet_in, nearest_hit, nearest_hits, nearest_packet_in,
-};
+use crate::bvh::Leaves as ObjectLeaves;
 use crate::geometry::WORLD;
+use crate::leaves::UserLeaves;
+use crate::many::{any_hits, any_packet_in, nearest_hits, nearest_packet_in};
+use crate::nearest::Nearest;
 use crate::outline::Outline;
-use crate::packet::{Found, Packet};
+use crate::packet_hits::Found;
+use crate::packet_rays::Packet;
 use crate::placement::{Instance, Placement};
-use crate::traverse::{Nearest, UserLeaves};
+use crate::refit::update;
+use crate::single::{all_hits, any_hit, nearest_hit};
+use crate::supported_isa::SupportedIsa;
+use crate::tree::Tree;
 use crate::{Builder, Bvh, Error, Geometry, Hit, Isa, Shape, UserHit, UserPrimitives, construct, stream};
 use glam::Mat4;
 use rayon::prelude::*;
@@ -72,7 +76,7 @@ impl TopLevel {
     pub fn update(&mut self, world: &[Geometry], instances: &[Instance]) -> Result<bool, Error> {
         let boxes = boxes(&self.objects, instances)?;
         // Refit or rebuild, then replace what refers to the old instances.
-        let kept = self.tree.update(&[world, &[Geometry::boxes(&boxes)]].concat())?;
+        let kept = update(&mut self.tree, &[world, &[Geometry::boxes(&boxes)]].concat())?;
         self.first_instance = self.tree.first[world.len()];
         self.placements = instances.iter().map(Placement::of).collect();
         self.moves = instances.iter().any(|i| i.motion.is_some());

@@ -15,8 +15,8 @@
 #![allow(unsafe_code)]
 
 use crate::layout::Block;
+use crate::ray_constants::{RayConstants, at};
 use crate::simd::{LANES, Lanes, Simd, WIDE, Wide};
-use crate::traverse::{RayConstants, at};
 use steradian_math::{Ray, Vec3, ray::gamma};
 
 /// Ray constants of the triangle test.
@@ -43,23 +43,6 @@ pub(crate) struct Candidates {
     /// and of the third.
     pub v: [f32; LANES],
 }
-
-/// The axes in the order x, y, z of the sheared space of a direction.
-#[inline(always)]
-pub(crate) fn axes(direction: Vec3) -> [usize; 3] {
-    let a = direction.abs();
-    let z = if a.x >= a.y && a.x >= a.z {
-        0
-    } else if a.y >= a.z {
-        1
-    } else {
-        2
-    };
-    AXES[z]
-}
-
-/// By the last of them.
-pub(crate) static AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 
 impl<S: Simd> Shear<S> {
     /// For a valid ray.

@@ -3,15 +3,14 @@
 //! The upper part of the tree is laid out first; the subtrees below it follow, each as a part of its own, so that
 //! several threads lay out, and then write, a part each.
 
-use super::Builder;
 use super::binary::{BinaryNode, PARALLEL};
 use super::nodes::BinaryTree;
 use super::primitives::{Indices, Primitives, Tag};
-use crate::Error;
 use crate::arena::Arena;
-use crate::bvh::Tree;
 use crate::layout::{Block, ChildRef, Node};
 use crate::simd::LANES;
+use crate::tree::Tree;
+use crate::{Builder, Error};
 use rayon::prelude::*;
 use steradian_math::Bounds3;
 

@@ -26,8 +26,8 @@ mod split;
 
 pub(crate) use primitives::Primitives;
 
-use crate::bvh::Tree;
-use crate::{Error, Geometry};
+use crate::tree::Tree;
+use crate::{Builder, Error, Geometry};
 use binary::BinaryNode;
 use explicit::Explicit;
 use nodes::{BinaryTree, Nodes};
@@ -38,26 +38,6 @@ use steradian_math::Bounds3;
 /// Greatest depth of a tree, in nodes on a way from the root to a leaf: below [`binary::SAH_DEPTH`] ranges are halved,
 /// and they have less than 2^30 references.
 pub(crate) const MAX_DEPTH: usize = binary::SAH_DEPTH as usize + 31;
-
-/// Builder of the binary tree. All give the same hits.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Builder {
-    /// From the root down by the surface area heuristic over bins.
-    #[default]
-    Sah,
-    /// The same, then optimised by moving subtrees: slower to build, faster to trace.
-    Reinsertion,
-    /// From the root down, with planes that cut triangles in two, then optimised: the slowest to build. It pays where
-    /// triangles are long or of very different sizes.
-    Spatial,
-    /// From the leaves up along a Z-order curve (PLOC): the fastest to build where there are many processors.
-    Ploc,
-}
-
-impl Builder {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Sah, Self::Reinsertion, Self::Spatial, Self::Ploc];
-}
 
 /// Most rounds of the optimisation.
 const ROUNDS: usize = 8;

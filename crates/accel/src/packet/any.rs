@@ -6,12 +6,15 @@ use super::bundle::{AnyHit, Bundle, RemainingRays};
 use super::interval::{Interval, range};
 use super::seen::{Boxes, Seen};
 use super::stack::{PacketStack, Waiting};
-use super::{Packet, Set, accepted, beam};
-use crate::bvh::Tree;
-use crate::dispatch::{SupportedIsa, any_hit_from};
+use super::{Set, accepted, beam};
 use crate::layout::{Block, ChildRef};
+use crate::leaves::UserLeaves;
+use crate::packet_rays::Packet;
+use crate::ray_constants::RayConstants;
 use crate::simd::{LANES, Lanes, Simd, key_lane};
-use crate::traverse::{RayConstants, UserLeaves};
+use crate::single::any_hit_from;
+use crate::supported_isa::SupportedIsa;
+use crate::tree::Tree;
 use crate::triangle::Crossing;
 
 /// Slopes of a beam differ by less than this. Measured.

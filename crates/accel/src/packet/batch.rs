@@ -4,14 +4,18 @@ use super::any::any_beams;
 use super::bundle::RemainingRays;
 use super::flight::alone;
 use super::nearest::nearest_beams;
-use super::{Found, Packet, Set, beam, first_lanes};
+use super::{Set, beam, first_lanes};
 use crate::arena::prefetch;
-use crate::bvh::Tree;
-use crate::dispatch::SupportedIsa;
+use crate::leaves::UserLeaves;
+use crate::nearest::{Extra, Nearest};
+use crate::packet_hits::Found;
+use crate::packet_rays::Packet;
+use crate::ray_constants::axes;
 use crate::search::{Any, Closest};
 use crate::simd::{Lanes, Simd, WIDE};
-use crate::traverse::{Extra, Nearest, UserLeaves};
-use crate::triangle::axes;
+use crate::single::{any_hit, nearest_hit};
+use crate::supported_isa::SupportedIsa;
+use crate::tree::Tree;
 use crate::{Hit, UserHit};
 use std::cell::Cell;
 use steradian_math::Ray;
@@ -173,7 +177,8 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Batch<S, L> for ClosestHits<'_, U> {
 
     #[inline(always)]
     fn alone(&self, s: S, places: &[u32]) {
-        alone::<S, U, Closest<S, U::Extra>>(self.isa, s, self.tree, self.rays, self.users, places, |place, nearest| {
+        let ask = |ray: &Ray| nearest_hit(self.isa, self.tree, ray, self.users);
+        alone::<S, U, Closest<S, U::Extra>>(ask, s, self.tree, self.rays, self.users, places, |place, nearest| {
             self.hits[place].set(nearest.map(|nearest| self.users.hit(nearest)));
         });
     }
@@ -211,7 +216,8 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Batch<S, L> for AnyHits<'_, U> {
 
     #[inline(always)]
     fn alone(&self, s: S, places: &[u32]) {
-        alone::<S, U, Any<S>>(self.isa, s, self.tree, self.rays, self.users, places, |place, hit| {
+        let ask = |ray: &Ray| any_hit(self.isa, self.tree, ray, self.users);
+        alone::<S, U, Any<S>>(ask, s, self.tree, self.rays, self.users, places, |place, hit| {
             self.occluded[place].set(hit)
         });
     }

@@ -1,10 +1,11 @@
 //! Rays of a packet that go the same way: what their tests need, by rows.
 
 use crate::layout::Node;
-use crate::packet::Packet;
+use crate::packet_rays::Packet;
+use crate::ray_constants::AXES;
+use crate::ray_constants::{GREATEST, RayConstants};
 use crate::simd::{Lanes, Wide};
-use crate::traverse::{GREATEST, RayConstants};
-use crate::triangle::{AXES, abs};
+use crate::triangle::abs;
 use crate::widened::WIDEN;
 use steradian_math::Vec3;
 

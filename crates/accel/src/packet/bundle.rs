@@ -4,17 +4,22 @@
 //! to those far away. Where few of the rays are left in a part of the tree, they go on alone.
 #![allow(unsafe_code)]
 
+use super::Set;
 use super::any::at_user_alone;
 use super::beam::{Rows, SingleRays};
 use super::nearest::at_user;
 use super::stack::BundleStack;
-use super::{Found, Packet, Set};
-use crate::bvh::Tree;
-use crate::dispatch::{SupportedIsa, any_hit_from, nearest_hit_from};
 use crate::layout::{Block, ChildRef, Node};
+use crate::leaves::UserLeaves;
+use crate::nearest::Start;
+use crate::packet_hits::Found;
+use crate::packet_rays::Packet;
+use crate::ray_constants::RayConstants;
 use crate::search::{any_in_block, nearest_in_block};
 use crate::simd::{LANES, Lanes, Simd, key_lane};
-use crate::traverse::{RayConstants, Start, UserLeaves};
+use crate::single::{any_hit_from, nearest_hit_from};
+use crate::supported_isa::SupportedIsa;
+use crate::tree::Tree;
 use crate::triangle::Shear;
 use steradian_math::Ray;
 

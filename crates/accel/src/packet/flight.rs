@@ -1,12 +1,12 @@
 //! Single rays, several on their way at once: while one waits for memory the others go on.
 #![allow(unsafe_code)]
 
-use crate::bvh::Tree;
-use crate::dispatch::SupportedIsa;
+use crate::leaves::UserLeaves;
+use crate::ray_constants::{RayConstants, is_traceable};
 use crate::search::Query;
 use crate::simd::Simd;
 use crate::stack::Waiting;
-use crate::traverse::{RayConstants, UserLeaves, is_traceable};
+use crate::tree::Tree;
 use std::array::from_fn;
 use std::mem::MaybeUninit;
 use std::time::{Duration, Instant};
@@ -24,10 +24,10 @@ const ENOUGH: usize = 5 * TRIAL;
 const WORTH: f32 = 0.85;
 
 /// Traces the rays with given places alone, and hands over their answers. In a large tree they may wait for
-/// memory or not: the clock tells. All ways give the same bits.
+/// memory or not: the clock tells. `ask` answers for one ray. All ways give the same bits.
 #[inline(always)]
 pub(super) fn alone<S: Simd, U: UserLeaves, Q: Query<S, U>>(
-    isa: SupportedIsa,
+    ask: impl Fn(&Ray) -> Q::Answer,
     s: S,
     tree: &Tree,
     rays: &[Ray],
@@ -46,7 +46,7 @@ pub(super) fn alone<S: Simd, U: UserLeaves, Q: Query<S, U>>(
         if flies {
             trace_packet::<S, U, Q>(s, tree, rays, users, some, &mut answer);
         } else {
-            in_turn::<S, U, Q>(isa, tree, rays, users, some, &mut answer);
+            in_turn(&ask, rays, some, &mut answer);
         }
         if let Some(start) = start {
             times[part] = start.elapsed();
@@ -57,16 +57,9 @@ pub(super) fn alone<S: Simd, U: UserLeaves, Q: Query<S, U>>(
 /// The same, one ray after the other, as those do who have one ray only. A function of its own: what packets keep in
 /// registers would be fetched anew for each ray.
 #[inline(never)]
-fn in_turn<S: Simd, U: UserLeaves, Q: Query<S, U>>(
-    isa: SupportedIsa,
-    tree: &Tree,
-    rays: &[Ray],
-    users: &U,
-    places: &[u32],
-    answer: &mut impl FnMut(usize, Q::Answer),
-) {
+fn in_turn<A>(ask: &impl Fn(&Ray) -> A, rays: &[Ray], places: &[u32], answer: &mut impl FnMut(usize, A)) {
     for place in places.iter().map(|&place| place as usize) {
-        answer(place, Q::ask(isa, tree, &rays[place], users));
+        answer(place, ask(&rays[place]));
     }
 }
 

@@ -9,7 +9,7 @@ use crate::widened::WIDEN;
 /// Bounds of the distances at which the rays of a beam meet planes. All directions have the same signs. Where the depth
 /// of a near plane is positive, the least distance is that of the ray that begins nearest to it and goes fastest; where
 /// it is negative, distances are, too, and another bound would do as well, since rays begin at 0. So with far planes. A
-/// bound is thus a distance of one ray, with its rounding (see [`crate::traverse::RayConstants`]).
+/// bound is thus a distance of one ray, with its rounding (see [`crate::ray_constants::RayConstants`]).
 pub(super) struct Interval<S: Simd> {
     /// For near and for far planes.
     inverse: [[S::F; 3]; 2],

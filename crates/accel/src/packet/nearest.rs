@@ -6,12 +6,17 @@ use super::bundle::{Bundle, RemainingRays};
 use super::interval::Interval;
 use super::seen::{Boxes, Seen};
 use super::stack::{PacketStack, Waiting};
-use super::{Found, Packet, Set, accepted, beam};
-use crate::bvh::Tree;
-use crate::dispatch::{SupportedIsa, nearest_hit_from};
+use super::{Set, accepted, beam};
 use crate::layout::{Block, ChildRef};
+use crate::leaves::UserLeaves;
+use crate::nearest::{Extra, Nearest, Start};
+use crate::packet_hits::Found;
+use crate::packet_rays::Packet;
+use crate::ray_constants::RayConstants;
 use crate::simd::{LANES, Lanes, Simd, key_lane};
-use crate::traverse::{Extra, Nearest, RayConstants, Start, UserLeaves};
+use crate::single::nearest_hit_from;
+use crate::supported_isa::SupportedIsa;
+use crate::tree::Tree;
 use crate::triangle::Crossing;
 
 /// Slopes of a beam differ by less than this. Measured.

@@ -6,11 +6,11 @@ use super::scene::Total;
 use super::search::{Steps, Tally};
 use super::shear::Shear;
 use crate::arena::Arena;
-use crate::bvh::Tree;
 use crate::geometry::WORLD;
 use crate::layout::{Block, ChildRef, Node};
+use crate::ray_constants::RayConstants;
 use crate::simd::LANES;
-use crate::traverse::RayConstants;
+use crate::tree::Tree;
 use crate::{Hit, PrimId, TopLevel, UserHit, UserPrimitives};
 use steradian_math::{Ray, Vec3};
 
@@ -46,7 +46,7 @@ fn ask<U: UserPrimitives>(user: &U, query: Query, id: PrimId, ray: &Ray) -> Opti
     }
 }
 
-/// Entry distance of a ray into the box of a slot, if before `t`, as [`crate::traverse::Slabs`] finds it.
+/// Entry distance of a ray into the box of a slot, if before `t`, as [`crate::slabs::Slabs`] finds it.
 fn entered(constants: &RayConstants, node: &Node, lane: usize, t: f32) -> Option<f32> {
     // The slab test of one box.
     let (mut enter, mut leave) = (0.0_f32, t);

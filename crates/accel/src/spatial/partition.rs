@@ -9,7 +9,8 @@ use super::line::{Line, is_askable};
 use super::octree::Octree;
 use super::search::{AnySearch, NearestSearch, Tally, Visitor};
 use super::wide::{Kind, Wide};
-use crate::traverse::{Nearest, UserLeaves};
+use crate::leaves::UserLeaves;
+use crate::nearest::Nearest;
 use crate::{Error, Geometry};
 use steradian_math::{Bounds3, Ray};
 

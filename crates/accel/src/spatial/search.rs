@@ -2,7 +2,8 @@
 
 use super::items::Items;
 use super::shear::Shear;
-use crate::traverse::{Nearest, UserLeaves};
+use crate::leaves::UserLeaves;
+use crate::nearest::Nearest;
 use steradian_math::Ray;
 
 /// Who is told of each cell and each test; `()` counts nothing and costs nothing.

@@ -4,10 +4,10 @@
 
 use super::items::Items;
 use super::search::Visitor;
-use crate::construct::{self, Builder, Part};
-use crate::traverse::RayConstants;
+use crate::construct::{self, Part};
+use crate::ray_constants::RayConstants;
 use crate::widened::widened;
-use crate::{Error, Geometry};
+use crate::{Builder, Error, Geometry};
 use steradian_math::{Bounds3, Ray, Vec3};
 
 /// Child of a node: nothing, a node, or up to eight slots. The number of slots is above, an index below.
