@@ -1,11 +1,12 @@
 //! Contexts of the shader stages: readable values and callable functions.
 
+use crate::decision::{Decision, EndSearch, Verdict};
 use crate::error::Fault;
+use crate::event::{Event, Journal};
 use crate::flags::RayFlags;
-use crate::inspect::{Event, Journal};
+use crate::interface::Interface;
 use crate::queue::Candidate;
 use crate::ray::{HitKind, Primitive, RayDesc, RayValues};
-use crate::stages::{Decision, EndSearch, Interface, Verdict};
 use crate::top_level::TopLevel;
 use std::cell::Cell;
 use std::ops::ControlFlow;

@@ -1,9 +1,11 @@
 //! Hit groups: what runs on the primitives of a geometry (DXR, "Hit groups").
 
 use crate::context::{AnyHitContext, ClosestHitContext, IntersectionContext};
+use crate::decision::{Decision, EndSearch, Verdict};
 use crate::error::Fault;
+use crate::interface::Interface;
 use crate::ray::Barycentrics;
-use crate::stages::{AnyHit, ClosestHit, Decision, EndSearch, Interface, Intersection, Verdict};
+use crate::stages::{AnyHit, ClosestHit, Intersection};
 use std::ops::ControlFlow;
 
 /// Attributes of a hit.

@@ -3,8 +3,9 @@
 
 use crate::error::UnknownHandle;
 use crate::group::HitGroup;
+use crate::interface::Interface;
 use crate::pipeline::{Export, Library, Pipeline};
-use crate::stages::{Callable, Interface, Miss, RayGeneration};
+use crate::stages::{Callable, Miss, RayGeneration};
 use crate::table::{Handle, kind};
 use std::collections::HashMap;
 use steradian_math::hash::combine64;

@@ -3,10 +3,11 @@
 
 use crate::context::{Frame, LaunchValues, RayGenerationContext, Thread};
 use crate::error::{Fault, LaunchError};
+use crate::event::{Event, Stage};
 use crate::group::HitGroup;
-use crate::inspect::{Event, Stage};
+use crate::interface::Interface;
 use crate::pipeline::{Export, Pipeline};
-use crate::stages::{Callable, Interface, Miss, RayGeneration};
+use crate::stages::{Callable, Miss, RayGeneration};
 use crate::table::{Record, ShaderTables};
 use crate::trace::Running;
 use rayon::prelude::*;

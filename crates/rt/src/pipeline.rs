@@ -3,7 +3,8 @@
 
 use crate::error::PipelineError;
 use crate::group::HitGroup;
-use crate::stages::{Callable, Interface, Miss, RayGeneration};
+use crate::interface::Interface;
+use crate::stages::{Callable, Miss, RayGeneration};
 use crate::table::{Handle, kind};
 use std::collections::HashSet;
 use std::marker::PhantomData;

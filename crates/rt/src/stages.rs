@@ -3,22 +3,10 @@
 use crate::context::{
     AnyHitContext, CallableContext, ClosestHitContext, IntersectionContext, MissContext, RayGenerationContext,
 };
+use crate::decision::{Decision, EndSearch, Verdict};
 use crate::error::Fault;
+use crate::interface::Interface;
 use std::ops::ControlFlow;
-
-/// The types that the shaders of a pipeline exchange. A marker type of the caller's implements it.
-pub trait Interface: 'static {
-    /// Ray payload: written by hit and miss shaders, read by the shader that traced the ray.
-    type Payload;
-    /// Attributes of a hit that an intersection shader reports beyond its distance and kind.
-    type Attributes: Copy;
-    /// Parameter of callable shaders, passed in and back.
-    type Parameter;
-    /// Local data of records of shader tables.
-    type Local: Sync;
-    /// Output of a ray-generation shader for each launch id. The default stands where its record is null.
-    type Output: Default + Send;
-}
 
 /// Runs once for each launch id: traces the first rays and makes the output (DXR, "Ray generation shaders").
 pub trait RayGeneration<I: Interface>: Sync {
@@ -83,22 +71,6 @@ pub trait Callable<I: Interface>: Sync {
     /// What calls in it have given; it ends the launch.
     fn run(&self, context: &mut CallableContext<I>, parameter: &mut I::Parameter) -> Result<(), Fault>;
 }
-
-/// Decision of an any-hit shader. Its context makes them, so no other stage can.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[must_use]
-pub struct Decision(pub(crate) Verdict);
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Verdict {
-    Accept,
-    Ignore,
-    AcceptAndEndSearch,
-}
-
-/// The search is over: an intersection shader ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct EndSearch(pub(crate) ());
 
 /// No intersection shader.
 impl<I: Interface> Intersection<I> for () {

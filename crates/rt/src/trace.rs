@@ -5,14 +5,16 @@ use crate::context::{
     AnyHitContext, CallableContext, ClosestHitContext, Frame, IntersectionContext, Machine, MissContext, Report,
     TraceRay,
 };
+use crate::decision::{EndSearch, Verdict};
 use crate::error::Fault;
+use crate::event::{Event, Stage};
 use crate::group::{HitAttributes, HitGroup};
-use crate::inspect::{Event, Stage};
+use crate::interface::Interface;
 use crate::pipeline::{Export, HitGroupStack, MAX_CALL_DEPTH, Pipeline};
 use crate::queue::Candidate;
 use crate::ray::{Barycentrics, HitKind, Primitive, PrimitiveId, RayDesc, RayValues};
 use crate::search::{Committed, Search};
-use crate::stages::{Callable, EndSearch, Interface, Miss, RayGeneration, Verdict};
+use crate::stages::{Callable, Miss, RayGeneration};
 use crate::table::{HitIndex, ShaderTables};
 use crate::top_level::TopLevel;
 use std::ops::ControlFlow;
