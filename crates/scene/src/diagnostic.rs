@@ -1,5 +1,7 @@
 //! Messages of a reader about a file, located and with excerpts.
 
+pub use crate::source::Location;
+
 use crate::source::{Sources, Span};
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -26,23 +28,6 @@ pub enum Fidelity {
     Dropped,
     /// Nothing read it (a misspelt or pointless parameter).
     Unused,
-}
-
-/// A place in a file, with the line it is on.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Location {
-    /// The file.
-    pub path: String,
-    /// From 1.
-    pub line: u32,
-    /// From 1, in characters.
-    pub column: u32,
-    /// The line, or the readable part of a long one.
-    pub excerpt: String,
-    /// Start of the caret in the excerpt, in characters.
-    pub caret_start: u32,
-    /// Number of characters it marks, at least one.
-    pub caret_len: u32,
 }
 
 /// One message.

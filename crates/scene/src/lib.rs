@@ -11,10 +11,10 @@ mod desc;
 mod lines;
 
 pub use desc::{Animation, Format, Group, Instance, Movement, SceneDesc, Shape};
-pub use diagnostic::{Diagnostic, Diagnostics, Fidelity, Location, Severity};
+pub use diagnostic::{Diagnostic, Diagnostics, Fidelity, Severity};
 pub use mesh::{Attribute, Domain, Mesh, MeshFault};
 pub use node::{ColorSpace, Node, NodeId, Param, SpectrumValue, Value};
 pub use shared::Shared;
-pub use source::{FileId, Sources, Span};
+pub use source::{FileId, Location, Sources, Span};
 pub use steradian_math::Transform;
 pub use steradian_schema::{Family, names};

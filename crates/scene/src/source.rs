@@ -36,6 +36,23 @@ impl Span {
     }
 }
 
+/// A place in a file, with the line it is on.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Location {
+    /// The file.
+    pub path: String,
+    /// From 1.
+    pub line: u32,
+    /// From 1, in characters.
+    pub column: u32,
+    /// The line, or the readable part of a long one.
+    pub excerpt: String,
+    /// Start of the caret in the excerpt, in characters.
+    pub caret_start: u32,
+    /// Number of characters it marks, at least one.
+    pub caret_len: u32,
+}
+
 /// One file that was read, with its text for excerpts.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Source {
@@ -86,7 +103,7 @@ impl Sources {
 
     /// Line, column (both from 1; columns count characters) and the text of the line, cut to a readable width around
     /// the span.
-    pub fn locate(&self, span: Span) -> Option<crate::Location> {
+    pub fn locate(&self, span: Span) -> Option<Location> {
         const CONTEXT: usize = 60;
         let source = self.get(span.file)?;
         let text = &source.text;
@@ -101,7 +118,7 @@ impl Sources {
         let clean = |b: &[u8]| String::from_utf8_lossy(b).replace(['\t', '\r'], " ");
         let before = clean(&text[from..start]);
         let marked = clean(&text[start..end.min(to)]);
-        Some(crate::Location {
+        Some(Location {
             path: source.path.display().to_string(),
             line: line as u32 + 1,
             column: lines.characters(text, line_start, start) + 1,
