@@ -1,7 +1,8 @@
 //! Whole pictures against Mitsuba: efficiency, 1/(relMSE × CPU seconds), of both on the same scenes.
 
 use crate::{
-    Bench, generate,
+    arguments::Bench,
+    generate,
     report::{Report, Table},
     structures::{compile, load},
 };

@@ -11,7 +11,7 @@ mod trace;
 pub use building::builders;
 
 use crate::{
-    Bench,
+    arguments::Bench,
     clock::{median, thread},
     report::{Report, Table},
 };
