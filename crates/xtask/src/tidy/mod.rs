@@ -1,6 +1,10 @@
 //! `cargo xtask tidy`: how tidy the code is, in numbers that may only fall. Ceilings are in `tidy.json`; more than a
 //! ceiling is an error, less is a reason to lower it (`--update`).
 
+mod circles;
+mod syntax;
+
+use circles::circles;
 use proc_macro2::{TokenStream, TokenTree};
 use serde::{Deserialize, Serialize};
 use std::{
@@ -10,6 +14,7 @@ use std::{
     path::{Path, PathBuf},
 };
 use syn::{spanned::Spanned, visit::Visit};
+use syntax::{is_test_item, used_paths};
 
 /// Arguments that are too many, lines of a function, columns of a line, and lines of a crate that are still allowed.
 const ARGUMENTS: usize = 8;
@@ -107,7 +112,7 @@ fn counted() -> Result<Found, Box<dyn Error>> {
         let mut functions = Functions { source, found: &mut found };
         functions.visit_file(&source.parsed);
     }
-    found.insert("modules in circles", circles(&sources));
+    found.insert("modules in circles", in_circles(&sources));
     found.insert("crates over 20000 lines", large(&sources));
     found.insert("unused dependencies", unused_dependencies(&sources)?);
     let baseline = baseline()?;
@@ -231,96 +236,14 @@ impl<'ast> Visit<'ast> for Functions<'_> {
     }
 }
 
-/// Modules right under a crate's root that depend on each other, directly or by others of the crate.
-fn circles(sources: &[Source]) -> Vec<String> {
-    let mut uses: BTreeMap<(&str, String), BTreeSet<String>> = BTreeMap::new();
-    for source in sources.iter().filter(|s| s.is_shipped && !s.modules.is_empty()) {
-        let mut paths = Paths { source, used: BTreeSet::new() };
-        paths.visit_file(&source.parsed);
-        uses.entry((&source.krate, source.modules[0].clone())).or_default().extend(paths.used);
+/// Modules of the crates that depend on each other.
+fn in_circles(sources: &[Source]) -> Vec<String> {
+    let mut crates: BTreeMap<&str, Vec<(&[String], &syn::File)>> = BTreeMap::new();
+    for source in sources.iter().filter(|s| s.is_shipped) {
+        crates.entry(&source.krate).or_default().push((&source.modules, &source.parsed));
     }
-    let reaches = |krate: &str, from: &str, to: &str| {
-        let (mut seen, mut work) = (BTreeSet::new(), vec![from.to_owned()]);
-        while let Some(module) = work.pop() {
-            for next in uses.get(&(krate, module)).into_iter().flatten() {
-                if next == to {
-                    return true;
-                }
-                if seen.insert(next.clone()) {
-                    work.push(next.clone());
-                }
-            }
-        }
-        false
-    };
-    let in_circle = uses.keys().filter(|(krate, module)| reaches(krate, module, module));
-    in_circle.map(|(krate, module)| format!("{krate}: {module}")).collect()
-}
-
-/// Modules of the crate's root that a file names.
-struct Paths<'a> {
-    source: &'a Source,
-    used: BTreeSet<String>,
-}
-
-impl Paths<'_> {
-    /// The module that a path leads to, by its first names.
-    fn add(&mut self, names: &[String]) {
-        let own = &self.source.modules;
-        let ups = names.iter().take_while(|n| *n == "super").count();
-        let target = match names.first().map(String::as_str) {
-            Some("crate") => names.get(1),
-            // From the root's own modules `super` is the root.
-            Some("super") if ups == own.len() => names.get(ups),
-            _ => None,
-        };
-        let is_module = |name: &&String| name.chars().next().is_some_and(char::is_lowercase) && **name != own[0];
-        self.used.extend(target.filter(is_module).cloned());
-    }
-}
-
-/// The paths that a `use` names, each from its first name on; of a glob that of the module.
-fn used_paths(before: &mut Vec<String>, tree: &syn::UseTree, path: &mut impl FnMut(&[String])) {
-    match tree {
-        syn::UseTree::Path(p) => {
-            before.push(p.ident.to_string());
-            used_paths(before, &p.tree, path);
-            before.pop();
-        }
-        syn::UseTree::Group(g) => g.items.iter().for_each(|tree| used_paths(before, tree, path)),
-        syn::UseTree::Name(syn::UseName { ident }) | syn::UseTree::Rename(syn::UseRename { ident, .. }) => {
-            before.push(ident.to_string());
-            path(before);
-            before.pop();
-        }
-        syn::UseTree::Glob(_) => path(before),
-    }
-}
-
-impl<'ast> Visit<'ast> for Paths<'_> {
-    fn visit_item_use(&mut self, item: &'ast syn::ItemUse) {
-        used_paths(&mut Vec::new(), &item.tree, &mut |names| self.add(names));
-    }
-
-    fn visit_path(&mut self, path: &'ast syn::Path) {
-        let names: Vec<String> = path.segments.iter().map(|s| s.ident.to_string()).collect();
-        if names.len() > 1 {
-            self.add(&names);
-        }
-        syn::visit::visit_path(self, path);
-    }
-
-    fn visit_item_mod(&mut self, module: &'ast syn::ItemMod) {
-        if !is_of_tests(&module.attrs) {
-            syn::visit::visit_item_mod(self, module);
-        }
-    }
-}
-
-fn is_of_tests(attributes: &[syn::Attribute]) -> bool {
-    attributes
-        .iter()
-        .any(|a| a.path().is_ident("cfg") && a.meta.require_list().is_ok_and(|l| l.tokens.to_string().contains("test")))
+    let named = |krate, modules: Vec<String>| modules.into_iter().map(move |module| format!("{krate}: {module}"));
+    crates.into_iter().flat_map(|(krate, files)| named(krate, circles(&files))).collect()
 }
 
 /// Uses of files, the clock, the environment or processes in a crate below the façade, outside the files that are there
@@ -361,7 +284,7 @@ impl<'ast> Visit<'ast> for System<'_> {
     }
 
     fn visit_item_use(&mut self, item: &'ast syn::ItemUse) {
-        used_paths(&mut Vec::new(), &item.tree, &mut |names| self.add(names));
+        used_paths(&item.tree, &mut |names, _| self.add(names));
     }
 
     fn visit_path(&mut self, path: &'ast syn::Path) {
@@ -450,14 +373,6 @@ fn unused_items(sources: &[Source], baseline: &Baseline) -> Vec<String> {
     items.into_iter().filter(|item| is_unused(item) && !stays(item)).map(|(_, place)| place).collect()
 }
 
-fn is_test_item(item: &syn::Item) -> bool {
-    match item {
-        syn::Item::Mod(m) => is_of_tests(&m.attrs),
-        syn::Item::Fn(f) => is_of_tests(&f.attrs),
-        _ => false,
-    }
-}
-
 /// Public items of a file: their names, and those with their crates.
 struct Public<'a> {
     source: &'a Source,
@@ -519,19 +434,6 @@ mod tests {
     fn no_count_is_beyond_its_ceiling() {
         let complaints = beyond(&counted().unwrap(), &baseline().unwrap());
         assert!(complaints.is_empty(), "{}", complaints.join("\n"));
-    }
-
-    #[test]
-    fn circles_are_found() {
-        let circle = [
-            source("k/a.rs", "use crate::b::X;"),
-            source("k/b/mod.rs", "fn f() { crate::c::g(); }"),
-            source("k/b/inner.rs", "use super::super::c;"),
-            source("k/c.rs", "use super::a::Y;"),
-            source("k/d.rs", "use crate::{a, b}; #[cfg(test)] mod tests { use crate::e; }"),
-            source("k/e.rs", "use crate::d;"),
-        ];
-        assert_eq!(circles(&circle), ["k: a", "k: b", "k: c"]);
     }
 
     #[test]
