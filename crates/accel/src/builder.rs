@@ -6,7 +6,7 @@ pub enum Builder {
     /// From the root down by the surface area heuristic over bins.
     #[default]
     Sah,
-    /// The same, then optimised by moving subtrees: slower to build, faster to trace.
+    /// [`Builder::Sah`], then optimised by moving subtrees: slower to build, faster to trace.
     Reinsertion,
     /// From the root down, with planes that cut triangles in two, then optimised: the slowest to build. It pays where
     /// triangles are long or of very different sizes.

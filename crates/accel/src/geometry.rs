@@ -62,7 +62,7 @@ impl<'a> Geometry<'a> {
         Self { shape: Shape::Boxes(boxes), filtered: false }
     }
 
-    /// The same geometry with the flag [`Geometry::filtered`] set as given.
+    /// Sets the flag [`Geometry::filtered`].
     pub fn filtered(self, filtered: bool) -> Self {
         Self { filtered, ..self }
     }

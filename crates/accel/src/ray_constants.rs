@@ -110,7 +110,7 @@ pub(crate) fn is_traceable(ray: &Ray) -> bool {
     ray.t_max > 0.0 && moves && (sum.is_finite() || is_valid(ray))
 }
 
-/// The same for rays that are not common.
+/// Validity of a ray whose components have an infinite or undefined sum: a slow path that is rarely taken.
 #[cold]
 #[inline(never)]
 fn is_valid(ray: &Ray) -> bool {

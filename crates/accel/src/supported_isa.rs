@@ -16,13 +16,12 @@ impl SupportedIsa {
         Self { level: Isa::best(), width: WIDE as u8 }
     }
 
-    /// The same with another level, if this machine supports it.
+    /// Replaces the instruction set, if this machine supports the new one.
     pub fn with_level(self, level: Isa) -> Self {
         if level.is_supported() { Self { level, ..self } } else { self }
     }
 
-    /// The same with packets of at most so many rays: a power of two from four to thirty-two, whichever is next to what
-    /// is asked for.
+    /// Limits packets to `width` rays, rounded up to a power of two from 4 to 32.
     pub fn with_width(self, width: usize) -> Self {
         Self { width: width.clamp(4, WIDE).next_power_of_two() as u8, ..self }
     }
@@ -39,7 +38,7 @@ impl SupportedIsa {
         self.width.into()
     }
 
-    /// The same for a given number of rays: those that one register has lanes for do not make wider packets.
+    /// Packet width for `count` rays: no more than one register has lanes where these hold all rays.
     #[inline(always)]
     pub fn for_rays<L: Lanes>(self, _: L, count: usize) -> Self {
         if count <= L::COUNT { self.with_width(self.width().min(L::COUNT)) } else { self }

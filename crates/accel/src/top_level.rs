@@ -44,7 +44,7 @@ impl TopLevel {
         Self::build_by(Builder::default(), world, objects, instances)
     }
 
-    /// The same, in a way of choice; the objects are there already.
+    /// Builds the hierarchy with a builder of choice; the objects are there already.
     ///
     /// # Errors
     /// As [`TopLevel::build`].

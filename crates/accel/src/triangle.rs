@@ -68,7 +68,7 @@ impl<S: Simd> Shear<S> {
         [x, y, z]
     }
 
-    /// The same, sheared.
+    /// A relative vertex, sheared along the ray's direction.
     #[inline(always)]
     fn sheared(&self, s: S, [x, y, z]: [S::F; 3]) -> [S::F; 3] {
         [s.sub(x, s.mul(self.shear[0], z)), s.sub(y, s.mul(self.shear[1], z)), z]
@@ -181,7 +181,7 @@ pub(crate) fn cross<L: Lanes>(s: L, corners: &impl Corners<L>, shear: &[L::F; 3]
     cross_at(s, corners, edges, shear, t_max)
 }
 
-/// The same with the edge functions.
+/// Intersection of triangles whose edge functions U, V, W are known.
 #[inline(always)]
 pub(crate) fn cross_at<L: Lanes>(
     s: L,

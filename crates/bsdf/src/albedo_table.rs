@@ -136,7 +136,7 @@ pub(super) fn row(alpha: f32) -> Row {
     place(alpha.max(0.0).sqrt())
 }
 
-/// The same, averaged over the hemisphere by the cosine.
+/// The factors `A`, `B` of a GGX surface averaged over the hemisphere by the cosine.
 #[inline]
 pub(super) fn ggx_mean(row: Row) -> [f32; 2] {
     GGX.each_ref().map(|t| t.mean(row))

@@ -144,7 +144,7 @@ impl CoatTable {
         table
     }
 
-    /// The same table for RGB lanes that stand for smooth spectra: powers of the albedo are taken over the spectra.
+    /// Table for RGB lanes that stand for smooth spectra: powers of the albedo are taken over the spectra.
     #[must_use]
     pub fn over_rgb_spectra(mut self) -> Self {
         let series = self.series;

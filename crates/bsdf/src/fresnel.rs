@@ -109,7 +109,7 @@ pub fn conductor(cos_i: f32, eta: Spectrum, k: Spectrum) -> Spectrum {
     conductor_by_square(cos_i * cos_i, eta, k)
 }
 
-/// The same by the square of the cosine.
+/// Reflectance of a conductor as by [`conductor`], by the square of the cosine.
 #[inline(always)]
 pub fn conductor_by_square(cos2: f32, eta: Spectrum, k: Spectrum) -> Spectrum {
     use steradian_math::Vec4;

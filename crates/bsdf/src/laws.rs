@@ -327,7 +327,7 @@ fn every_model_draws_what_its_density_says() {
     });
 }
 
-/// The same with a million samples each, which takes four minutes on two cores:
+/// Samples against densities with a million samples each, which takes four minutes on two cores:
 /// `cargo test -p steradian-bsdf --lib a_million -- --ignored`.
 #[test]
 #[ignore = "takes minutes"]

@@ -187,7 +187,7 @@ impl BsdfEval {
         self.drawn_if(true, wi, lobe, eta)
     }
 
-    /// The same for reflection; `None` below the surface too.
+    /// The sample of a reflected direction; `None` also below the surface.
     #[inline]
     pub(crate) fn drawn_above(self, wi: Vec3, lobe: Lobe) -> Option<BsdfSample> {
         self.drawn_if(wi.z > 0.0, wi, lobe, 1.0)

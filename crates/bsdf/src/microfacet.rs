@@ -256,7 +256,7 @@ impl Microfacet {
         self.visible(w, m, self.d(m))
     }
 
-    /// The same for surfaces that are not stretched, by `D(m)`.
+    /// Density of sampled normals of surfaces that are not stretched, by `d = D(m)`.
     #[inline]
     fn visible(&self, w: Vec3, m: Vec3, d: f32) -> f32 {
         let drawn = self.distribution.sampled_density(self.alpha(), m, d);
@@ -278,7 +278,7 @@ impl Microfacet {
         n.direction * n.inverse2.sqrt()
     }
 
-    /// The same, with what else is asked of a facet.
+    /// Draws a normal as [`Microfacet::sample_visible`] does, with the other terms of a facet.
     #[inline(always)]
     pub(super) fn draw(&self, w: Vec3, u: Vec2) -> Normal {
         // Sample for the direction above the surface; normals are the same seen from below.
@@ -304,8 +304,8 @@ impl Microfacet {
         Normal { direction, inverse2: 1.0 / direction.length_squared(), projected: w.dot(direction), spread }
     }
 
-    /// The same for the other surfaces, as minus the slopes of the facet. (Pairs of numbers are handed back in
-    /// registers, normals are not.)
+    /// Draws a normal for distributions other than GGX, as minus the slopes of the facet. (Pairs of numbers are handed
+    /// back in registers, normals are not.)
     #[inline(never)]
     fn sample_slopes(&self, w: Vec3, u: Vec2) -> Vec2 {
         let alpha = self.alpha();
@@ -362,7 +362,7 @@ impl Microfacet {
         self.reflecting_by(&self.mirror(wo, wi), wo, wi)
     }
 
-    /// The same, where what mirrors is known: `f cosθ_i = F D G₂ / (4 |cosθ_o|)`.
+    /// The facet that mirrors `wi` into `wo`, by its known [`Mirror`]: `f cosθ_i = F D G₂ / (4 |cosθ_o|)`.
     #[inline(always)]
     pub(super) fn reflecting_by(&self, mirror: &Mirror, wo: Vec3, wi: Vec3) -> Option<Facet> {
         // Reflection needs both directions on one side and a half vector of some length.

@@ -156,7 +156,7 @@ fn airy(r12: f32, r23: Complex, phase: Complex) -> Vec4 {
     (Vec4::splat(r12 * r12) + b2 + twice) / (Vec4::ONE + r12 * r12 * b2 + twice).max(Vec4::splat(1e-12))
 }
 
-/// The same sums as a series, averaged over the channels of RGB.
+/// Airy's sums of both polarisations as a series, averaged over the channels of RGB.
 fn series(pairs: [(f32, Complex); 2], path: f32) -> [Vec4; 2] {
     let responses: [Complex; TERMS] = std::array::from_fn(|m| response((m + 1) as f32 * path));
     pairs.map(|(r12, r23)| {

@@ -33,8 +33,8 @@ pub struct Report<'a> {
     pub relative_error: Option<f64>,
     /// Why that error is not to be trusted: null where it is.
     pub unreliable: Option<String>,
-    /// The same of means over squares of pixels, by their edge, as it was measured: pixels that share paths err alike,
-    /// so it may be more than that of a pixel over the edge.
+    /// The measured relative error of means over squares of pixels, by the edge of the squares. Pixels that share paths
+    /// err alike, so it may be more than the error of a pixel over the edge.
     pub relative_error_of_means: Option<BTreeMap<u32, f64>>,
     /// The relative error that remains after `--denoise`, by the difference of halves of the samples, which leaves out
     /// lost detail: a lower bound. Null where nothing tells it.

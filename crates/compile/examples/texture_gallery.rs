@@ -29,7 +29,7 @@ use steradian_texture::{Footprint, card};
 
 /// Pixels along a side of a tile.
 const SIZE: usize = 120;
-/// The same of views to the horizon.
+/// Pixels along a side of a view to the horizon.
 const FAR: usize = 240;
 /// Samples along a side of a pixel.
 const GRID: usize = 4;

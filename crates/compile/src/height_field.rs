@@ -9,7 +9,7 @@ use steradian_texture::{FloatTexture, TextureContext};
 /// Most samples of a height field: 256 MiB of them.
 pub(super) const MOST: i64 = 1 << 26;
 
-/// The same of one that emits, which becomes triangles that are lights.
+/// Most samples of a height field that emits, which becomes triangles that are lights.
 pub(super) const MOST_EMITTING: i64 = 1 << 20;
 
 /// Samples along a side where a texture gives the heights and nothing says how many.

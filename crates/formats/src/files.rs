@@ -44,7 +44,7 @@ pub enum FileError {
         /// Which file.
         path: PathBuf,
     },
-    /// The same files are included again and again.
+    /// Repeated inclusion of files beyond the limit on bytes.
     #[error("'{}' is included so often that its repetitions (with those of others) come to more than {limit} bytes", .path.display())]
     Repeated {
         /// Which file.

@@ -42,7 +42,7 @@ impl Limits {
 
 /// Most bytes that a byte of a compressed scene file may stand for. Scenes reach ten.
 pub(crate) const MOST_OF_TEXT: u64 = 200;
-/// The same of a compressed mesh. Meshes reach five.
+/// Most bytes that a byte of a compressed mesh may stand for. Meshes reach five.
 pub(crate) const MOST_OF_MESHES: u64 = 32;
 /// Bytes that any compressed file may unpack to.
 const ALWAYS: u64 = 16 << 20;

@@ -13,7 +13,7 @@ pub(crate) enum Layout {
     Codes(usize),
     /// As codes, in the order blue, green, red, and a fourth that is alpha or unused.
     Bgr(usize),
-    /// The same with the fourth unused.
+    /// Interleaved 8-bit codes in the order blue, green, red, and a fourth that is unused.
     Bgrx,
     /// Interleaved 16-bit codes.
     Sixteen(usize),

@@ -41,7 +41,7 @@ impl Bins {
 pub struct Scattered {
     /// Mean `f` (sr⁻¹) in each bin, and its standard error.
     pub f: Vec<(f64, f64)>,
-    /// The same of light that met the geometry once only.
+    /// Mean `f` (sr⁻¹) in each bin of light that met the geometry once only.
     pub single: Vec<f64>,
     /// The part of all light that is reflected.
     pub albedo: f64,

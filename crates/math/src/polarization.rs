@@ -79,7 +79,7 @@ impl Mueller {
         m
     }
 
-    /// The same numbers for every lane.
+    /// Broadcasts one matrix to all lanes.
     pub fn splat(rows: [[f32; 4]; 4]) -> Self {
         Self(rows.map(|r| r.map(Spectrum::splat)))
     }
@@ -247,7 +247,7 @@ pub fn fresnel_reflection(cos: f64, n: [Complex; 4]) -> Mueller {
     Mueller::from_amplitudes(r.map(|r| r[0]), r.map(|r| r[1]))
 }
 
-/// The same of transmission into a dielectric, as parts of the power.
+/// The Mueller matrix of transmission into a dielectric, as parts of the power.
 pub fn fresnel_transmission(cos: f64, eta: f64) -> Mueller {
     let [s, p] = transmission_amplitudes(cos, eta);
     Mueller::from_amplitudes([s; 4], [p; 4])

@@ -15,7 +15,7 @@ impl Spectrum {
     /// All lanes one.
     pub const ONE: Self = Self(Vec4::ONE);
 
-    /// The same value in every lane.
+    /// Broadcasts one value to all lanes.
     #[inline]
     pub const fn splat(v: f32) -> Self {
         Self(Vec4::splat(v))

@@ -98,7 +98,7 @@ pub struct Levels {
 }
 
 impl Levels {
-    /// The same level for all edges and the inside.
+    /// One level for all edges and the inside.
     pub const fn uniform(level: f32) -> Self {
         Self { outer: [level; 4], inner: [level; 2] }
     }

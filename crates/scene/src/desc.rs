@@ -182,7 +182,7 @@ impl SceneDesc {
         &self.nodes[id.0 as usize]
     }
 
-    /// The same, to change it.
+    /// The node with this id, mutable.
     ///
     /// # Panics
     /// If the id is not of this description.

@@ -82,7 +82,7 @@ pub enum MeshFault {
 }
 
 impl From<SurfaceMesh> for Mesh {
-    /// The same in single precision; its parameters are texture coordinates.
+    /// Rounds a surface mesh to single precision; its parameters become texture coordinates.
     fn from(mesh: SurfaceMesh) -> Self {
         let single = |v: DVec3| v.as_vec3().to_array();
         Self {

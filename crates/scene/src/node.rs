@@ -27,7 +27,7 @@ pub enum ColorSpace {
 /// A spectral quantity. Whether it is a reflectance, an emission or unbounded is known by the parameter that holds it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum SpectrumValue {
-    /// The same at every wavelength.
+    /// One value at every wavelength.
     Constant(f64),
     /// Linear components in a colour space.
     Rgb([f64; 3], ColorSpace),
@@ -104,7 +104,7 @@ impl Node {
         self
     }
 
-    /// The same, for building a node in one expression.
+    /// Sets a parameter, for building a node in one expression.
     #[must_use]
     pub fn with(mut self, name: impl Into<String>, value: impl Into<Value>) -> Self {
         self.set(name, value, None);

@@ -171,7 +171,7 @@ pub struct TextureId(pub u32);
 /// One texture; parts of trees have smaller ids than what uses them.
 #[derive(Clone, Debug)]
 pub enum Texture {
-    /// The same everywhere.
+    /// One value everywhere.
     Constant(Color),
     /// A picture.
     Image(Arc<ImageTexture>),

@@ -80,7 +80,7 @@ impl Level {
         Self { place, size, scale, stride: size.0 * size.2, alpha, kind, decoder, linear }
     }
 
-    /// The same texels, read in another encoding.
+    /// The texels read in another encoding.
     pub fn with_encoding(&self, encoding: Encoding) -> Self {
         Self { decoder: Decoder::new(encoding), ..self.clone() }
     }
@@ -193,7 +193,7 @@ impl Level {
 
 /// Something that gives linear values of texels: of `N` channels, in the first lanes.
 pub trait View<'a>: Sized {
-    /// The same view of another level of the picture; `None` if that is kept otherwise.
+    /// View of another level of the picture; `None` if that level is stored otherwise.
     fn of(&self, level: &'a Level) -> Option<Self>;
 
     /// Two texels from `x`, `y` on to the right and the two below them, all of which are within the picture.

@@ -130,7 +130,7 @@ impl Vertex<'_> {
         self.eval_towards(self.wo(), w)
     }
 
-    /// The same towards another viewer than the path's, on its side.
+    /// `f |cos|` and its density for a viewer other than the path's, on its side.
     #[inline]
     pub fn eval_towards(&self, viewer: Vec3, w: Vec3) -> BsdfEval {
         match self {

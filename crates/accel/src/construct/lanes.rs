@@ -279,7 +279,7 @@ fn folded(low: __m128, high: __m128) -> __m256 {
     _mm256_xor_ps(_mm256_set_m128(high, low), signs())
 }
 
-/// The same as others see it.
+/// Box of a [`folded`] one, with the sign of its greatest corner restored.
 #[target_feature(enable = "avx2")]
 fn unfolded(folded: __m256) -> Span {
     let own = _mm256_xor_ps(folded, signs());

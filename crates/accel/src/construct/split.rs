@@ -68,7 +68,7 @@ pub(super) fn half_area(b: &Bounds3, scale: f32) -> f32 {
     d.x * d.y + d.y * d.z + d.z * d.x
 }
 
-/// The same of a box in registers.
+/// Half the area of a box in registers, scaled as by [`half_area`].
 #[inline(always)]
 fn area_of(b: &Span, scale: f32) -> f32 {
     if b.min.cmpgt(b.max).any() {
@@ -134,7 +134,7 @@ impl<const BINS: usize> Bins<BINS> {
         Self::one_by_one(refs, grid)
     }
 
-    /// The same without wide registers.
+    /// Bins of the references without wide registers.
     pub fn one_by_one(refs: &[PrimRef], grid: Grid) -> Self {
         let mut bins = Self::new();
         for r in refs {
@@ -221,7 +221,7 @@ impl Cut {
         self.partition_one_by_one(refs)
     }
 
-    /// The same without wide registers. Every primitive changes its place with the first one of the second part, so
+    /// Partition without wide registers. Every primitive changes its place with the first one of the second part, so
     /// that there is no branch to guess.
     pub fn partition_one_by_one(&self, refs: &mut [PrimRef]) -> (usize, [Bounds3; 2]) {
         let (mut middle, mut centers) = (0, [Span::EMPTY; 2]);

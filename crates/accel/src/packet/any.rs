@@ -183,7 +183,8 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Query<'_, S, L, U> {
         }
     }
 
-    /// The same of rays from one on; `active` counts from there, as do the answers.
+    /// The active rays that hit a triangle of a block, for the rays from `first` on; `active` counts from there, as do
+    /// the answers.
     #[inline(always)]
     fn triangles<K: Lanes>(
         &self,

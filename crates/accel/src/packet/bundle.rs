@@ -58,9 +58,9 @@ pub(super) trait Question<S: Simd, L: Lanes, U: UserLeaves> {
     fn ends(&self, l: L, packet: &Packet) -> L::F;
     /// Asks it of a ray and the triangles of a block: whether that was the last thing to ask of this ray.
     fn in_block(&mut self, s: S, lane: usize, block: &Block, ray: &Ray, constants: &RayConstants, users: &U) -> bool;
-    /// The same of some rays at a user reference: of which rays it was the last thing to ask.
+    /// Asks it of the `active` rays at a user reference: the rays of which that was the last thing to ask.
     fn at_user(&mut self, bundle: &Bundle<S, L, U>, index: u32, active: u32) -> u32;
-    /// The same below a child.
+    /// Asks it of one ray and the subtree below a child: whether that was the last thing to ask of this ray.
     fn below(
         &mut self,
         bundle: &Bundle<S, L, U>,

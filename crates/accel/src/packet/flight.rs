@@ -54,7 +54,7 @@ pub(super) fn alone<S: Simd, U: UserLeaves, Q: Query<S, U>>(
     }
 }
 
-/// The same, one ray after the other, as those do who have one ray only. A function of its own: what packets keep in
+/// Traces rays one after the other, as single-ray queries do. A function of its own: values that packets keep in
 /// registers would be fetched anew for each ray.
 #[inline(never)]
 fn in_turn<A>(ask: &impl Fn(&Ray) -> A, rays: &[Ray], places: &[u32], answer: &mut impl FnMut(usize, A)) {
@@ -63,7 +63,7 @@ fn in_turn<A>(ask: &impl Fn(&Ray) -> A, rays: &[Ray], places: &[u32], answer: &m
     }
 }
 
-/// The same, with several rays on their way at once.
+/// Traces rays interleaved, several in flight at once.
 #[inline(always)]
 fn trace_packet<S: Simd, U: UserLeaves, Q: Query<S, U>>(
     s: S,

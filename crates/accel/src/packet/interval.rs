@@ -80,7 +80,8 @@ impl<S: Simd> Interval<S> {
         (self.boxes(s, first, last, t_max).1 & s.bits(s.eq(row, row)), near)
     }
 
-    /// The same for boxes whose planes are given.
+    /// The boxes with the given near and far planes that may be entered before `t_max`, with the distances at which the
+    /// beam enters them.
     #[inline(always)]
     fn boxes(&self, s: S, near: [S::F; 3], far: [S::F; 3], t_max: S::F) -> (S::F, u32) {
         let ([i, j], [o, p]) = (&self.inverse, &self.offset);

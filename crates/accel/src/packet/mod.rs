@@ -32,7 +32,7 @@ use crate::simd::{Lanes, WIDE, Wide};
 /// A beam has at least so many rays; others go alone. Measured.
 const BEAM: u32 = 8;
 
-/// The same for packets of so many rays.
+/// Least number of rays of a beam in packets of `width` rays.
 #[inline(always)]
 fn beam(width: usize) -> u32 {
     BEAM.min(width as u32)

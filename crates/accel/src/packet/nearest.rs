@@ -171,7 +171,8 @@ impl<S: Simd, L: Lanes, U: UserLeaves> Query<'_, S, L, U> {
         }
     }
 
-    /// The same with rays from one on; `active` counts from there.
+    /// Tests the triangles of a block with the rays from `first` on; `active` counts from there. True if there may be
+    /// hits.
     #[inline(always)]
     fn triangles<K: Lanes>(
         &self,

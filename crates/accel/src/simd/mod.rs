@@ -55,7 +55,7 @@ pub(crate) const COLUMNS: usize = 8;
 pub(crate) struct Wide(pub [f32; WIDE]);
 
 impl Wide {
-    /// The same number everywhere.
+    /// Broadcasts one number to all lanes.
     pub const fn splat(x: f32) -> Self {
         Self([x; WIDE])
     }
@@ -67,7 +67,7 @@ impl Wide {
         self.0[first..].first_chunk().expect("lanes within a row")
     }
 
-    /// The same to change them.
+    /// Mutable access to `N` lanes from `first` on, a multiple of `N`.
     #[inline(always)]
     fn lanes_mut<const N: usize>(&mut self, first: usize) -> &mut [f32; N] {
         assert!(first.is_multiple_of(N), "rows of lanes are aligned");
@@ -101,7 +101,7 @@ pub(crate) trait Lanes: Copy {
         }
     }
 
-    /// The same number in every lane.
+    /// Broadcasts one number to all lanes.
     fn splat(self, x: f32) -> Self::F;
     /// Each coordinate in every lane.
     #[inline(always)]

@@ -13,11 +13,11 @@ pub enum Accelerator {
     /// The hierarchy of bounding volumes ([`TopLevel`]), the fast one.
     #[default]
     Bvh,
-    /// The same, optimised by moving subtrees.
+    /// The hierarchy of bounding volumes, optimised by moving subtrees.
     BvhReinsertion,
-    /// The same, where triangles may be cut.
+    /// The hierarchy of bounding volumes with spatial splits, which cut triangles.
     BvhSpatial,
-    /// The same, built from the leaves up.
+    /// The hierarchy of bounding volumes, built from the leaves up (PLOC).
     BvhPloc,
     /// A hierarchy two wide.
     Bvh2,
@@ -33,7 +33,7 @@ pub enum Accelerator {
     Octree,
     /// A k-d tree by the surface area heuristic.
     KdTree,
-    /// The same k-d tree, walked along ropes.
+    /// A k-d tree by the surface area heuristic, walked along ropes.
     KdTreeRopes,
     /// A k-d tree with planes through the median.
     KdTreeMedian,

@@ -1,4 +1,4 @@
-//! The same input gives the same bits, for any number of threads and on any level.
+//! Determinism: equal input gives equal bits, for any number of threads and on any instruction set.
 
 use super::{assorted_rays, build, levels, soup};
 use crate::{Builder, Bvh, Geometry};

@@ -97,7 +97,7 @@ impl MeasuredData {
         Self::new(Table::Btf(btf))
     }
 
-    /// The same material projected onto spherical harmonics up to a degree.
+    /// Projection of the material onto spherical harmonics up to a degree.
     #[must_use]
     pub fn projected(&self, degree: usize) -> Self {
         // Undo the cosine, which the projection applies again.

@@ -101,7 +101,7 @@ impl Emission {
         (is_sound && !emitted.radiance.is_black()).then_some(emitted)
     }
 
-    /// The same of one light; the density leaves the choice out.
+    /// A ray from the light `light`; the density leaves the choice of the light out.
     pub fn sample_light(
         &self,
         scene: &Scene,

@@ -309,7 +309,8 @@ impl Lights {
         }
     }
 
-    /// The same for an environment in a direction.
+    /// The density per solid angle, choice of light included, with which next-event estimation at `ctx` draws the
+    /// direction `wi` to an environment.
     #[inline]
     pub fn environment_pdf(&self, light: u32, ctx: &LightContext, wi: Vec3) -> f32 {
         match &self.lights[light as usize] {

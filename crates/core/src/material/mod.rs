@@ -100,7 +100,7 @@ impl Roughness {
 /// An index of refraction.
 #[derive(Clone, Debug)]
 pub enum Eta {
-    /// The same for all wavelengths.
+    /// One index for all wavelengths.
     Constant(f32),
     /// Dispersion: paths keep their hero wavelength alone.
     Dispersive(Color),

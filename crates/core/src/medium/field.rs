@@ -169,7 +169,7 @@ pub struct Glow {
 /// Source of the colour of a glow.
 #[derive(Clone, Debug)]
 pub enum GlowSource {
-    /// The same everywhere.
+    /// One colour everywhere.
     Even(Color),
     /// A black body, by the temperature from place to place.
     Heat(Box<Heat>),

@@ -41,7 +41,7 @@ pub struct Table {
 }
 
 impl Phase {
-    /// The same in all directions.
+    /// Isotropic scattering: 1/(4π) in all directions.
     pub const ISOTROPIC: Self = Self::HenyeyGreenstein(0.0);
 
     /// A sum of phase functions with weights that are not negative; isotropic where all are zero.

@@ -11,8 +11,8 @@ pub fn toksvig_power(power: f32, len: f32) -> f32 {
     if d > 0.0 { len * power / d } else { 0.0 }
 }
 
-/// The same for the α of Beckmann and GGX, by `s = 2/α² − 2` (Walter et al. 2007): the factor turns into a sum of the
-/// variances of slopes, `α'² ≈ α² + 2 (1 − len)/len` for small α.
+/// Toksvig's factor for the α of Beckmann and GGX, by `s = 2/α² − 2` (Walter et al. 2007): the factor turns into a sum
+/// of the variances of slopes, `α'² ≈ α² + 2 (1 − len)/len` for small α.
 pub fn toksvig_alpha(alpha: f32, len: f32) -> f32 {
     if len >= 1.0 {
         return alpha;

@@ -13,7 +13,7 @@ pub fn single_step(uv: Vec2, h: f32, v: Vec3) -> Vec2 {
     if offset.is_finite() { uv + offset } else { uv }
 }
 
-/// The same with the offset limited to the height: `uv' = uv + h (Vx, Vy)` for a unit `V` (Welsh 2004).
+/// Parallax with the offset limited to the height: `uv' = uv + h (Vx, Vy)` for a unit `V` (Welsh 2004).
 pub fn offset_limited(uv: Vec2, h: f32, v: Vec3) -> Vec2 {
     uv + v.normalize_or_zero().truncate() * h
 }
@@ -26,7 +26,7 @@ pub fn with_slope(uv: Vec2, h: f32, n: Vec3, v: Vec3) -> Vec2 {
     if offset.is_finite() { uv + offset } else { uv }
 }
 
-/// The same with the offset limited: `uv' = uv + h n_z (Vx, Vy)` for unit `n` and `V`.
+/// Parallax with slope and a limited offset: `uv' = uv + h n_z (Vx, Vy)` for unit `n` and `V`.
 pub fn with_slope_limited(uv: Vec2, h: f32, n: Vec3, v: Vec3) -> Vec2 {
     uv + v.normalize_or_zero().truncate() * (h * n.normalize_or_zero().z)
 }

@@ -35,9 +35,9 @@ pub enum SamplerKind {
     /// The Sobol' sequence, padded in pairs of dimensions that are each shuffled and Owen-scrambled by hashing (Burley
     /// 2020, "Practical Hash-based Owen Scrambling"); pixels are independent of each other.
     Sobol,
-    /// The same, where the pixels of a block take consecutive parts of one sequence, along a Z-curve, so that
-    /// neighbours err in opposite directions (Ahmed, Wonka 2020, "Screen-Space Blue-Noise Diffusion of Monte Carlo
-    /// Sampling Error via Hierarchical Ordering of Pixels").
+    /// The Sobol' sequence of which the pixels of a block take consecutive parts along a Z-curve, so that neighbours
+    /// err in opposite directions (Ahmed, Wonka 2020, "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error
+    /// via Hierarchical Ordering of Pixels"); padded and scrambled as `Sobol`.
     #[default]
     ZSobol,
     /// Halton points with digits scrambled at random (Owen).

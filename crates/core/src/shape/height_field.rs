@@ -176,7 +176,7 @@ impl Field {
         self.place.vector(Vec3::new(0.0, 1.0, self.relief.slope(Vec2::new(u, v)).y))
     }
 
-    /// The same surface as bilinear patches, not yet placed.
+    /// Mesh of the surface's bilinear patches, not yet placed.
     pub fn mesh(&self) -> Mesh {
         let (w, h) = self.relief.cells();
         let at = |i: usize, j: usize| Vec2::new(i as f32 / w as f32, j as f32 / h as f32);

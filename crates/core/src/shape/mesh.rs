@@ -135,7 +135,7 @@ impl TriMesh {
         SurfacePoint { dpdu: tangent(self.corners(triangle), uvs), uv, ..self.bare(triangle, u, v) }
     }
 
-    /// The same without its parametrisation.
+    /// The surface at barycentric coordinates `(1 − u − v, u, v)` of a triangle, without its parametrisation.
     #[inline]
     pub fn bare(&self, triangle: u32, u: f32, v: f32) -> SurfacePoint {
         let index = self.triangles[triangle as usize];

@@ -201,7 +201,7 @@ impl Quadric {
         self.surface_at(self.object_point(ray, t))
     }
 
-    /// The same without its parametrisation.
+    /// The surface where the ray meets it at `t`, without its parametrisation.
     #[inline]
     pub fn bare(&self, ray: &Ray, t: f32) -> SurfacePoint {
         self.bare_at(self.object_point(ray, t))

@@ -8,7 +8,7 @@ pub struct Settings {
     /// The least weight of the newest frame in the sum of frames: above 0, at most 1. Frame n of a history has weight
     /// 1/n until then. 0.2.
     pub alpha: f32,
-    /// The same weight for the moments, from which the variance is estimated. 0.2.
+    /// The least weight of the newest frame in the sum of the moments, from which the variance is estimated. 0.2.
     pub moments_alpha: f32,
     /// Clamps colours of the history to the box of those that the 3×3 pixels around have in the newest frame (Karis,
     /// "High Quality Temporal Supersampling", SIGGRAPH 2014). Follows light that changes, at the price of noise: good

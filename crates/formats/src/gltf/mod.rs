@@ -63,7 +63,7 @@ pub fn framed_box(path: &Path, options: &Options) -> Option<[DVec3; 2]> {
     (!import.diagnostics.has_errors() && low.is_finite() && high.is_finite()).then_some([low, high])
 }
 
-/// The same for a document in memory; the files that it names are beside `path`.
+/// Reads a document in memory; the files that it names are beside `path`.
 pub fn import_bytes(path: &Path, bytes: Vec<u8>, options: &Options) -> Import {
     read_document(path, bytes, options).0
 }

@@ -60,7 +60,7 @@ pub fn import_text(text: &str, path: &Path, options: &Options) -> Import {
     import_bytes(text.as_bytes().to_vec(), path, options)
 }
 
-/// The same for bytes, which may not be text at all.
+/// Reads a Mitsuba scene from bytes, which may not be text at all.
 pub fn import_bytes(bytes: Vec<u8>, path: &Path, options: &Options) -> Import {
     let mut parser = Parser::new(path.parent().unwrap_or(Path::new("")).to_path_buf(), options);
     parser.main_text(path, bytes);

@@ -259,7 +259,7 @@ impl<'a> Reader<'a> {
         self.find_file(&text, self.value_span(object, name))
     }
 
-    /// The same, where the property must be there.
+    /// The file that a required property names, searched for; an error where the property is absent.
     pub fn needed_file(&mut self, object: ObjectId, name: &'static str) -> Option<PathBuf> {
         if !self.graph.has(object, name) {
             let (noun, span) = (self.graph.objects[object].category.noun(), self.span(object));

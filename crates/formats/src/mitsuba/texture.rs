@@ -37,8 +37,8 @@ pub(super) fn plain(v: f64, role: Role) -> Value {
     }
 }
 
-/// The same value at all wavelengths in a role. As emission it is not a multiple of D65, so it is spelt out: three
-/// components would mean D65.
+/// Constant spectrum in a role. As emission it is not a multiple of D65, so it is spelt out: three components would
+/// mean D65.
 pub(super) fn flat(v: f64, role: Role) -> Value {
     Value::Spectrum(match role {
         Role::Emission => SpectrumValue::Sampled { lambdas: vec![360.0, 830.0], values: vec![v as f32; 2] },

@@ -54,7 +54,7 @@ pub struct Given {
     pub files: HashMap<String, Vec<u8>>,
 }
 
-/// The same for a document in memory; the files that it names are beside `path`.
+/// Reads a document in memory; the files that it names are beside `path`.
 pub fn import_bytes(path: &Path, bytes: Vec<u8>, options: &Options) -> Import {
     import_with(path, bytes, Given::default(), options)
 }
@@ -154,7 +154,7 @@ pub fn ids(desc: &SceneDesc) -> Vec<String> {
     unique(desc.nodes.iter().map(|n| (n.name.as_deref(), n.kind.as_str())))
 }
 
-/// The same for any names, and words for those who have none.
+/// A unique name for each pair of an optional name and a word that replaces it.
 fn unique<'a>(names: impl Iterator<Item = (Option<&'a str>, &'a str)>) -> Vec<String> {
     let mut taken = HashSet::new();
     let one = |(i, (name, kind)): (usize, (Option<&str>, &str))| {

@@ -314,7 +314,7 @@ fn float(out: &mut String, v: f64) {
     }
 }
 
-/// The same in a list, where whole numbers need no mark.
+/// The shortest number of an element of a list, where whole numbers need no mark.
 fn bare(out: &mut String, v: f64) {
     if v.fract() == 0.0 && v.abs() < 1e15 && !(v == 0.0 && v.is_sign_negative()) {
         let _ = write!(out, "{v:.0}");

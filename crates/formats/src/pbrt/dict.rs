@@ -32,7 +32,7 @@ impl Dict {
         Self { kind, span, space, own, inherited, asked: RefCell::default() }
     }
 
-    /// The same parameters, with the model named elsewhere.
+    /// Replaces the model and the place where it is named.
     pub fn at(mut self, kind: &str, span: Span) -> Self {
         self.kind = kind.into();
         self.span = span;

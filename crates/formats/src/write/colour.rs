@@ -13,7 +13,7 @@ const STEP: usize = 5;
 /// A spectral value.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Colour {
-    /// The same at all wavelengths.
+    /// One value at all wavelengths.
     Grey(f64),
     /// Linear Rec.709.
     Rgb([f64; 3]),

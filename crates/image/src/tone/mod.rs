@@ -179,7 +179,7 @@ impl Tone {
         Ok(())
     }
 
-    /// The same with this exposure in EV (powers of two), −64 to 64.
+    /// Sets the exposure in EV (powers of two), −64 to 64.
     ///
     /// # Errors
     /// [`Error::ToneParameter`] when out of range.

@@ -25,7 +25,7 @@ impl Axis {
         Self { label: label.into(), is_log: true, range: None }
     }
 
-    /// The same axis over a range.
+    /// Sets the range of the axis.
     pub fn over(self, from: f64, to: f64) -> Self {
         Self { range: Some((from, to)), ..self }
     }
@@ -64,12 +64,12 @@ impl Series {
         Self { name: name.into(), points, marker: Marker::Line, color: None }
     }
 
-    /// The same points, drawn otherwise.
+    /// Sets the mark of the series.
     pub fn drawn(self, marker: Marker) -> Self {
         Self { marker, ..self }
     }
 
-    /// The same points in a colour.
+    /// Sets the sRGB colour of the series.
     pub fn colored(self, color: [u8; 3]) -> Self {
         Self { color: Some(color), ..self }
     }

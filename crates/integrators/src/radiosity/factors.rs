@@ -141,7 +141,7 @@ impl Exchange<'_> {
         (seen + more) / (all + rest)
     }
 
-    /// The same by all pairs of points; `None` where none of these lie before each other.
+    /// Visibility of two patches by all pairs of points; `None` where none of these lie before each other.
     pub fn visibility_of_all(&self, a: &Patch, b: &Patch) -> Option<f64> {
         let (seen, all) = self.seen(a, b, 0..PAIRS);
         (all > 0.0).then(|| seen / all)

@@ -78,7 +78,7 @@ pub fn exchange(a: &Polygon, b: &Polygon) -> f64 {
     (sum / TAU).max(0.0)
 }
 
-/// The same for polygons of any number of corners that lie wholly before each other.
+/// Exchange of two polygons of any number of corners that lie wholly before each other.
 #[cfg(test)]
 fn exchange_of_many(a: &[DVec3], b: &[DVec3]) -> f64 {
     let around = |c: &[DVec3]| (0..c.len()).map(|k| (c[k], c[(k + 1) % c.len()])).collect::<Vec<_>>();
@@ -94,7 +94,8 @@ fn edges(polygon: &Polygon) -> impl Iterator<Item = (DVec3, DVec3)> {
 /// Distance, in reaches of the polygons, from which the logarithm is smooth enough for two points.
 const FAR_AWAY: f64 = 8.0;
 
-/// The same as [`edge_pair`] by two points of each edge; `unit` is for squares of lengths here.
+/// Integral over two distant edges as by [`edge_pair`], from two points of each edge; `unit` is for squares of lengths
+/// here.
 fn far_edge_pair(p: (DVec3, DVec3), q: (DVec3, DVec3), unit: f64) -> f64 {
     // Of Gauss and Legendre on [0, 1]: ½ ± 1/√12.
     const AT: [f64; 2] = [0.211_324_865_405_187_13, 0.788_675_134_594_812_9];

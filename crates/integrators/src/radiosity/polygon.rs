@@ -44,7 +44,7 @@ impl Polygon {
         &self.corners[..self.count]
     }
 
-    /// The same polygon seen from its other side.
+    /// The polygon seen from its other side: its corners in reverse order.
     pub fn reversed(&self) -> Self {
         let mut polygon = *self;
         polygon.corners[..self.count].reverse();

@@ -21,7 +21,7 @@ const WORTH: f64 = 1.8;
 
 /// Pictures of fewer samples have no trials of effort and splitting, which take a thirtieth of so many each.
 const FEWEST: u64 = 1 << 20;
-/// The same of sharing: nothing is shared where the trial would take a good part of the time.
+/// Pictures of fewer samples share nothing: the trial of sharing would take a good part of the time.
 const FEWEST_SHARING: u64 = 1 << 18;
 
 /// Runs the trials of a scene, for the paths and pictures of a plan.

@@ -37,7 +37,7 @@ const SPREAD: f64 = 0.75;
 struct Found {
     /// Relative squared differences of two renders over two, summed over pixels.
     variance: f64,
-    /// The same of products, over ordered pairs of members, and how many pairs there are.
+    /// Products of relative differences over two, summed over ordered pairs of members, and the number of pairs.
     covariance: f64,
     pairs: f64,
     pixels: f64,

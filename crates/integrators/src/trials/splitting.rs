@@ -23,7 +23,8 @@ use steradian_math::hash::{combine32, mix32};
 
 /// Variance × cost has to become less by this factor.
 const WORTH: f64 = 1.35;
-/// The same by a pilot of a quarter of the cells, from which on all of them are asked.
+/// Factor by which a coarse pilot, of a quarter of the cells, has to lower variance × cost for the whole pilot to be
+/// run.
 const PROMISING: f64 = 1.2;
 /// Samples of the picture for each cell of the pilot, which has some 32 paths there, and most cells: those of larger
 /// pictures, or with fewer samples, stand for others beside them.

@@ -1,4 +1,4 @@
-//! The same bits, however the work is done.
+//! Determinism: equal bits, however the work is done.
 
 use crate::{
     materials::cases,

@@ -77,7 +77,8 @@ fn tilted_normals_lose_no_light() {
     }
 }
 
-/// The same in spectral mode: the picture has the very wavelengths, and so the colour noise, of the empty furnace.
+/// Lossless bodies in spectral mode: the picture has the very wavelengths, and so the colour noise, of the empty
+/// furnace.
 #[test]
 fn lossless_bodies_are_invisible_in_spectral_mode() {
     let mut empty = Stage::new();
@@ -201,7 +202,7 @@ fn neumann_series_inside_a_luminous_sphere() {
     }
 }
 
-/// The same in a closed box of luminous rectangles, whose densities differ: 4σ.
+/// Neumann series in a closed box of luminous rectangles, whose densities differ: 4σ.
 #[test]
 fn neumann_series_inside_a_luminous_box() {
     let mut stage = Stage::new();

@@ -78,8 +78,8 @@ fn crossed_sheets_are_black_and_parallel_ones_are_not() {
     assert!(black < 1e-4 * f * f, "crossed: {black}");
 }
 
-/// The same random numbers take the same paths: the radiance of light that is polarised at most once on its way from a
-/// matt surface or a lamp is that of `path`.
+/// Equal random numbers take equal paths: the radiance of light that is polarised at most once on its way from a matt
+/// surface or a lamp is that of `path`.
 #[test]
 fn radiance_is_that_of_path_where_nothing_polarises_twice() {
     let mut stage = Stage::new();

@@ -33,7 +33,7 @@ fn picture(scene: &Scene, solution: Solution, gather: u32, spp: u32) -> [f64; 3]
     picture_to(u32::MAX, scene, solution, gather, spp)
 }
 
-/// The same of paths that are scattered so many times at most.
+/// The mean of the picture of paths with at most `max` scattering events.
 fn picture_to(max: u32, scene: &Scene, solution: Solution, gather: u32, spp: u32) -> [f64; 3] {
     let depth = Depth { max, roulette_after: 8, hide_emitters: false };
     let view = View { settings: Settings::default(), depth, gather, smooth: true };
@@ -247,7 +247,7 @@ fn radiosity_is_spectral_and_linear() {
     assert!(relative(bright, dim.map(|v| 2.0 * v)) < 1e-5);
 }
 
-/// The same bits for any number of threads, and after saving and loading.
+/// Solutions have equal bits for any number of threads, and after saving and loading.
 #[test]
 fn solutions_are_kept_bit_by_bit() {
     let scene = room().scene();

@@ -183,7 +183,7 @@ impl Estimate {
         self.is_near(what, [expected; 3], precision);
     }
 
-    /// The same for two independent estimates of one thing.
+    /// Passes if two independent estimates of one quantity agree within [`SIGMAS`] of their common standard error.
     #[track_caller]
     pub fn agrees(self, what: &str, other: Self, precision: f64) {
         let sigma = std::array::from_fn(|c| self.sigma[c].hypot(other.sigma[c]));

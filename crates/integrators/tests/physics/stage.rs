@@ -119,7 +119,7 @@ impl Stage {
         self
     }
 
-    /// The same white radiance from all directions.
+    /// Adds an environment of one white radiance in all directions.
     pub fn sky(&mut self, radiance: f64) -> &mut Self {
         self.light(light("environment").with("radiance", white(radiance)))
     }
@@ -166,8 +166,8 @@ impl Stage {
     }
 }
 
-/// The same scene, whose surfaces shine without being lights that next-event estimation could find: all light is then
-/// met by scattering.
+/// Variant of a scene whose surfaces shine without being lights that next-event estimation could find: all light is
+/// then met by scattering.
 pub fn found_by_scattering_alone(scene: Scene) -> Scene {
     let scene = scene.changed(|parts| {
         for geometry in &mut parts.geometries {

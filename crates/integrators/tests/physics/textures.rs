@@ -88,8 +88,8 @@ fn a_checkerboard_to_the_horizon() {
     assert!(bilinear >= 10.0 * ewa, "{bilinear} {ewa}");
 }
 
-/// The same in a mirror that stands across the plane, where path tracers carry differentials: the light's way is longer
-/// than the camera is far, and the plane is seen at another angle.
+/// The checkerboard in a mirror that stands across the plane, where path tracers carry differentials: the light's way
+/// is longer than the camera is far, and the plane is seen at another angle.
 #[test]
 #[allow(clippy::print_stdout, reason = "figures, for who asks with --nocapture")]
 fn a_checkerboard_in_a_mirror() {

@@ -41,7 +41,7 @@ pub enum Role {
 /// A spectrum of one parameter, ready to be evaluated at the wavelengths of a path.
 #[derive(Clone, Debug)]
 pub enum Color {
-    /// The same lanes for every path: RGB mode, and flat spectra.
+    /// Fixed lanes for every path: RGB mode, and flat spectra.
     Lanes(Spectrum),
     /// A spectrum over wavelength.
     Spectral(Spd),
@@ -51,7 +51,7 @@ impl Color {
     /// Black.
     pub const BLACK: Self = Self::Lanes(Spectrum::ZERO);
 
-    /// The same value in every lane.
+    /// One value in every lane.
     pub const fn constant(v: f32) -> Self {
         Self::Lanes(Spectrum::splat(v))
     }

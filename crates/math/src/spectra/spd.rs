@@ -10,7 +10,7 @@ use std::sync::Arc;
 /// A value over the wavelength. Cheap to clone.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Spd {
-    /// The same value at all wavelengths.
+    /// One value at all wavelengths.
     Constant(f32),
     /// A value at every visible nanometre.
     Dense(Arc<Dense>),

@@ -40,7 +40,7 @@ impl Wavelengths {
         Self { lambda, pdf: [1.0; 4], time: 0.0, delay: 0.0 }
     }
 
-    /// The same at another moment.
+    /// Replaces the moment of the exposure.
     #[must_use]
     pub fn at_time(self, time: f32) -> Self {
         Self { time, ..self }

@@ -102,7 +102,7 @@ pub struct BlendState {
 }
 
 impl BlendState {
-    /// The same for colour and alpha.
+    /// One equation and pair of factors for both colour and alpha.
     pub const fn new(equation: BlendEquation, source: BlendFactor, target: BlendFactor) -> Self {
         Self { color: equation, color_factors: [source, target], alpha: equation, alpha_factors: [source, target] }
     }

@@ -112,7 +112,7 @@ fn cull_distances_drop_whole_primitives() {
     }
 }
 
-/// The same picture with depths 0…1, −1…1, reversed, and reversed with the far plane at infinity (M29).
+/// Projections give one picture with depths 0…1, −1…1, reversed, and reversed with the far plane at infinity (M29).
 #[test]
 fn projections_agree() {
     let mut random = Random(29);

@@ -1,4 +1,5 @@
-//! The same picture by rays: for each pixel the closest triangle, its depth and its attributes (M36, M38, M46).
+//! Rasterisation against ray casting: for each pixel the closest triangle, its depth and its attributes (M36, M38,
+//! M46).
 
 use crate::stage::{Random, framebuffer, perspective};
 use steradian_raster::{

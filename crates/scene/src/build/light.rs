@@ -96,7 +96,7 @@ pub struct Sky(Draft);
 light!(Sky);
 
 impl Sky {
-    /// The same radiance from everywhere, in W/(m² sr).
+    /// One radiance from everywhere, in W/(m² sr).
     pub fn new(radiance: impl Into<Color>) -> Self {
         Self(draft("environment", "radiance", radiance.into()))
     }
@@ -114,7 +114,7 @@ pub struct AreaLight {
 }
 
 impl AreaLight {
-    /// The same radiance in all directions of the front, in W/(m² sr).
+    /// One radiance in all directions of the front, in W/(m² sr).
     pub fn new(radiance: impl Into<Texture>) -> Self {
         Self { draft: Draft::new(Family::Light, "area").with("radiance", radiance.into().0) }
     }

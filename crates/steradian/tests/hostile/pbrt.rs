@@ -198,7 +198,7 @@ const WORLDS: [&str; 62] = [
     "Texture \"t\" \"spectrum\" \"checkerboard\" \"integer dimension\" @ Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"",
 ];
 
-/// The same before the world.
+/// Directives before `WorldBegin` whose numbers (`@`) are poisoned one after the other.
 const HEADS: [&str; 30] = [
     "LookAt @ 0 0 0 0 0 0 1 0 Camera \"perspective\"",
     "LookAt 0 0 -5 0 0 @ 0 1 0 Camera \"perspective\"",

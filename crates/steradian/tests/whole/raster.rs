@@ -194,7 +194,7 @@ fn shadow_maps_come_close_to_rays() {
     assert!(wrong("shadows=map,size=2048,pcf=4").0 < 1500);
 }
 
-/// The same bits for any number of threads, crops are parts of the whole, and more samples converge.
+/// Films have equal bits for any number of threads, crops are parts of the whole, and more samples converge.
 #[test]
 fn threads_crops_and_samples() {
     let scene = scene_of(SCENE);

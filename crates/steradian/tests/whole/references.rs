@@ -112,7 +112,7 @@ fn pbrt_scenes_match_pbrt() {
     }
 }
 
-/// The same in RGB mode, where light meets coloured surfaces in three lanes: within 6 %.
+/// Reference pictures of pbrt scenes in RGB mode, where light meets coloured surfaces in three lanes: within 6 %.
 #[test]
 fn pbrt_scenes_in_rgb_are_near() {
     let Some(assets) = assets() else { return };

@@ -25,7 +25,7 @@ pub use tiling::Bricks;
 pub enum Pattern {
     /// 0 in squares whose cell indices have an even sum, 1 in the others.
     Checker2,
-    /// The same with cubes.
+    /// 0 in cubes whose cell indices have an even sum, 1 in the others.
     Checker3,
     /// 1 on tiles and bricks, 0 in the mortar.
     Bricks(Bricks),

@@ -54,7 +54,7 @@ impl Case {
         self.build_by(Builder::default())
     }
 
-    /// The same by a builder of choice.
+    /// Our hierarchy, by a builder of choice.
     pub fn build_by(&self, builder: Builder) -> Result<TopLevel, steradian_accel::Error> {
         let geometry = [Geometry::triangles(&self.mesh.0, &self.mesh.1)];
         if self.places.is_empty() {

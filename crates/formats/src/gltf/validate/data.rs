@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 enum Role {
     /// Vectors of unit length.
     Unit,
-    /// The same with a sign.
+    /// Tangents: vectors of unit length with a sign.
     Tangent,
     /// From 0 to 1.
     Clamped,

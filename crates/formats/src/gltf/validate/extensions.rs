@@ -1,4 +1,4 @@
-//! The same for extensions of the Khronos registry.
+//! The objects of extensions of the Khronos registry: names, types, ranges.
 
 use super::{
     kinds::{Extension, FACTOR, Kind, Kind::*, NOT_NEGATIVE, NUMBER, Object, from, may, must, object},

@@ -36,7 +36,7 @@ pub fn import(path: &Path, options: &Options) -> Import {
     }
 }
 
-/// The same for a model in memory. `path` stands for the file, in messages and for the files that it names.
+/// Reads a model in memory. `path` stands for the file, in messages and for the files that it names.
 pub fn import_bytes(path: &Path, bytes: Vec<u8>, options: &Options) -> Import {
     let mut import = Import::default();
     import.desc.format = Format::Model;

@@ -10,7 +10,7 @@ pub(super) enum Scale {
     Plain,
     /// Divided by the largest value of its integer type.
     Unit(f32),
-    /// The same, then decoded from sRGB to linear.
+    /// Divided by the largest value of its integer type, then decoded from sRGB to linear.
     Srgb(f32),
 }
 

@@ -39,7 +39,7 @@ impl Element {
         self
     }
 
-    /// The same under another name.
+    /// Replaces the element's name attribute.
     #[must_use]
     pub fn renamed(mut self, name: &str) -> Self {
         self.attributes.retain(|a| a.0 != "name");

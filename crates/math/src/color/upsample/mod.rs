@@ -48,8 +48,8 @@ impl RgbSigmoid {
         table(space).lookup(rgb)
     }
 
-    /// The same, solved for by itself rather than interpolated in the table: for colours that are kept. It is dearer
-    /// than a lookup where the table's columns are there, but a column takes 64 such solutions.
+    /// The spectrum of linear `rgb`, solved for by itself rather than interpolated in the table: for colours that are
+    /// kept. It is dearer than a lookup where the table's columns are there, but a column takes 64 such solutions.
     pub fn solved(space: &RgbSpace, rgb: Vec3) -> Self {
         let unit = rgb.to_array().map(unit);
         let is_grey = unit[0] == unit[1] && unit[1] == unit[2];
