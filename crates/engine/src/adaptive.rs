@@ -38,7 +38,7 @@ const FIRST_WORTH: f64 = 0.5;
 /// A round: the samples per pixel, in the mean over the picture, before and after it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Round {
-    /// Which, from zero.
+    /// Number of the round, from zero.
     pub number: u32,
     /// Samples before it.
     pub start: u32,
@@ -159,7 +159,7 @@ pub fn allocate(needs: &[Need], columns: usize, mean: u32) -> Vec<u32> {
         .collect()
 }
 
-/// By how much a second round with these numbers of samples is expected to lower variance times cost, against even
+/// Factor by which a second round with these numbers of samples is expected to lower variance × cost, against even
 /// numbers. It flatters, since the numbers follow from the same variances.
 pub fn gain(needs: &[Need], counts: &[u32], first: Round, second: Round) -> f64 {
     let (mut variance, mut rest, mut cost, mut uneven) = (0.0, 0.0, 0.0, 0.0);

@@ -11,7 +11,7 @@ use steradian_math::Spectrum;
 pub struct Stop(Option<Arc<AtomicBool>>);
 
 impl Stop {
-    /// By a flag that somebody else sets.
+    /// Stop by a flag that somebody else sets.
     pub fn by(flag: &Arc<AtomicBool>) -> Self {
         Self(Some(Arc::clone(flag)))
     }

@@ -2,9 +2,9 @@
 //!
 //! The variance of a pixel is found without bias, but what is rare is not found at all most of the time: where much of
 //! the light comes by paths that are met a few times in the whole picture, samples tell of a smooth and dark one. So an
-//! estimate comes with a [`Doubt`]: an integrator may know how rarely its paths meet some of the
-//! light ([`crate::GroupIntegrator::rarest_path_probability`]), and an error that sits in a few pixels, each of which a few bright
-//! samples hit, is not known to better than a factor.
+//! estimate comes with a [`Doubt`]: an integrator may know how rarely its paths meet some of the light
+//! ([`crate::GroupIntegrator::rarest_path_probability`]), and an error that sits in a few pixels, each of which a few
+//! bright samples hit, is not known to better than a factor.
 
 use crate::adaptive::FLOOR;
 use std::fmt;
@@ -20,7 +20,7 @@ const FEWEST_PIXELS: f64 = 8.0;
 /// others are black.
 const FEW_SAMPLES: f64 = 0.25;
 
-/// Why an estimated error is not to be trusted.
+/// Reason not to trust an estimated error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Doubt {
     /// Photons showed light that paths without them meet a few times in the whole picture, or never.

@@ -23,7 +23,7 @@ const SETS: usize = 4;
 /// Mirrors and panes that are seen through at most.
 const MIRRORS: usize = 16;
 
-/// Which surfaces count as seen by a camera ray.
+/// Rules for the surfaces that count as seen by a camera ray.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sight {
     /// Gathers surfaces that mirrors and smooth glass show, too.

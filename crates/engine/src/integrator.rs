@@ -27,7 +27,7 @@ pub trait Integrator: Debug + Send + Sync {
         true
     }
 
-    /// Into how many intervals of its arrival light is cut, which layers show; 0 where it is not.
+    /// Number of time bins of a transient render, which layers show; 0 without bins.
     fn bins(&self) -> u32 {
         0
     }
@@ -38,15 +38,15 @@ pub trait Integrator: Debug + Send + Sync {
 
 /// An estimator that takes samples of several pixels at once, since they share what they find.
 pub trait GroupIntegrator: Debug + Send + Sync {
-    /// As in [`Integrator`].
+    /// Prepared data of a scene, as [`Integrator::Prepared`].
     type Prepared: Debug + Default + Send + Sync;
     /// Buffer of a thread; kept, so that nothing is allocated per sample.
     type Buffer<'s>: Default;
 
-    /// As in [`Integrator`].
+    /// Makes the prepared data, as [`Integrator::prepare`].
     fn prepare(&self, scene: &Scene, plan: &Plan, stop: &Stop) -> Self::Prepared;
 
-    /// As in [`Integrator`].
+    /// True if there is a picture without the preparation, as [`Integrator::works_unprepared`].
     fn works_unprepared(&self) -> bool;
 
     /// Takes a sample for each pixel of a group.
@@ -96,7 +96,7 @@ pub trait GroupIntegrator: Debug + Send + Sync {
         false
     }
 
-    /// As in [`Integrator`].
+    /// Number of time bins, as [`Integrator::bins`].
     fn bins(&self) -> u32 {
         0
     }

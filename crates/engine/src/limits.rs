@@ -78,7 +78,7 @@ pub enum Support {
     Approximates(&'static str),
     /// The feature is missing from the picture.
     LeavesOut(&'static str),
-    /// There is no picture.
+    /// The method renders no picture of scenes with the feature.
     Refuses(&'static str),
 }
 

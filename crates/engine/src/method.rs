@@ -5,7 +5,7 @@ use std::{any::Any, fmt::Debug, sync::Arc};
 use steradian_core::{ColorMode, Scene};
 use steradian_request::{MethodRequest, Request};
 
-/// Why a method renders no picture of a scene with these options.
+/// Reason why a method renders no picture of a scene with these options.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct Refusal(pub String);

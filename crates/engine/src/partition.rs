@@ -1,4 +1,4 @@
-//! Which pixels share paths: groups that move from sample to sample.
+//! Partition of the pixels into groups that share paths and move from sample to sample.
 //!
 //! The film is cut into blocks of 4 × 4 pixels, and the pixels of each block are dealt out, at random, to 16 layers. A
 //! group has the pixels of one layer in a square window of blocks. For every sample of a pixel the windows of its layer

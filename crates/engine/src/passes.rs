@@ -68,7 +68,7 @@ pub trait Pass: Debug + Send + Sync {
         Vec::new()
     }
 
-    /// Why no more passes can be taken, where that is so.
+    /// Reason why no more passes can be taken, if so.
     fn failure(&self) -> Option<String> {
         None
     }

@@ -84,7 +84,7 @@ pub trait Session: Debug + Send {
     /// pixels have two samples.
     fn error(&self) -> Option<f64>;
 
-    /// Why [`Self::error`] is not to be trusted, if so: light arrives by paths that are hardly ever found.
+    /// Reason not to trust [`Self::error`], if there is one: light arrives by paths that are hardly ever found.
     fn doubt(&self) -> Option<Doubt> {
         None
     }
@@ -124,7 +124,7 @@ pub trait Session: Debug + Send {
         Vec::new()
     }
 
-    /// Why it cannot go on, where that is so: it is done then.
+    /// Reason why the session cannot go on, if so; it is done then.
     fn failure(&self) -> Option<String> {
         None
     }

@@ -19,8 +19,8 @@ pub struct FirstHit {
     pub depth: f32,
     /// Distance along the ray.
     pub distance: f32,
-    /// By how many pixels it has moved on the screen since the frame before, to the right and down, and by how much
-    /// away along the camera's axis.
+    /// Motion since the previous frame: pixels to the right and down on the screen, and the distance away along the
+    /// camera's axis.
     pub motion: [f32; 3],
     /// Surface parameters.
     pub uv: [f32; 2],

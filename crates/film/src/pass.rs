@@ -17,7 +17,7 @@ pub struct Splat {
 #[derive(Debug)]
 pub struct PassFilm<'s> {
     spec: &'s FilmSpec,
-    /// By rows of the crop.
+    /// Sums in the order of the rows of the crop.
     sums: Vec<[f64; 3]>,
     /// Sums of each group of lights, pixel by pixel.
     by_light: Vec<[f64; 3]>,

@@ -1,4 +1,4 @@
-//! Which channels of a picture are its colour, by their names.
+//! Choice of a picture's colour channels, by their names.
 //!
 //! Channels of a layer are named `layer.R`; layers may be nested (`View.Combined.R`), and some programs write a dot
 //! before names without a layer (`.R`) or small letters.
@@ -93,8 +93,8 @@ pub(crate) fn holds_colours(names: &[&str], chosen: &[Option<usize>]) -> bool {
     chosen.len() >= 3 && groups(names).iter().any(|group| group.map(Some)[..] == chosen[..3])
 }
 
-/// Which of the named channels are the picture's colour: `[r, g, b]`, `[r, g, b, a]`, `[y]` or `[y, a]`. `None` stands
-/// for a red, green or blue that no layer has, which is zero.
+/// Indices of the picture's colour among the named channels: `[r, g, b]`, `[r, g, b, a]`, `[y]` or `[y, a]`. `None`
+/// stands for a red, green or blue that no layer has, which is zero.
 pub(crate) fn channels(names: &[&str]) -> Option<Vec<Option<usize>>> {
     choice(names).map(|choice| choice.channels)
 }

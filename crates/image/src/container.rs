@@ -11,7 +11,7 @@ pub(crate) enum Layout {
     Blocks(BlockFormat, bool),
     /// Interleaved 8-bit codes of so many channels.
     Codes(usize),
-    /// As codes, in the order blue, green, red, and a fourth that is alpha or unused.
+    /// Interleaved 8-bit codes in the order blue, green, red, and a fourth that is alpha or unused.
     Bgr(usize),
     /// Interleaved 8-bit codes in the order blue, green, red, and a fourth that is unused.
     Bgrx,

@@ -6,11 +6,11 @@ use std::path::PathBuf;
 /// Result with this crate's [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Why a picture could not be read, written, mapped or compared.
+/// Error of reading, writing, mapping or comparing pictures.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// Something is wrong with the named file; the inner error says what.
+    /// Error in the named file; the inner error describes it.
     #[error("{}: {error}", path.display())]
     File {
         /// The file.

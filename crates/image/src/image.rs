@@ -249,7 +249,7 @@ impl Image {
         Some(picture)
     }
 
-    /// As [`Image::rgb`], with an error that lists the channels there are.
+    /// Planes of [`Image::rgb`], or an error that lists the channels there are.
     ///
     /// # Errors
     /// [`Error::MissingChannels`].

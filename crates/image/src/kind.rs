@@ -1,4 +1,4 @@
-//! Which format a file has, by its content or its name.
+//! Format of a picture file, by its content or its name.
 
 use std::path::Path;
 

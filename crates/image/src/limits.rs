@@ -38,8 +38,8 @@ impl Limits {
         usize::try_from(pixels).map_err(|_| Error::Limit { what: PIXELS, declared: pixels, limit: usize::MAX as u64 })
     }
 
-    /// As [`Limits::check`], and also refuses sizes that need more than the `available` bytes when each byte of the
-    /// file can stand for at most `pixels_per_byte` pixels.
+    /// Checks a size as [`Limits::check`] does, and refuses sizes that need more than the `available` bytes when each
+    /// byte of the file can stand for at most `pixels_per_byte` pixels.
     pub(crate) fn check_against(
         &self,
         kind: FileKind,
@@ -86,7 +86,7 @@ pub(crate) fn with_room<T>(count: usize) -> Result<Vec<T>> {
     Ok(list)
 }
 
-/// So many zeros, if there is memory for them.
+/// List of `count` zeros, if there is memory for them.
 pub(crate) fn zeros<T: Copy + Default>(count: usize) -> Result<Vec<T>> {
     let mut list = with_room(count)?;
     list.resize(count, T::default());

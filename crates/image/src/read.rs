@@ -25,7 +25,7 @@ pub fn read(path: &Path, limits: &Limits) -> Result<Image> {
     picture.map_err(|e| e.at(path))
 }
 
-/// As [`read`], from memory; `name` helps with formats that have no signature (TGA).
+/// Reads a picture from memory; `name` helps with formats that have no signature (TGA).
 ///
 /// # Errors
 /// As [`read`], without the path.
@@ -45,7 +45,7 @@ pub fn read_texels(path: &Path, limits: &Limits) -> Result<Texels> {
     read_texels_bytes(&bytes, Some(path), limits).map_err(|e| e.at(path))
 }
 
-/// As [`read_texels`], from memory; `name` helps with formats that have no signature (TGA).
+/// Reads texels from memory; `name` helps with formats that have no signature (TGA).
 ///
 /// # Errors
 /// As [`read`], without the path.
@@ -53,9 +53,9 @@ pub fn read_texels_bytes(bytes: &[u8], name: Option<&Path>, limits: &Limits) -> 
     decode(kind_of(bytes, name)?, bytes, limits)
 }
 
-/// As [`read_texels`], band by band: `take` gets a band of at most `height` rows with the row it begins with, from the
-/// top, and the height of the picture. A PNG file is never in memory as a whole picture; of other kinds there is one
-/// band, which is the picture.
+/// Reads texels band by band: `take` gets a band of at most `height` rows with the row it begins with, from the top,
+/// and the height of the picture. A PNG file is never in memory as a whole picture; of other kinds there is one band,
+/// which is the picture.
 ///
 /// # Errors
 /// As [`read_texels`]; those of `take` as [`Error::Io`].

@@ -42,7 +42,7 @@ fn identity(_: &Metadata) -> [i64; 4] {
     [0; 4]
 }
 
-/// All of a file.
+/// Reads a regular file of at most `most` bytes.
 ///
 /// # Errors
 /// As [`open_regular`], for a file of more than `most` bytes, and where there is no memory for it.

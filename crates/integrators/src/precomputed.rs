@@ -18,7 +18,7 @@ pub struct VarianceReduction {
 }
 
 impl VarianceReduction {
-    /// As options ask for: `auto` is by trials.
+    /// Settings by the options; `auto` leaves a choice to trials.
     pub fn of(options: &MethodRequest) -> Self {
         Self {
             reuse: options.word("reuse").parse().ok(),

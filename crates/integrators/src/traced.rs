@@ -28,20 +28,20 @@ pub enum VertexKind {
     Escaped,
 }
 
-/// Why a path ends.
+/// Reason why a path ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// It left the scene.
+    /// The path left the scene.
     Escaped,
-    /// Nothing scatters it.
+    /// The last vertex scatters nothing.
     Absorbed,
-    /// It scattered as often as is asked for.
+    /// The path reached the largest number of scattering events.
     Depth,
-    /// By Russian roulette.
+    /// Russian roulette.
     Roulette,
     /// Its throughput is not finite.
     NotFinite,
-    /// It has more than [`MOST_VERTICES`] vertices; what the others bring is not in its value.
+    /// The path has more than [`MOST_VERTICES`] vertices; the light found at the others is not in its value.
     TooLong,
 }
 
@@ -102,7 +102,7 @@ pub struct TracedVertex {
 pub struct TracedPath {
     /// The camera first.
     pub vertices: Vec<TracedVertex>,
-    /// Why the path ends.
+    /// Reason why the path ends.
     pub end: End,
     /// Value of the pixel's sample, linear Rec.709: the bits that the path tracer gives.
     pub value: Vec3,
@@ -217,7 +217,7 @@ impl<'s> Recorder<'s> {
         }
     }
 
-    /// As the film holds it, with the weight that it gives the sample.
+    /// The path as the film holds it, with the weight that the film gives the sample.
     fn developed(mut self, lambda: &Wavelengths, weight: f32, time: f32) -> TracedPath {
         let mode = self.scene.mode();
         // What shone on a way that led nowhere.

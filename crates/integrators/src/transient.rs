@@ -23,7 +23,7 @@ pub struct Transient {
     pub depth: Depth,
     /// The optical lengths where the first interval begins and where the last one ends, m.
     pub range: [f64; 2],
-    /// Into how many intervals of the same length that is cut.
+    /// Number of bins of equal length in the range.
     pub bins: u32,
     /// Metres of a unit of the scene.
     pub unit: f64,

@@ -54,7 +54,7 @@ struct Guided {
 }
 
 impl Guided {
-    /// With albedo and normal first of the layers asked for.
+    /// Reads the planes of a picture, with albedo and normal first of the guides asked for.
     fn of(image: &Image, guides: &[Layer]) -> Result<Self, Error> {
         let size = [image.width() as u32, image.height() as u32];
         let rgb = |name: &str| values(image, name, RGB);

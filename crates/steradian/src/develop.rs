@@ -1,4 +1,4 @@
-//! From a film to a picture that is named after its scene.
+//! Development of a film to a picture that is named after its scene.
 
 use crate::{Film, Layer, Scene};
 use std::collections::BTreeMap;

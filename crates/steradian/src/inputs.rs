@@ -41,7 +41,7 @@ pub fn is_same_file(a: &Path, b: &Path) -> bool {
 pub struct Inputs(HashMap<Identity, PathBuf>);
 
 impl Inputs {
-    /// These files; those that are not there count too.
+    /// Set of files; missing files count too.
     pub fn of<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Self {
         Self(paths.into_iter().map(|path| (Identity::of(path), path.to_path_buf())).collect())
     }

@@ -159,7 +159,8 @@ impl Render {
         (!what.is_empty()).then(|| LeftOut { what: what.join(", "), instead })
     }
 
-    /// Why a denoiser cannot tell noise in the picture: where what pixels err is not independent, or not noise.
+    /// Reason why a denoiser cannot estimate the noise of the picture: errors of pixels that are not independent, or
+    /// not noise.
     pub fn not_denoisable(&self, scene: &Scene) -> Option<&'static str> {
         match self.method.supports(Feature::Denoising) {
             _ if scene.film().sensor.is_some() => Some("the film adds the noise of a sensor, which is to stay"),

@@ -38,12 +38,12 @@ pub struct Quality {
 }
 
 impl Quality {
-    /// By an integrator, `NAME` or `NAME:key=value,…`; the rest follows the scene.
+    /// Quality of an integrator, `NAME` or `NAME:key=value,…`; the rest follows the scene.
     pub fn of(integrator: &str) -> Self {
         Self { integrator: Some(integrator.into()), ..Self::default() }
     }
 
-    /// With so many samples per pixel.
+    /// Sets the number of samples per pixel.
     #[must_use]
     pub fn spp(self, spp: u32) -> Self {
         Self { spp: Some(spp), ..self }

@@ -16,7 +16,7 @@ const HASH: usize = blake3::OUT_LEN;
 /// Largest file that is read.
 const LARGEST: u64 = 8 << 30;
 
-/// Why a kept solution is of no use.
+/// Reason why a kept solution cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum KeptError {
@@ -32,7 +32,7 @@ pub enum KeptError {
     /// The scene has changed, or it is another one.
     #[error("belongs to another scene, or surfaces, materials, lights, or the colour mode have changed since")]
     OtherScene,
-    /// It was solved otherwise.
+    /// The solution was computed with other settings.
     #[error("was solved with {0}, which is not what is asked for; without that file the scene is solved anew")]
     OtherSettings(String),
 }

@@ -24,7 +24,7 @@ const SAMPLES: &str = "samples per pixel";
 /// Settings of more bytes are not printed.
 const READABLE: usize = 60;
 
-/// Why a state is of no use.
+/// Reason why a saved state cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StateError {

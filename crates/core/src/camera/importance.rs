@@ -77,7 +77,8 @@ impl Camera {
         self.on_film(film, self.place_at(time).inverse().point(p), Vec2::ZERO).map(|(_, at)| at)
     }
 
-    /// As [`Self::project`], of what is infinitely far away in a direction; `None` where rays are parallel, too.
+    /// Film position of a point infinitely far away in a direction, as [`Self::project`] gives it; `None` also for
+    /// parallel rays.
     pub fn project_direction(&self, film: &FilmSpec, direction: Vec3, time: f32) -> Option<Vec2> {
         if matches!(self.projection, Projection::Orthographic) {
             return None;

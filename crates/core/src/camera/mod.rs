@@ -60,7 +60,7 @@ pub struct Camera {
     pub medium: Option<u32>,
 }
 
-/// Which extent of the frame an angle of view is across.
+/// Extent of the frame that an angle of view spans.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FovAxis {
     /// The width.

@@ -3,8 +3,8 @@
 use super::{Light, Lights};
 use std::collections::BTreeMap;
 
-/// Which light belongs to which group. Lights and emitting shapes of the same name are one group; those without a name
-/// are one for each light that the file describes.
+/// Assignment of lights to groups. Lights and emitting shapes of the same name are one group; those without a name are
+/// one for each light that the file describes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LightGroups {
     /// Names, by number.

@@ -68,7 +68,7 @@ pub struct LightSample {
 /// A source of light.
 #[derive(Clone, Debug)]
 pub enum Light {
-    /// From a point.
+    /// A light at a point.
     Punctual(Punctual),
     /// Parallel light: the unit direction to the light, and the irradiance on a facing surface.
     Distant(Vec3, Color),
@@ -95,7 +95,7 @@ pub struct Lights {
     /// The others.
     tree: LightTree,
     mode: ColorMode,
-    /// When they shine, where any of them does not always.
+    /// Schedules, where any light does not shine always.
     pub timetable: Option<Box<Timetable>>,
 }
 

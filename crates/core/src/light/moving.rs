@@ -41,7 +41,7 @@ impl Moving {
 }
 
 impl AreaShape {
-    /// This part, placed once more. Rectangles are to stay rectangles.
+    /// Copy of this part, placed once more. Rectangles are to stay rectangles.
     pub fn placed(&self, place: &Affine) -> Self {
         let normal = |n: Vec3| place.normal(n).normalize_or_zero();
         match self {

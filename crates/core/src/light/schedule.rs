@@ -1,15 +1,15 @@
-//! When lights shine.
+//! Schedules of lights.
 
 use steradian_math::spectra::Wavelengths;
 
-/// When a light shines, in seconds on the clock of the camera's shutter.
+/// Schedule of a light, in seconds on the clock of the camera's shutter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Schedule {
-    /// When it goes on.
+    /// Time at which the light goes on.
     pub on: f64,
-    /// When it goes off.
+    /// Time at which the light goes off.
     pub off: f64,
-    /// After how long it goes on again, and went on before; infinite of a light that shines once.
+    /// Period after which the light goes on again, and went on before; infinite of a light that shines once.
     pub period: f64,
 }
 
@@ -28,7 +28,7 @@ impl Schedule {
 /// The schedules of all lights.
 #[derive(Clone, Debug)]
 pub struct Timetable {
-    /// When the shutter opens and closes, s.
+    /// Times at which the shutter opens and closes, s.
     pub exposure: [f64; 2],
     /// Schedule of each of [`Lights::lights`](super::Lights::lights).
     pub of_lights: Vec<Schedule>,

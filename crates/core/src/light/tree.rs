@@ -48,15 +48,15 @@ pub struct Cluster {
     pub center: Vec3,
     /// The square of half its diagonal.
     pub half2: f32,
-    /// As in [`LightBounds`].
+    /// Unit axis of the cone of normals.
     pub axis: Vec3,
-    /// As in [`LightBounds`].
+    /// Cosine of the half angle of that cone; −1 for all directions.
     pub cos_o: f32,
-    /// As in [`LightBounds`].
+    /// Cosine of the angle around a normal into which light is emitted.
     pub cos_e: f32,
-    /// As in [`LightBounds`].
+    /// Luminous intensity along a normal: for surfaces luminance times area.
     pub intensity: f32,
-    /// As in [`LightBounds`].
+    /// True if light is emitted to both sides of the normals.
     pub two_sided: bool,
 }
 

@@ -40,10 +40,10 @@ pub enum Facing {
     /// Opaque materials: as [`Facing::Bent`]. Materials that transmit: unchanged, and directions on the wrong side leak
     /// through the surface, as with pbrt.
     Leaking,
-    /// It is mirrored about the normal without detail, and what arrives from below the surface does not count (Mitsuba
-    /// 3; Schüßler et al., "Microfacet-based normal mapping for robust Monte Carlo path tracing", 2017).
+    /// The shading normal is mirrored about the normal without detail, and light from below the surface does not count
+    /// (Mitsuba 3; Schüßler et al., "Microfacet-based normal mapping for robust Monte Carlo path tracing", 2017).
     Turned,
-    /// Nothing; what arrives from below the surface does not count.
+    /// The shading normal is unchanged; light from below the surface does not count.
     AsItIs,
 }
 

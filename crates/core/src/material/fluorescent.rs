@@ -13,7 +13,7 @@ pub struct FluorescentMaterial {
     pub reflectance: SpectrumTexture,
     /// Reradiation: light emitted at each wavelength per light absorbed at each.
     pub reradiation: Arc<Reradiation>,
-    /// For how long the light that leaves at other wavelengths is held back in the mean, s.
+    /// Mean time for which light that leaves at other wavelengths is held back, s.
     pub lifetime: f32,
     /// Index of the material that stands in where wavelengths are not changed.
     pub local: u32,

@@ -231,7 +231,7 @@ pub struct Material {
 /// The surface below bump and normal maps, by its effect on the directions of a [`Scattering`].
 #[derive(Clone, Copy, Debug)]
 pub enum Ground {
-    /// It hides and shades directions.
+    /// Hiding and shading of directions.
     Covers(Cover),
     /// Directions on its wrong side are folded back.
     Folds(Fold),
@@ -248,7 +248,7 @@ pub struct Scattering<'a> {
     pub detail: Option<&'a SurfaceDetail>,
     /// Effect of the surface without its detail on directions.
     pub ground: Option<Ground>,
-    /// For how long matter holds back the light that it scatters, in the mean, s.
+    /// Mean time for which matter holds back the light that it scatters, s.
     pub lifetime: f32,
     /// The medium that light goes into which enters.
     pub below: Option<&'a SubsurfaceMedium>,

@@ -14,7 +14,7 @@ pub struct Parametric {
     pub colors: Vec<SpectrumTexture>,
     /// Numbers; at most [`MOST_INPUTS`].
     pub numbers: Vec<FloatTexture>,
-    /// Which of the words of a choice.
+    /// Index of the chosen word.
     pub choice: usize,
     /// A vector.
     pub vector: Vec3,

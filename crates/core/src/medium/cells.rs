@@ -6,7 +6,7 @@ use steradian_math::{Ray, Vec3, transform::Affine};
 /// A box, placed by the map into the unit cube that stands for it, and the number of cells along each of its axes.
 #[derive(Clone, Debug)]
 pub struct Cells {
-    /// Into the unit cube.
+    /// Transform of the box to the unit cube.
     pub cube_from_world: Affine,
     /// Cells along each axis.
     pub count: [usize; 3],

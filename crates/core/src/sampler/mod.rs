@@ -23,7 +23,7 @@ use steradian_math::{
     sobol::Scramble,
 };
 
-/// Which point set the samples of a pixel form.
+/// Point set of a pixel's samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SamplerKind {
     /// Independent uniform numbers.
@@ -61,7 +61,7 @@ pub const SAMPLERS: &[(&str, SamplerKind)] = &[
 ];
 
 impl SamplerKind {
-    /// By name; `None` for names that are not in [`SAMPLERS`].
+    /// The sampler of a name; `None` for names that are not in [`SAMPLERS`].
     pub fn named(name: &str) -> Option<Self> {
         SAMPLERS.iter().find(|s| s.0 == name).map(|s| s.1)
     }

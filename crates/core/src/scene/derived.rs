@@ -91,12 +91,12 @@ fn filled(parts: &Parts, medium: u32) -> Bounds3 {
 /// Scattering of a geometry, as far as it is simple.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// In any way.
+    /// Any scattering.
     Any,
-    /// By Lambert's law, the same everywhere on each side: a mesh in the world that emits nothing and separates no
+    /// Lambert's law, with one albedo everywhere on each side: a mesh in the world that emits nothing and separates no
     /// media.
     Lambertian,
-    /// Not at all, by Lambert's law with an albedo of zero.
+    /// No scattering: Lambert's law with an albedo of zero.
     Black,
 }
 

@@ -63,8 +63,8 @@ impl Scene {
         self.facts.find_kinds(&self.parts);
     }
 
-    /// This scene with what stands in for materials below which light goes, and for those that change its wavelength,
-    /// for methods that do not follow it there.
+    /// Scene with local stand-ins for materials with subsurface transport and for those that change the wavelength, for
+    /// methods that do not follow light there.
     #[must_use]
     pub fn with_local_scattering(self) -> Self {
         self.changed(|parts| {
@@ -74,7 +74,7 @@ impl Scene {
         })
     }
 
-    /// This scene with some of its parts changed.
+    /// Scene with some of its parts changed.
     #[must_use]
     pub fn changed(mut self, change: impl FnOnce(&mut Parts)) -> Self {
         self.change(change);
@@ -631,8 +631,8 @@ impl Scene {
         self.interaction_by(ray, hit, |geometry, ray| geometry.shape.surface(hit, ray))
     }
 
-    /// As [`Scene::interaction`], with the parametrisation left zero where nothing that scatters or emits light asks
-    /// for it.
+    /// Surface at a hit, as [`Scene::interaction`], with the parametrisation left zero where nothing that scatters or
+    /// emits light asks for it.
     #[inline]
     pub fn interaction_of_light(&self, ray: &Ray, hit: &Hit) -> Interaction {
         self.interaction_by(ray, hit, |geometry, ray| {
@@ -706,7 +706,7 @@ impl Scene {
         self.scattering_along(i, None, choice, lambda)
     }
 
-    /// As [`Scene::scattering`], seen by a ray with a differential.
+    /// Scattering at a surface as by [`Scene::scattering`], seen by a ray with a differential.
     #[inline]
     pub fn scattering_along<'a>(
         &'a self,
@@ -720,7 +720,7 @@ impl Scene {
             .then_some((scattering, frame))
     }
 
-    /// As [`Scene::scattering_along`], written where it stays, since it is large; whether anything scatters.
+    /// Writes the result of [`Scene::scattering_along`] in place, since it is large; false if nothing scatters.
     #[inline]
     pub fn write_scattering<'a>(
         &'a self,
@@ -750,7 +750,7 @@ impl Scene {
         true
     }
 
-    /// As [`Scene::scattering`], with textures looked up where `at` says.
+    /// Scattering at a surface as by [`Scene::scattering`], with textures looked up where `at` says.
     pub fn scattering_at<'a>(
         &'a self,
         i: &Interaction,
@@ -761,7 +761,7 @@ impl Scene {
         self.scattering_when(i, &TextureContext { time: lambda.time, ..*at }, choice, lambda)
     }
 
-    /// As [`Scene::scattering_at`], at the moment that `at` says.
+    /// Scattering at a surface as by [`Scene::scattering_at`], at the moment that `at` says.
     #[inline]
     fn scattering_when<'a>(
         &'a self,

@@ -20,7 +20,7 @@ pub enum CurveBasis {
 pub enum CurveKind {
     /// A strip that faces the ray.
     Flat,
-    /// As flat, with normals that turn over the width as they would on a cylinder.
+    /// A flat strip with normals that turn over the width as they would on a cylinder.
     Cylinder,
     /// A strip that faces along given normals.
     Ribbon,

@@ -5,7 +5,7 @@ use std::f32::consts::TAU;
 use steradian_accel::UserHit;
 use steradian_math::{Bounds3, Ray, Vec2, Vec3, ray::gamma, transform::Affine};
 
-/// Which quadric, in object space; angles in radians.
+/// Quadric in object space; angles in radians.
 #[derive(Clone, Copy, Debug)]
 pub enum QuadricKind {
     /// Around the origin, cut at two heights.

@@ -251,7 +251,7 @@ struct Frame {
     /// Samples per pixel, in the mean, that the steps so far were to reach, and whether all tiles have.
     next: u32,
     is_complete: bool,
-    /// When the error is looked at next.
+    /// Samples per pixel at which the error is estimated next.
     look: u32,
     is_good_enough: bool,
     /// Errors of means over pixels, when the first of several rounds was complete.
@@ -395,7 +395,8 @@ impl Frame {
         self.squared_errors().map(|sum| sum.relative(pixels))
     }
 
-    /// Why the error is not to be trusted, if so, where one path of the picture finds the rarest light so often.
+    /// Reason not to trust the error, if there is one, for the probability that one path of the picture finds the
+    /// rarest light.
     fn doubt(&self, rarest_path_probability: Option<f64>) -> Option<Doubt> {
         let crop = self.scene.film().crop;
         let paths = f64::from(crop.width()) * f64::from(crop.height()) * f64::from(self.next);

@@ -46,7 +46,7 @@ pub(super) struct Member {
     pub sum: Vec3,
     /// Rays that they took, where they share none.
     pub rays: u32,
-    /// When it is taken.
+    /// Tick in which the sample is taken.
     pub tick: u32,
 }
 
@@ -64,7 +64,7 @@ struct Found {
 /// Buffers of a thread; kept, so that nothing is allocated per sample.
 pub(super) struct Scratch<B> {
     pub members: Vec<Member>,
-    /// Who takes part in a path of the group, and the weight that the film gives it.
+    /// Members that take part in a path of the group, and the weights that the film gives them.
     pub taking: Vec<(usize, f32)>,
     /// The pixels of a wave, with samplers and numbers of samples, and which members they are of.
     pub pixels: Vec<(Place, Sampler, u32)>,

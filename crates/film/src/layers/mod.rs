@@ -1,4 +1,4 @@
-//! From the sums on a film to a picture with layers.
+//! Layers of a picture, from the sums on a film.
 
 mod cryptomatte;
 mod inputs;
@@ -105,7 +105,7 @@ impl Layer {
         self.0.inputs
     }
 
-    /// By name.
+    /// The layer of a name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|l| l.name() == name)
     }

@@ -18,7 +18,7 @@ pub struct LayerSums {
 }
 
 impl LayerSums {
-    /// Without samples, of so many pixels and parts of the light.
+    /// Empty sums of so many pixels and parts of the light.
     pub fn new(inputs: LayerInputs, pixels: usize, parts: usize) -> Self {
         let of = |input| if inputs.has(input) { pixels } else { 0 };
         Self {

@@ -13,9 +13,9 @@ use rayon::prelude::*;
 pub enum BlockFormat {
     /// Colours on a line between two ends, 8 bytes; one bit of alpha, which is not written.
     Bc1,
-    /// As BC1 with four bits of alpha for each texel, 16 bytes; only read.
+    /// BC1 colours with four bits of alpha for each texel, 16 bytes; only read.
     Bc2,
-    /// As BC1 with alpha as in BC4, 16 bytes.
+    /// BC1 colours with alpha as in BC4, 16 bytes.
     Bc3,
     /// One channel between two ends, 8 bytes.
     Bc4,

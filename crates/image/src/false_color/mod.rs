@@ -19,7 +19,7 @@ const NOT_FINITE: [u8; 3] = [255, 0, 255];
 enum End {
     /// A luminance.
     At(f64),
-    /// Which part of the pixels, of those above zero if the scale is logarithmic, is not above it.
+    /// Percentile: the part of the pixels, of those above zero if the scale is logarithmic, that is not above the end.
     Part(f64),
 }
 
@@ -53,7 +53,7 @@ impl Scale {
 }
 
 impl FalseColor {
-    /// From settings `scale=log|linear`, `min` and `max` as a luminance or a percentile of the pixels (`99.9%`),
+    /// Parses settings `scale=log|linear`, `min` and `max` as a luminance or a percentile of the pixels (`99.9%`),
     /// `white` (the luminance of a value of 1) and `unit=cd/m²|lx`. Absent: `log`, 1 % and 99.9 %, and cd/m².
     ///
     /// # Errors

@@ -25,7 +25,7 @@ pub enum Prefilter {
     Box,
     /// A Gaussian whose standard deviation is half of `step`.
     Gaussian,
-    /// All below half the rate, nothing above: the ideal.
+    /// Ideal low-pass: all below half the rate, nothing above.
     Sinc,
 }
 

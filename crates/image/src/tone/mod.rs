@@ -136,7 +136,7 @@ impl Tone {
         Self { curve, values, exposure: 0.0 }
     }
 
-    /// From `name` or `name:key=value,key=value`, e.g. `reinhard:white=4` or `gamma:gamma=2.4,exposure=1`.
+    /// Parses `name` or `name:key=value,key=value`, e.g. `reinhard:white=4` or `gamma:gamma=2.4,exposure=1`.
     ///
     /// # Errors
     /// [`Error::UnknownTone`], [`Error::ToneParameter`].

@@ -36,7 +36,7 @@ const AMBIENT: f32 = 0.05;
 /// Landing of a photon.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Photon {
-    /// There.
+    /// Landing point.
     pub p: Vec3,
     /// Last vertex before the landing.
     pub q: Vec3,
@@ -125,7 +125,7 @@ fn targets(scene: &Scene) -> Vec<Target> {
         .collect()
 }
 
-/// Which materials may send light on in narrow bundles.
+/// Flags for the materials that may send light on in narrow bundles.
 fn focusing(materials: &[Material]) -> Vec<bool> {
     let is_narrow = |r: &Roughness| match (r.u, r.v) {
         (FloatTexture::Constant(u), FloatTexture::Constant(v)) => {

@@ -31,7 +31,7 @@ const WAVE: usize = 128;
 /// 500 bytes for each vertex.
 const KEPT: usize = 1 << 16;
 
-/// Which ways are gone.
+/// Connections of light and camera subpaths that a method makes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Strategy {
     /// Vertices of light paths are connected to the camera, which sees lights directly: light tracing.
@@ -47,9 +47,9 @@ pub enum Strategy {
 pub struct Bidirectional {
     /// Path depth: events of both subpaths count.
     pub depth: Depth,
-    /// Which ways are gone.
+    /// Connections that are made.
     pub strategy: Strategy,
-    /// Within which vertices merge.
+    /// Merging radius of vertices.
     pub radius: Radius,
 }
 

@@ -189,7 +189,7 @@ enum Stage {
     /// Light that leaves the next surface that is not specular: the global map has it. Light straight from lights, also
     /// by mirrors, was found where the bounce began.
     Bounce,
-    /// As for a bounce, but of mirrors.
+    /// Light of a bounce, for paths at mirrors.
     PastCurve,
     /// Only light that passes a curve.
     Gathered,

@@ -7,14 +7,14 @@ use steradian_request::MethodRequest;
 /// The radius of the first pass.
 #[derive(Clone, Copy, Debug)]
 pub enum Radius {
-    /// In scene units.
+    /// A length in scene units.
     Fixed(f32),
     /// A number of pixels, where the camera sees surfaces at their median distance.
     Pixels(f32),
 }
 
 impl Radius {
-    /// As options ask for by `radius` or `pixels`, whichever is set last.
+    /// Radius by the options `radius` or `pixels`, whichever is set last.
     pub(super) fn of(options: &MethodRequest) -> Self {
         match options.last_of(&["radius", "pixels"]).and_then(|(name, value)| Some((name, value.number()?))) {
             Some(("radius", length)) => Self::Fixed(length as f32),
@@ -22,7 +22,7 @@ impl Radius {
         }
     }
 
-    /// So many times as far.
+    /// Radius times a factor.
     pub(super) fn times(self, factor: f32) -> Self {
         match self {
             Self::Fixed(r) => Self::Fixed(factor * r),
@@ -30,7 +30,7 @@ impl Radius {
         }
     }
 
-    /// In a scene.
+    /// Radius in a scene, in scene units.
     pub(super) fn of_scene(self, scene: &Scene) -> f32 {
         match self {
             Self::Fixed(r) => r,

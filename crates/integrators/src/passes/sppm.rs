@@ -35,7 +35,7 @@ pub(super) fn paths(photons: u32, run: &Run<'_>) -> usize {
 pub struct Sppm {
     /// Path depth: events of both subpaths count.
     pub depth: Depth,
-    /// Within which photons are gathered in the first pass.
+    /// Radius within which photons are gathered in the first pass.
     pub radius: Radius,
     /// Light paths of a pass; 0 for one for each pixel, up to a million.
     pub photons: u32,

@@ -119,7 +119,7 @@ pub(super) enum Arrival<'s> {
 }
 
 impl Subpath {
-    /// From the camera along one of its rays.
+    /// Subpath from the camera along one of its rays.
     pub fn from_camera(scene: &Scene, ray: Ray, lambda: Wavelengths, ways: &Ways, depth: &Depth) -> Self {
         let d = scene.camera().ray_density(scene.film(), &ray);
         // dVCM of a camera subpath: (n / p)², with n light paths and the density p of the camera ray.
@@ -143,7 +143,7 @@ impl Subpath {
         }
     }
 
-    /// From a light.
+    /// Subpath from a light.
     pub fn from_light(scene: &Scene, emission: &Emission, numbers: &impl Numbers, lambda: Wavelengths) -> Option<Self> {
         let at = |decision| dimension::at(LIGHT_EVENTS - 1, decision);
         // A light, a point on it, and a direction: β = Le cosθ / p.

@@ -25,7 +25,7 @@ use steradian_math::{Frame, Spectrum, Vec2, Vec3, spectra::Wavelengths, warp};
 /// Dependence of a surface on the viewer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum View {
-    /// Not at all.
+    /// No dependence.
     Fixed,
     /// Its shading normal does.
     Detail,

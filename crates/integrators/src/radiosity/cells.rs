@@ -28,7 +28,7 @@ pub struct Cell {
 pub struct Cells {
     /// First the whole pieces, with their indices; then groups of four children.
     pub cells: Vec<Cell>,
-    /// Which cells were split, in order.
+    /// Indices of split cells, in the order of the splits.
     pub splits: Vec<u32>,
 }
 
@@ -72,7 +72,7 @@ impl Cell {
         }
     }
 
-    /// Which of the children holds parameters.
+    /// Index of the child that contains the parameters `uv`.
     fn child(&self, uv: Vec2) -> u32 {
         let w = self.weights(uv);
         // A corner's child holds all points whose weight of that corner is above one half; the rest is the middle one.

@@ -95,7 +95,7 @@ impl Exchange<'_> {
         Some(rows)
     }
 
-    /// So many rows, each told of when it is made; `None` where told to stop.
+    /// Makes `count` rows, each reported when it is made; `None` where told to stop.
     pub fn rows_by(&self, count: usize, make: &(dyn Fn(usize) -> Row + Sync)) -> Option<Vec<Row>> {
         let made = |i: usize| {
             let row = (self.tell)(0).then(|| make(i))?;

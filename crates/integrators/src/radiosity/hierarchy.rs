@@ -45,7 +45,7 @@ struct Node {
     matter: Vec<Matter>,
     /// Irradiance from lights that are no patches.
     direct: Vec<DVec4>,
-    /// From where it gathers.
+    /// Links over which the node gathers.
     links: Vec<Link>,
     /// Irradiance over its own links, and with that of its parents.
     gathered: Vec<DVec4>,

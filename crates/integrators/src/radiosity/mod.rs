@@ -56,17 +56,17 @@ use system::{Solved, System};
 /// Solver of the radiosity equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// All patches from those before.
+    /// Jacobi iteration: all patches from the previous values.
     Jacobi,
     /// Each patch from the newest values.
     GaussSeidel,
     /// Elimination.
     Direct,
-    /// From the brightest patch to all others, again and again.
+    /// Progressive shooting: from the brightest patch to all others, again and again.
     Shooting,
     /// Over links between patches of all sizes, which are made where they are needed.
     Hierarchical,
-    /// By rays alone.
+    /// Stochastic radiosity, by rays alone.
     Stochastic,
 }
 
@@ -142,7 +142,7 @@ const SHOOTING_LIMIT: usize = 100_000;
 pub trait Watcher: Sync {
     /// A phase begins, of so many parts.
     fn begins(&self, phase: &'static str, parts: u64);
-    /// So many parts are done; whether to go on.
+    /// Reports that `parts` more parts are done; false to stop.
     fn advances(&self, parts: u64) -> bool;
 }
 

@@ -13,7 +13,7 @@ pub struct Polygon {
 }
 
 impl Polygon {
-    /// From its corners; those beyond [`MOST_CORNERS`] are left out.
+    /// Polygon from its corners; those beyond [`MOST_CORNERS`] are left out.
     pub fn new(corners: &[DVec3]) -> Self {
         let mut polygon = Self { corners: [DVec3::ZERO; MOST_CORNERS], count: 0 };
         corners.iter().for_each(|c| polygon.push(*c));

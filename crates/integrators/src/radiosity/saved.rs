@@ -12,7 +12,7 @@ use std::io::{self, Read, Write};
 use steradian_core::Scene;
 use steradian_math::Spectrum;
 
-/// Why a file is no solution of a scene.
+/// Reason why a file is no solution of a scene.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LoadError {

@@ -46,7 +46,7 @@ pub struct Piece {
     flipped: bool,
 }
 
-/// Why a scene cannot be cut into patches.
+/// Reason why a scene cannot be cut into patches.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Refusal {
@@ -81,7 +81,7 @@ pub enum Refusal {
         /// The limit.
         limit: u32,
     },
-    /// There is nothing to cut.
+    /// Scene without surfaces to cut.
     #[error("radiosity needs surfaces; the scene has none that can be cut into patches")]
     NoSurfaces,
     /// More pieces than a method can hold.

@@ -12,7 +12,7 @@ const NEAR: f32 = 1e-5;
 /// The least cosine between normals of patches that are smooth across a vertex.
 const SMOOTH: f32 = 0.9;
 
-/// Which vertices the corners of patches are.
+/// Vertices at the corners of patches.
 #[derive(Clone, Debug, Default)]
 pub struct Vertices {
     /// For each patch the vertices of its corners, in their order.

@@ -45,14 +45,14 @@ fn is_lambertian(scene: &Scene, y: &Vertex<'_>) -> bool {
     }
 }
 
-/// Who gets light that leaves y.
+/// Recipients of light that leaves y.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Shared {
     /// Its finder alone.
     No,
-    /// All alike.
+    /// All members alike.
     Alike,
-    /// All, each by what is scattered its way.
+    /// All members, each weighted by the light scattered towards it.
     ByDirection,
 }
 

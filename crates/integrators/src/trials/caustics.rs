@@ -33,7 +33,7 @@ type Contributions = Vec<(f64, f64)>;
 
 /// Result of the trial.
 pub(crate) struct Outcome {
-    /// By how much the photons lower the variance of the picture's samples.
+    /// Factor by which the photons lower the variance of the picture's samples.
     pub gain: f64,
     /// Probability that one path without photons brings one of the brightest contributions, so many of which are taken
     /// together that they carry a fiftieth of the light; `None` where photons do not lead to these.

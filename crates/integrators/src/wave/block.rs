@@ -96,7 +96,7 @@ pub struct Block {
     /// True for a flat light, which is a triangle or a rectangle and may shine to both sides: its sample is left to
     /// [`flat_lights`], and the density is that of its choice then.
     pub is_flat: Column<u32>,
-    /// Which light the columns below are of; they stay from block to block.
+    /// Number of the light that the columns below describe; they stay from block to block.
     pub flat_number: Column<u32>,
     pub flat_corner: [Column; 3],
     pub flat_edges: [[Column; 3]; 2],

@@ -84,7 +84,7 @@ impl Shadows {
 /// Room for the paths of a wave; kept, so that nothing is allocated per sample.
 #[derive(Debug, Default)]
 pub struct WaveBuffer<'s> {
-    /// As many as samples, in their order.
+    /// Walkers, one for each sample in their order.
     walkers: Vec<Walker>,
     /// Live paths.
     live: Vec<u32>,
@@ -292,7 +292,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
     }
 }
 
-/// So many rays are asked about at once: in scenes where each takes long, a stop is not waited for.
+/// Number of rays traced between checks for a stop, so that a stop takes effect soon where each ray takes long.
 const PART: usize = 64;
 
 /// Asks about rays part by part, until a stop is asked for; what is left then is as it was.

@@ -21,14 +21,13 @@ const SLACK: f64 = 2.0;
 /// Verdict on an integrator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// No difference is seen, and one of [`POWER`] would be.
+    /// No difference was found, and one of [`POWER`] would have been.
     Agrees,
-    /// There is a difference of a bias, and the limit to which it shrinks with the radius or the size of patches is the
-    /// reference.
+    /// Difference of a bias that shrinks with the radius or the size of patches; its limit is the reference.
     Converges,
     /// No difference is seen, but a large one might not be either; or the errors are not known well enough.
     Undecided,
-    /// There is a difference that noise does not explain.
+    /// Difference that noise does not explain.
     Differs,
 }
 
@@ -47,7 +46,7 @@ pub struct Difference {
     pub largest: f64,
     /// The largest that is allowed.
     pub allowed: f64,
-    /// For biased integrators, by how much `ratio` changed when the radius or the edges of patches were halved.
+    /// Change of `ratio` when the radius or the edges of patches were halved, for biased integrators.
     pub change: Option<f64>,
     /// True if the errors are known, so that more samples can decide.
     pub is_reliable: bool,

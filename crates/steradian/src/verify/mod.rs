@@ -47,7 +47,7 @@ const OTHERS: &[&str] = &["ao", "direct", "whitted", "raycast", "stokes-s1", "st
 /// Outcome of an integrator.
 #[derive(Clone, Debug)]
 pub enum Outcome {
-    /// It was compared with the reference.
+    /// Comparison with the reference.
     Compared(Box<Comparison>),
     /// Unsupported feature of the scene.
     Cannot(String),
@@ -82,9 +82,9 @@ pub struct Report {
     pub reference: String,
     /// Its picture.
     pub film: Film,
-    /// Why nothing is decided, where no reference finds all light.
+    /// Reason why nothing is decided, where no reference finds all light.
     pub incomplete: Option<String>,
-    /// By the order of the registry.
+    /// Outcomes in the order of the registry.
     pub verified: Vec<Verified>,
 }
 
@@ -180,7 +180,7 @@ struct Method {
     render: Render,
     picture: Picture,
     rounds: u32,
-    /// With more of its bias, for methods that have some.
+    /// Integrator with a larger bias and its picture, for methods that are biased.
     wider: Option<(Arc<dyn Integrator>, Picture)>,
 }
 

@@ -28,7 +28,7 @@ pub(super) struct Beam {
 }
 
 impl Beam {
-    /// From a point to another.
+    /// Ray from one point to another.
     pub fn between(origin: DVec3, to: DVec3) -> Self {
         Self { origin, direction: (to - origin).normalize() }
     }

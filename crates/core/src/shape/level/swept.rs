@@ -37,7 +37,7 @@ impl Swept {
         (swept.object_area() > 0.0 && swept.object_area().is_finite()).then_some(swept)
     }
 
-    /// This surface, placed once more.
+    /// Copy of this surface, placed once more.
     #[must_use]
     pub fn placed(&self, place: &Affine) -> Self {
         let place = *place * self.level.place;

@@ -57,7 +57,7 @@ struct Angles {
     count: usize,
 }
 
-/// Into how many parts the steps between angles at which light is gathered are divided.
+/// Number of parts of each step between angles at which light is gathered.
 const FINE: usize = 4;
 
 impl Angles {
