@@ -1,6 +1,7 @@
 //! `steradian convert` for scenes, and thumbnails.
 
 use crate::Place;
+use base64::{Engine as _, prelude::BASE64_STANDARD};
 use std::{
     collections::BTreeMap,
     io::Write,
@@ -77,7 +78,7 @@ const SLIDE: &str = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"no
 fn frames_of_an_animation_are_pictures_by_number() {
     let place = Place::new();
     let floats = [-1.0_f32, -1.0, 0.0, 1.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 3.0, 1.0];
-    place.file("s.gltf", &SLIDE.replace("BYTES", &base64(&floats.map(f32::to_le_bytes).concat())));
+    place.file("s.gltf", &SLIDE.replace("BYTES", &BASE64_STANDARD.encode(floats.map(f32::to_le_bytes).concat())));
     let size = ["--size", "24x18", "--spp", "1", "-q"];
     place.succeed(&[&["render", "s.gltf", "--frames", "0..1", "--fps", "1", "-o", "f.exr"][..], &size[..]].concat());
     assert_ne!(place.picture("f.0000.exr"), place.picture("f.0001.exr"));
@@ -92,7 +93,7 @@ pub fn seen_slide() -> String {
     let floats = [-1.0_f32, -1.0, 0.0, 1.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 3.0, 1.0];
     let camera = r#""cameras": [{"type": "perspective", "perspective": {"yfov": 1.5707963, "znear": 0.01}}], "meshes""#;
     SLIDE
-        .replace("BYTES", &base64(&floats.map(f32::to_le_bytes).concat()))
+        .replace("BYTES", &BASE64_STANDARD.encode(floats.map(f32::to_le_bytes).concat()))
         .replace(r#""nodes": [0]"#, r#""nodes": [0, 1]"#)
         .replace(r#"{"mesh": 0}"#, r#"{"mesh": 0}, {"camera": 0, "translation": [0, 0, 4]}"#)
         .replace(r#""meshes""#, camera)
@@ -124,16 +125,6 @@ fn motion_of_an_animation_is_its_speed() {
     place.refuse(2, &["render", "s.gltf", "--aov", "motion", "-o", "f.exr"], &["motion", "--frames"]);
     place.succeed(&["render", "s.gltf", "--frames", "0..0", "--size", "8x8", "--aov", "all", "-q", "-o", "all.exr"]);
     assert!(place.picture("all.0000.exr").channel("motion.X").is_none());
-}
-
-fn base64(bytes: &[u8]) -> String {
-    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let digits = |c: &[u8]| {
-        let n = c.iter().chain([&0, &0]).take(3).fold(0, |n, b| n << 8 | usize::from(*b));
-        let all: Vec<char> = (0..4).rev().map(|i| char::from(DIGITS[n >> (6 * i) & 63])).collect();
-        all.into_iter().enumerate().map(|(i, d)| if i > c.len() { '=' } else { d }).collect::<String>()
-    };
-    bytes.chunks(3).map(digits).collect()
 }
 
 /// A mesh that no format holds in place, of a size.

@@ -2,6 +2,11 @@
 
 use super::{Reader, json::At, meshopt};
 use crate::files;
+use base64::{
+    Engine as _,
+    alphabet::STANDARD,
+    engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig},
+};
 use std::{ops::Range, sync::Arc};
 
 /// Bytes that are shared, not copied.
@@ -157,28 +162,27 @@ fn percent_decoded(text: &str) -> Result<Vec<u8>, String> {
     Ok(out)
 }
 
-/// RFC 4648, with or without padding.
+/// RFC 4648 in either alphabet, with or without padding and line breaks.
 fn base64(text: &str) -> Result<Vec<u8>, String> {
-    let mut out = Vec::with_capacity(text.len() / 4 * 3);
-    let (mut bits, mut count) = (0u32, 0);
-    for b in text.bytes().filter(|b| !b.is_ascii_whitespace()) {
-        let value = match b {
-            b'A'..=b'Z' => b - b'A',
-            b'a'..=b'z' => b - b'a' + 26,
-            b'0'..=b'9' => b - b'0' + 52,
-            b'+' | b'-' => 62,
-            b'/' | b'_' => 63,
-            b'=' => break,
-            _ => return Err("the data URI is not base64".into()),
-        };
-        bits = bits << 6 | u32::from(value);
-        count += 6;
-        if count >= 8 {
-            count -= 8;
-            out.push((bits >> count) as u8);
-        }
-    }
-    Ok(out)
+    const LENIENT: GeneralPurpose = GeneralPurpose::new(
+        &STANDARD,
+        GeneralPurposeConfig::new()
+            .with_decode_allow_trailing_bits(true)
+            .with_decode_padding_mode(DecodePaddingMode::RequireNone),
+    );
+    let digits = text.bytes().filter(|b| !b.is_ascii_whitespace()).take_while(|b| *b != b'=');
+    let digits: Vec<u8> = digits
+        .map(|b| {
+            if b == b'-' {
+                b'+'
+            } else if b == b'_' {
+                b'/'
+            } else {
+                b
+            }
+        })
+        .collect();
+    LENIENT.decode(digits).map_err(|_| "the data URI is not base64".into())
 }
 
 impl Reader<'_> {

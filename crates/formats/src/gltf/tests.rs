@@ -2,23 +2,13 @@
 
 use super::{framed_box, import};
 use crate::{Import, Options};
+use base64::{Engine as _, prelude::BASE64_STANDARD};
 use steradian_math::DVec3;
 use steradian_scene::{Animation, Fidelity, SpectrumValue, Value};
 
 /// Floats as a data URI.
 pub(super) fn data(bytes: &[u8]) -> String {
-    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::from("data:application/octet-stream;base64,");
-    for chunk in bytes.chunks(3) {
-        let word = u32::from(chunk[0]) << 16
-            | chunk.get(1).map_or(0, |b| u32::from(*b) << 8)
-            | chunk.get(2).map_or(0, |b| u32::from(*b));
-        for k in 0..4 {
-            let letter = LETTERS[(word >> (18 - 6 * k) & 63) as usize] as char;
-            text.push(if k <= chunk.len() { letter } else { '=' });
-        }
-    }
-    text
+    format!("data:application/octet-stream;base64,{}", BASE64_STANDARD.encode(bytes))
 }
 
 fn floats(values: &[f32]) -> Vec<u8> {

@@ -2,6 +2,7 @@
 
 use super::chart::{Axis, Chart, Marker, Series};
 use crate::svg::{self, Entry, FONT, LINE, MARGIN, WIDTH, escape, number, power_of_ten};
+use base64::{Engine as _, prelude::BASE64_STANDARD};
 use std::fmt::Write;
 
 /// Height of what is between the axes, and the most of it where both axes have one scale.
@@ -161,7 +162,7 @@ impl Frame {
                 svg,
                 "<image x=\"{left:.1}\" y=\"{top:.1}\" width=\"{w:.1}\" height=\"{h:.1}\" preserveAspectRatio=\"none\" \
                  xlink:href=\"data:image/png;base64,{}\"/>",
-                svg::base64(&backdrop.png)
+                BASE64_STANDARD.encode(&backdrop.png)
             );
             "stroke=\"white\" stroke-opacity=\"0.15\""
         } else {
