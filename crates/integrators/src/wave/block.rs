@@ -1,6 +1,7 @@
 //! Vertices in columns, and the kernels that fill them: what follows from a hit, random numbers, light samples and
 //! sampled directions.
 
+use bytemuck::Zeroable;
 use std::f32::consts::FRAC_1_PI;
 use steradian_accel::{
     columns::{Column, WIDTH, get3, get4, set3, set4},
@@ -23,7 +24,7 @@ use steradian_transport::{Depth, flight::by_lane, power_heuristic, roulette::rou
 
 /// Vertices on triangles of meshes. All columns are one value, so that kernels see that none overlaps another.
 #[repr(align(64))]
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Zeroable)]
 pub struct Block {
     // The hit, and the path that comes to it.
     /// Corners of the triangle.
@@ -85,6 +86,8 @@ pub struct Block {
     pub is_second: Column<u32>,
 
     // The material on that side, and a light sample of density zero where there is none.
+    /// True if the vertex asks for a light sample.
+    pub takes_light: Column<u32>,
     pub reflectance: [Column; 4],
     /// The side from which light matters, zero for any; at Lambertian surfaces the axis of the frame.
     pub light_n: [Column; 3],
@@ -124,7 +127,7 @@ pub struct Block {
 }
 
 /// A child of a node of the light tree.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Zeroable)]
 pub struct Child {
     center: [Column; 3],
     half2: Column,
@@ -136,16 +139,6 @@ pub struct Child {
 }
 
 impl Child {
-    const NONE: Self = Self {
-        center: [[0.0; WIDTH]; 3],
-        half2: [0.0; WIDTH],
-        axis: [[0.0; WIDTH]; 3],
-        cos_o: [0.0; WIDTH],
-        cos_e: [0.0; WIDTH],
-        intensity: [0.0; WIDTH],
-        two_sided: [0; WIDTH],
-    };
-
     #[inline(always)]
     pub fn set(&mut self, k: usize, c: &Cluster) {
         set3(&mut self.center, k, c.center);
@@ -175,69 +168,7 @@ pub const IS_NOT_FINITE: u32 = 2;
 
 impl Default for Block {
     fn default() -> Self {
-        const ONE: Column = [0.0; WIDTH];
-        const NONE: Column<u32> = [0; WIDTH];
-        const THREE: [Column; 3] = [ONE; 3];
-        Self {
-            corners: [THREE; 3],
-            normals: [THREE; 3],
-            is_smooth: NONE,
-            is_flipped: NONE,
-            uv: [ONE; 2],
-            direction: THREE,
-            beta: [ONE; 4],
-            roulette_scale: ONE,
-            is_single: NONE,
-            events: NONE,
-            passes: NONE,
-            sampler: [NONE; 2],
-            from: THREE,
-            end: ONE,
-            sigma_a: [ONE; 4],
-            sigma_s: [ONE; 4],
-            asymmetry: ONE,
-            lanes: NONE,
-            flight: NONE,
-            p: THREE,
-            error: THREE,
-            n: THREE,
-            ns: THREE,
-            is_unusual: NONE,
-            is_front: NONE,
-            light_u: [ONE; 2],
-            bsdf_u: [ONE; 2],
-            lobe_u: ONE,
-            roulette_u: ONE,
-            children: [Child::NONE; 2],
-            choice: ONE,
-            chance: ONE,
-            is_second: NONE,
-            reflectance: [ONE; 4],
-            light_n: THREE,
-            light_wi: THREE,
-            light_distance: ONE,
-            light_radiance: [ONE; 4],
-            light_pdf: ONE,
-            light_is_delta: NONE,
-            is_flat: NONE,
-            flat_number: [u32::MAX; WIDTH],
-            flat_corner: THREE,
-            flat_edges: [THREE; 2],
-            flat_n: THREE,
-            flat_area: ONE,
-            flat_is_triangle: NONE,
-            flat_is_two_sided: NONE,
-            is_drawn: NONE,
-            wi: THREE,
-            light: [ONE; 4],
-            is_lit: NONE,
-            shadow_origin: THREE,
-            shadow_direction: THREE,
-            shadow_end: ONE,
-            pdf: ONE,
-            origin: THREE,
-            fate: NONE,
-        }
+        Self::zeroed()
     }
 }
 

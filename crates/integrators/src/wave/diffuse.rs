@@ -131,6 +131,6 @@ fn materials(b: &mut Block, vertices: &[(u32, Hit)], scene: &Scene, pixel_sample
         let (reflectance, is_flipped) = lambertian.side(b.is_front[k] != 0, &pixel_samples[*number as usize].lambda);
         set4(&mut b.reflectance, k, reflectance.to_array());
         set3(&mut b.light_n, k, get3(&b.ns, k) * if is_flipped { -1.0 } else { 1.0 });
-        b.is_lit[k] = 1;
+        b.takes_light[k] = 1;
     }
 }

@@ -27,7 +27,7 @@ fn choose(
     let (mut going, mut count) = ([(0, 0, 0.0); WIDTH], 0);
     for (k, number) in numbers.enumerate() {
         b.light_pdf[k] = 0.0;
-        if b.is_lit[k] == 0 || !all.can_sample() {
+        if b.takes_light[k] == 0 || !all.can_sample() {
             continue;
         }
         // An infinite light, or the light tree: those that go down the tree are put on a list.

@@ -59,7 +59,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
             state.beta = Spectrum::new(get4(&b.beta, k));
             *goes_on = b.flight[k] == PASSES;
             let scatters = b.flight[k] == SCATTERS && state.events < self.path.depth.max;
-            b.is_lit[k] = scatters.into();
+            b.takes_light[k] = scatters.into();
             any_scatters |= scatters;
         }
         let flight = b.flight;

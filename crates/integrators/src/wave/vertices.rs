@@ -78,7 +78,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
             set3(&mut b.error, k, error);
             set3(&mut b.n, k, n);
             set3(&mut b.light_n, k, ctx.n);
-            b.is_lit[k] = u32::from(!vertex.is_unlit());
+            b.takes_light[k] = u32::from(!vertex.is_unlit());
             (b.events[k], b.passes[k]) = (state.events, state.passes);
             let (seed, reversed) = sample.own.sobol().unwrap_or_default();
             (b.sampler[0][k], b.sampler[1][k]) = (seed, reversed);
