@@ -1,7 +1,11 @@
 //! Methods of rendering: their constructors by name, their limits, their sessions.
 
-use crate::{Depth, Feature, Limit, Plan, Session, Support};
-use std::{any::Any, fmt::Debug, sync::Arc};
+use crate::{Depth, Feature, Plan, Session, Support};
+use std::{
+    any::Any,
+    fmt::{Debug, Display},
+    sync::Arc,
+};
 use steradian_core::{ColorMode, Scene};
 use steradian_request::{MethodRequest, Request};
 
@@ -114,6 +118,41 @@ pub trait Method: Any + Debug + Send + Sync {
     /// patches.
     fn bias_pair(&self) -> Option<[Arc<dyn Method>; 2]> {
         None
+    }
+}
+
+/// A limit of a method on a scene: a feature that the scene has and the method does not render as it is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Limit {
+    /// The feature as the scene has it, with the reason.
+    pub what: String,
+    /// The method's answer.
+    pub support: Support,
+}
+
+impl Limit {
+    /// A limit with a feature's description and the answer to it.
+    pub fn new(feature: impl Display, support: Support) -> Self {
+        let what = match support.reason() {
+            "" => feature.to_string(),
+            reason => format!("{feature}: {reason}"),
+        };
+        Self { what, support }
+    }
+
+    /// All limits of a method on a scene by [`Method::supports`]. Features that it renders are not looked for.
+    pub fn of(method: &(impl Method + ?Sized), scene: &Scene) -> Vec<Self> {
+        let limit = |feature: Feature| {
+            let support = method.supports(feature);
+            let found = (support != Support::Exact).then(|| feature.found(scene)).flatten();
+            found.map(|what| Self::new(what, support))
+        };
+        Feature::OF_SCENES.into_iter().filter_map(limit).collect()
+    }
+
+    /// True if there is no picture.
+    pub fn refuses(&self) -> bool {
+        matches!(self.support, Support::Refuses(_))
     }
 }
 

@@ -6,8 +6,8 @@
 //! and coverage each, those that cover most first. Metadata tell how ids were made, and the manifest which name has
 //! which id.
 
-use super::{Layer, LayerInputs, Row, Write, push as push_plane};
-use crate::{Hits, MatteSums};
+use super::{Layer, Row, Write, push as push_plane};
+use crate::{Hits, LayerInputs, MatteSums};
 use std::collections::BTreeMap;
 use steradian_image::{Image, Value};
 

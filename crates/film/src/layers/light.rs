@@ -1,7 +1,7 @@
 //! Layers of parts of the light: of groups of lights, and of time bins.
 
-use super::{Layer, LayerInputs, Names, Row, Write, held, push};
-use crate::Film;
+use super::{Layer, Names, Row, Write, held, push};
+use crate::{Film, LayerInputs};
 use steradian_image::Image;
 
 /// The picture by the light of each group of lights alone.

@@ -1,16 +1,11 @@
 //! Layers of a picture, from the sums on a film.
 
 mod cryptomatte;
-mod inputs;
 mod light;
 mod samples;
-mod sums;
 mod surface;
 
-pub use inputs::LayerInputs;
-pub use sums::LayerSums;
-
-use crate::{Film, FirstHit, Pixel};
+use crate::{Film, FirstHit, LayerInputs, Pixel};
 use std::{collections::BTreeMap, fmt};
 use steradian_image::Image;
 
@@ -125,6 +120,13 @@ impl Layer {
     }
 }
 
+impl LayerInputs {
+    /// The union of the inputs of some layers.
+    pub fn of(layers: &[Layer]) -> Self {
+        layers.iter().fold(Self::NONE, |all, layer| all.with(layer.inputs()))
+    }
+}
+
 /// Layers have distinct names.
 impl PartialEq for Layer {
     fn eq(&self, other: &Self) -> bool {
@@ -182,4 +184,23 @@ fn push(image: &mut Image, name: &str, data: Vec<f32>) {
 /// A number as `f32`, held at the ends of its range: the squares of large radiances are beyond it.
 fn held(v: f64) -> f32 {
     v.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inputs_are_those_of_the_layers() {
+        assert_eq!(LayerInputs::of(&[]), LayerInputs::NONE);
+        let inputs = LayerInputs::of(&[Layer::MOTION, Layer::HALVES]);
+        assert!(
+            inputs.has(LayerInputs::FIRST_HITS) && inputs.has(LayerInputs::MOTION) && inputs.has(LayerInputs::HALVES)
+        );
+        assert!(
+            !inputs.has(LayerInputs::SEEN_THROUGH)
+                && !inputs.has(LayerInputs::MATTES)
+                && !inputs.has(LayerInputs::LIGHT_GROUPS)
+        );
+    }
 }

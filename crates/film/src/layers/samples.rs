@@ -1,7 +1,7 @@
 //! Layers of the samples themselves: their number, their variance, their halves.
 
-use super::{Layer, LayerInputs, Row, Write, held, push};
-use crate::Film;
+use super::{Layer, Row, Write, held, push};
+use crate::{Film, LayerInputs};
 use steradian_image::Image;
 
 /// Variance of the pixel's mean.

@@ -1,7 +1,7 @@
 //! Layers of the first surface along camera rays.
 
-use super::{Layer, LayerInputs, Names, Row, Write::Hits};
-use crate::FirstHit;
+use super::{Layer, Names, Row, Write::Hits};
+use crate::{FirstHit, LayerInputs};
 
 const fn surface(
     name: &'static str,

@@ -1,7 +1,5 @@
 //! Measurements that layers are made of.
 
-use super::Layer;
-
 /// A set of measurements beside the radiance of samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LayerInputs(u8);
@@ -22,32 +20,14 @@ impl LayerInputs {
     /// Halves of the samples.
     pub const HALVES: Self = Self(32);
 
-    /// The union of the inputs of some layers.
-    pub fn of(layers: &[Layer]) -> Self {
-        Self(layers.iter().fold(0, |all, layer| all | layer.inputs().0))
+    /// The union of two sets.
+    #[must_use]
+    pub const fn with(self, other: Self) -> Self {
+        Self(self.0 | other.0)
     }
 
     /// True if all of `inputs` are in this set.
     pub const fn has(self, inputs: Self) -> bool {
         self.0 & inputs.0 == inputs.0
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn inputs_are_those_of_the_layers() {
-        assert_eq!(LayerInputs::of(&[]), LayerInputs::NONE);
-        let inputs = LayerInputs::of(&[Layer::MOTION, Layer::HALVES]);
-        assert!(
-            inputs.has(LayerInputs::FIRST_HITS) && inputs.has(LayerInputs::MOTION) && inputs.has(LayerInputs::HALVES)
-        );
-        assert!(
-            !inputs.has(LayerInputs::SEEN_THROUGH)
-                && !inputs.has(LayerInputs::MATTES)
-                && !inputs.has(LayerInputs::LIGHT_GROUPS)
-        );
     }
 }

@@ -1,7 +1,5 @@
-//! Limits of methods: features of scenes and requests that not every method renders, and a method's answer to each.
+//! Features of scenes and requests that not every method renders, and the answers of methods to them.
 
-use crate::Method;
-use std::fmt::Display;
 use steradian_bsdf::TransportMode;
 use steradian_core::{Scene, camera::Projection, light::Light};
 use steradian_math::Vec2;
@@ -51,24 +49,6 @@ pub enum Feature {
     Denoising,
 }
 
-/// Features of scenes, in the order in which limits are told.
-const OF_SCENES: [Feature; 14] = [
-    Feature::MovingCamera,
-    Feature::Media,
-    Feature::Subsurface,
-    Feature::Fluorescence,
-    Feature::Schedules,
-    Feature::GlowingMedia,
-    Feature::RealisticLens,
-    Feature::UnconnectedCamera,
-    Feature::Curves,
-    Feature::InfinitePlanes,
-    Feature::Motion,
-    Feature::SpecularView,
-    Feature::SurfaceDetail,
-    Feature::UnsampledEmitters,
-];
-
 /// A method's answer to a feature. The texts say how or why, after a colon; they may be empty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Support {
@@ -84,7 +64,7 @@ pub enum Support {
 
 impl Support {
     /// The text of an answer other than [`Self::Exact`].
-    fn reason(self) -> &'static str {
+    pub(crate) fn reason(self) -> &'static str {
         match self {
             Self::Exact => "",
             Self::Approximates(how) => how,
@@ -93,42 +73,25 @@ impl Support {
     }
 }
 
-/// A limit of a method on a scene: a feature that the scene has and the method does not render as it is.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Limit {
-    /// The feature as the scene has it, with the reason.
-    pub what: String,
-    /// The method's answer.
-    pub support: Support,
-}
-
-impl Limit {
-    /// A limit with a feature's description and the answer to it.
-    pub fn new(feature: impl Display, support: Support) -> Self {
-        let what = match support.reason() {
-            "" => feature.to_string(),
-            reason => format!("{feature}: {reason}"),
-        };
-        Self { what, support }
-    }
-
-    /// All limits of a method on a scene by [`Method::supports`]. Features that it renders are not looked for.
-    pub fn of(method: &(impl Method + ?Sized), scene: &Scene) -> Vec<Self> {
-        let limit = |feature: Feature| {
-            let support = method.supports(feature);
-            let found = (support != Support::Exact).then(|| feature.found(scene)).flatten();
-            found.map(|what| Self::new(what, support))
-        };
-        OF_SCENES.into_iter().filter_map(limit).collect()
-    }
-
-    /// True if there is no picture.
-    pub fn refuses(&self) -> bool {
-        matches!(self.support, Support::Refuses(_))
-    }
-}
-
 impl Feature {
+    /// Features of scenes, in the order in which limits are told.
+    pub(crate) const OF_SCENES: [Self; 14] = [
+        Self::MovingCamera,
+        Self::Media,
+        Self::Subsurface,
+        Self::Fluorescence,
+        Self::Schedules,
+        Self::GlowingMedia,
+        Self::RealisticLens,
+        Self::UnconnectedCamera,
+        Self::Curves,
+        Self::InfinitePlanes,
+        Self::Motion,
+        Self::SpecularView,
+        Self::SurfaceDetail,
+        Self::UnsampledEmitters,
+    ];
+
     /// The feature as a scene has it; `None` where it has none, and for features of requests.
     pub fn found(self, scene: &Scene) -> Option<String> {
         let named = |is: bool, name: &str| is.then(|| name.to_owned());

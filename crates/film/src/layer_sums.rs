@@ -1,7 +1,6 @@
 //! Sums of layers while samples are taken.
 
-use super::LayerInputs;
-use crate::{FirstHit, FirstHitSums, MatteSums};
+use crate::{FirstHit, FirstHitSums, LayerInputs, MatteSums};
 use std::ops::Range;
 use steradian_math::Vec3;
 
