@@ -4,6 +4,7 @@ use crate::{
     args::RenderArgs,
     failure::{self, Failure, Outcome},
     open, output, render,
+    sequence_state::SequenceState,
     terminal::Terminal,
     values::Frames,
 };
@@ -32,7 +33,7 @@ pub fn run(args: &RenderArgs, frames: Frames, terminal: Terminal) -> Outcome {
     }
     let outputs = if args.output.is_empty() { output::default_names(scene) } else { args.output.clone() };
     let seconds = |frame: u32| f64::from(frame) / args.fps;
-    let mut before = render::Before::default();
+    let mut before = SequenceState::default();
     let framing = framing(scene, args, frames);
     for frame in frames.first..=frames.last {
         let mut one = args.clone();
