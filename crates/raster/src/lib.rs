@@ -68,6 +68,8 @@
 //! * [`texture`]: textures of all kinds, views that reinterpret them, samplers; [`VertexArray`] reads attributes from
 //!   bytes, [`BlockRules`] knows where members of uniform and storage blocks lie; [`dispatch`] runs [`ComputeShader`]s.
 //!
+//! * [`objects`]: names, buffers, vertex arrays, queries as OpenGL has them, in a context with their calls.
+//!
 //! # Rules that always hold
 //!
 //! * Positions are rounded to 1/256 pixel; of two triangles with a common edge exactly one covers a sample on it
@@ -86,6 +88,7 @@ pub mod format;
 pub mod fragment;
 mod front;
 pub mod mesh_shading;
+pub mod objects;
 pub mod output;
 mod pipeline;
 mod primitive;

@@ -74,6 +74,17 @@ impl ColorTarget {
         self.extent.untile(&self.texels, self.format.bytes(), layer)
     }
 
+    /// Takes the pixels of layer 0, one sample each, from rows without gaps.
+    pub(crate) fn load(&mut self, rows: &[u8]) {
+        let bytes = self.format.bytes();
+        let pixels = (0..self.extent.height).flat_map(|y| (0..self.extent.width).map(move |x| [x, y]));
+        for (pixel, texel) in pixels.zip(rows.chunks_exact(bytes)) {
+            if let Some(place) = self.extent.place(pixel, 0, 0) {
+                self.texels[place * bytes..][..bytes].copy_from_slice(texel);
+            }
+        }
+    }
+
     /// Means of the samples as a target with one sample. Integer formats keep sample 0.
     pub fn resolve(&self) -> Self {
         let extent = self.extent.samples(1);

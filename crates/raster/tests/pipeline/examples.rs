@@ -12,6 +12,8 @@ mod geometry_normals;
 pub mod icosphere_lod;
 #[path = "../../examples/meshlets.rs"]
 pub mod meshlets;
+#[path = "../../examples/objects.rs"]
+mod objects;
 #[path = "../../examples/shadow_map.rs"]
 mod shadow_map;
 #[path = "../../examples/tessellated_patch.rs"]
@@ -33,6 +35,7 @@ fn examples_are_what_they_were() {
         ("forest", forest::picture(), 0x0270c15c9c0e7a2b),
         ("icosphere_lod", icosphere_lod::picture(), 0x5ef939f37600f6ee),
         ("meshlets", meshlets::draw().map(|(picture, _)| picture), 0xd0f446dd56584527),
+        ("objects", objects::draw().map(|(picture, _)| picture), 0xc4b1623f18b7c35b),
         ("compute_histogram", compute_histogram::picture(), 0xd6fdb1094faa8c75),
     ];
     let found: Vec<_> =

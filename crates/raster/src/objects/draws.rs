@@ -1,0 +1,398 @@
+//! Draws over what is bound: attributes, indices, textures, framebuffer, transform feedback (OpenGL 4.6 core, sections
+//! 10.3, 10.4, 13.3 and 17.4).
+
+use std::{cell::Ref, ops::Range};
+
+use glam::Vec4;
+
+use super::{
+    buffers::Buffer,
+    containers::{Attachment, FramebufferObject, source},
+    context::{BufferTarget, Context},
+    error::{invalid_operation, invalid_value},
+    names::Object,
+    textures::TextureObject,
+};
+use crate::{
+    counters::Counters,
+    draw::Draw,
+    error::{Result, refuse},
+    pipeline::Pipeline,
+    render_target::{ColorTarget, Extent, Framebuffer, Layout},
+    stages::{FragmentShader, GeometryShader, Tessellation, VertexInput, VertexShader},
+    texture::{Texture, TextureKind},
+    varyings::Varyings,
+    vertex_array::VertexArray,
+};
+
+/// Type of indices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IndexType {
+    /// 8 bits.
+    U8,
+    /// 16 bits.
+    U16,
+    /// 32 bits.
+    U32,
+}
+
+impl IndexType {
+    const fn bytes(self) -> usize {
+        match self {
+            Self::U8 => 1,
+            Self::U16 => 2,
+            Self::U32 => 4,
+        }
+    }
+}
+
+/// Indices of a draw, in the buffer of the vertex array that is bound.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Elements {
+    /// Number of indices.
+    pub count: usize,
+    /// Their type.
+    pub index: IndexType,
+    /// Byte of the first.
+    pub offset: usize,
+    /// Number that is added to each.
+    pub base_vertex: i32,
+}
+
+/// Kind of primitives that transform feedback captures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FeedbackPrimitive {
+    /// One vertex each.
+    Points,
+    /// Two vertices each.
+    Lines,
+    /// Three vertices each.
+    Triangles,
+}
+
+impl FeedbackPrimitive {
+    const fn vertices(self) -> usize {
+        match self {
+            Self::Points => 1,
+            Self::Lines => 2,
+            Self::Triangles => 3,
+        }
+    }
+}
+
+/// Transform feedback that has begun.
+#[derive(Debug)]
+pub(super) struct Feedback {
+    primitive: FeedbackPrimitive,
+    buffer: Object<Buffer>,
+    /// Byte after the last that was written.
+    end: usize,
+}
+
+/// Attributes and textures as a draw finds them bound. Shaders refer to it.
+#[derive(Debug)]
+pub struct Inputs<'a> {
+    attributes: VertexArray<'a>,
+    first_instance: u32,
+    textures: Vec<((u32, u8), &'a Texture)>,
+}
+
+impl<'a> Inputs<'a> {
+    /// Value of an attribute for a vertex. Channels that the buffer does not have are 0, the last 1; so is all that
+    /// lies beyond its bytes.
+    #[inline]
+    pub fn attribute(&self, number: usize, vertex: VertexInput) -> Vec4 {
+        self.attributes.fetch(number, vertex.vertex, vertex.instance.wrapping_sub(self.first_instance))
+    }
+
+    /// The texture of a kind that is bound to a unit.
+    ///
+    /// # Errors
+    /// Where there is none, or it has no storage.
+    pub fn texture(&self, unit: u32, kind: TextureKind) -> Result<&'a Texture> {
+        match self.textures.iter().find(|(key, _)| *key == (unit, kind as u8)) {
+            Some((_, texture)) => Ok(texture),
+            None => invalid_operation(
+                "Inputs::texture",
+                format_args!("no {kind:?} texture with storage is bound to unit {unit}"),
+            ),
+        }
+    }
+}
+
+/// Destination of a draw: framebuffer, and transform feedback where that has begun.
+#[derive(Debug)]
+pub struct Output<'a> {
+    framebuffer: &'a mut Framebuffer,
+    draw: Draw<'a>,
+    rasterizer_discard: bool,
+    /// Kind of captured primitives, and bytes that there is still room for.
+    feedback: Option<(FeedbackPrimitive, usize)>,
+    captured: Vec<u8>,
+    written: u64,
+    counters: Counters,
+}
+
+impl Output<'_> {
+    /// Formats of the framebuffer, for [`Pipeline::new`].
+    pub fn layout(&self) -> Layout {
+        self.framebuffer.layout()
+    }
+
+    /// Draws by a pipeline. Transform feedback captures, for each vertex, the position and the floats of the varyings,
+    /// as 32-bit floats one after the other; whole primitives only, as long as there is room.
+    ///
+    /// # Errors
+    /// Where the pipeline was made for another layout, or gives other primitives than feedback captures.
+    pub fn draw<V, T, G, F>(&mut self, pipeline: &Pipeline<V, T, G, F>) -> Result<Counters>
+    where
+        V: VertexShader,
+        T: Tessellation<Input = V::Varyings>,
+        G: GeometryShader<Input = T::Output>,
+        F: FragmentShader<Varyings = G::Output>,
+    {
+        let mut counters = Counters::default();
+        if self.feedback.is_some() || self.rasterizer_discard {
+            let (vertices, of_capture) = pipeline.capture(&self.draw);
+            counters = of_capture;
+            if let Some((primitive, room)) = &mut self.feedback {
+                let count = primitive.vertices();
+                if vertices.len() as u64 != counters.primitives * count as u64 {
+                    let rule = format_args!("feedback of {primitive:?}, but the pipeline gives other primitives");
+                    return invalid_operation("Output::draw", rule);
+                }
+                for vertices in vertices.chunks_exact(count) {
+                    let mut bytes = Vec::new();
+                    for vertex in vertices {
+                        bytes.extend(vertex.position.to_array().into_iter().flat_map(f32::to_le_bytes));
+                        bytes.extend(vertex.varyings.to_floats().as_ref().iter().flat_map(|x| x.to_le_bytes()));
+                    }
+                    // A primitive that finds no room is generated but not written, and so are all that follow.
+                    if bytes.len() > *room {
+                        *room = 0;
+                        break;
+                    }
+                    *room -= bytes.len();
+                    self.captured.extend(bytes);
+                    self.written += 1;
+                }
+            }
+        }
+        if !self.rasterizer_discard {
+            counters = pipeline.draw(self.framebuffer, &self.draw)?;
+        }
+        self.counters += counters;
+        Ok(counters)
+    }
+}
+
+impl Context {
+    /// Draws vertices of these numbers and instances of these. The closure makes the pipeline and draws by it.
+    ///
+    /// # Errors
+    /// Without a vertex array, for enabled attributes without buffers, buffers that are mapped but not persistently, a
+    /// framebuffer that is not complete, and what the closure returns.
+    pub fn draw_arrays<P>(&mut self, vertices: Range<u32>, instances: Range<u32>, program: P) -> Result<Counters>
+    where
+        P: FnOnce(&Inputs, &mut Output) -> Result<()>,
+    {
+        self.draw(Draw::vertices(vertices).instances(instances.clone()), instances.start, "draw_arrays", program)
+    }
+
+    /// Draws vertices that indices name, and instances of these numbers. The closure makes the pipeline and draws by
+    /// it.
+    ///
+    /// # Errors
+    /// As [`draw_arrays`](Self::draw_arrays), and without a buffer of indices, or with indices beyond its end.
+    pub fn draw_elements<P>(&mut self, elements: Elements, instances: Range<u32>, program: P) -> Result<Counters>
+    where
+        P: FnOnce(&Inputs, &mut Output) -> Result<()>,
+    {
+        const CALL: &str = "draw_elements";
+        let Some(buffer) = self.bound_buffer(BufferTarget::ElementArray) else {
+            return invalid_operation(CALL, "the vertex array has no buffer of indices");
+        };
+        let size = elements.index.bytes();
+        let Some(bytes) = elements.count.checked_mul(size) else {
+            return invalid_value(CALL, format_args!("{} indices", elements.count));
+        };
+        let indices: Vec<u32> =
+            buffer.borrow().read(elements.offset, bytes, CALL)?.chunks_exact(size).map(index).collect();
+        let draw = Draw::indexed(&indices).base_vertex(elements.base_vertex).instances(instances.clone());
+        self.draw(draw, instances.start, CALL, program)
+    }
+
+    fn draw<P>(&mut self, draw: Draw, first_instance: u32, call: &'static str, program: P) -> Result<Counters>
+    where
+        P: FnOnce(&Inputs, &mut Output) -> Result<()>,
+    {
+        // Everything that is bound is borrowed for reading; what the draw writes to buffers and textures is kept aside
+        // until it has ended.
+        let Some(array) = self.vertex_array.clone() else { return invalid_operation(call, "no vertex array is bound") };
+        let array = array.borrow();
+        let enabled = || array.attributes.iter().enumerate().filter(|(_, attribute)| attribute.enabled);
+        let mut buffers = Vec::new();
+        for (number, attribute) in enabled() {
+            match &array.bindings[attribute.binding].buffer {
+                Some(buffer) => buffers.push(buffer.borrow()),
+                None => return invalid_operation(call, format_args!("attribute {number} is enabled without a buffer")),
+            }
+        }
+        let mut attributes = VertexArray::new();
+        for (number, value) in self.constants.iter().enumerate() {
+            attributes = attributes.constant(number, *value);
+        }
+        for ((number, attribute), buffer) in enabled().zip(&buffers) {
+            let mut binding = array.bindings[attribute.binding].clone();
+            if binding.divisor > 0 {
+                // The element of an instance is ⌊instance / divisor⌋ plus the first instance.
+                binding.offset = binding.offset.saturating_add(binding.stride.saturating_mul(first_instance as usize));
+            }
+            attributes = attributes.attribute(number, source(buffer.all(call)?, attribute.format, &binding))?;
+        }
+        let bound: Vec<((u32, u8), Ref<TextureObject>)> =
+            self.textures.iter().map(|(key, texture)| (*key, texture.borrow())).collect();
+        let textures = bound.iter().filter_map(|(key, texture)| Some((*key, texture.texture.as_ref()?))).collect();
+        let feedback = match &self.feedback {
+            Some(Feedback { primitive, buffer, end }) => {
+                Some((*primitive, buffer.borrow().all(call)?.len().saturating_sub(*end)))
+            }
+            None => None,
+        };
+        let object = self.framebuffer.clone();
+        let mut loaded = match &object {
+            Some(object) => Some(load(&object.borrow(), call)?),
+            None => None,
+        };
+        if self.queries.drops() {
+            return Ok(Counters::default());
+        }
+        let mut output = Output {
+            framebuffer: loaded.as_mut().unwrap_or(&mut self.default),
+            draw,
+            rasterizer_discard: self.rasterizer_discard,
+            feedback,
+            captured: Vec::new(),
+            written: 0,
+            counters: Counters::default(),
+        };
+        let done = program(&Inputs { attributes, first_instance, textures }, &mut output);
+        let Output { captured, written, counters, .. } = output;
+        drop((buffers, bound));
+        self.queries.count(&counters, written);
+        if let Some(feedback) = self.feedback.as_mut().filter(|_| !captured.is_empty()) {
+            feedback.buffer.borrow_mut().write(feedback.end, captured.len(), call)?.copy_from_slice(&captured);
+            feedback.end += captured.len();
+        }
+        if let (Some(object), Some(framebuffer)) = (object, loaded) {
+            store(&object.borrow(), framebuffer);
+        }
+        done.map(|()| counters)
+    }
+
+    /// Clears all colour targets, depth and stencil of the framebuffer that is bound (section 17.4.3).
+    ///
+    /// # Errors
+    /// For a framebuffer that is not complete.
+    pub fn clear(&mut self, color: Vec4, depth: f32, stencil: u8) -> Result<()> {
+        match self.framebuffer.clone() {
+            _ if self.queries.drops() => {}
+            None => self.default.clear(color, depth, stencil),
+            Some(object) => {
+                let mut framebuffer = load(&object.borrow(), "clear")?;
+                framebuffer.clear(color, depth, stencil);
+                store(&object.borrow(), framebuffer);
+            }
+        }
+        Ok(())
+    }
+
+    /// Drops primitives after transform feedback and queries of primitives (section 14.1): `GL_RASTERIZER_DISCARD`.
+    pub fn rasterizer_discard(&mut self, enabled: bool) {
+        self.rasterizer_discard = enabled;
+    }
+
+    /// Begins to capture primitives into the buffer that is bound to `TransformFeedback`, from its first byte on
+    /// (section 13.3.2).
+    ///
+    /// # Errors
+    /// While transform feedback is active, and without a buffer.
+    pub fn begin_transform_feedback(&mut self, primitive: FeedbackPrimitive) -> Result<()> {
+        const CALL: &str = "begin_transform_feedback";
+        if self.feedback.is_some() {
+            return invalid_operation(CALL, "transform feedback is active already");
+        }
+        let Some(buffer) = self.bound_buffer(BufferTarget::TransformFeedback) else {
+            return invalid_operation(CALL, "no buffer is bound to TransformFeedback");
+        };
+        self.feedback = Some(Feedback { primitive, buffer, end: 0 });
+        Ok(())
+    }
+
+    /// Ends transform feedback.
+    ///
+    /// # Errors
+    /// While transform feedback is not active.
+    pub fn end_transform_feedback(&mut self) -> Result<()> {
+        match self.feedback.take() {
+            Some(_) => Ok(()),
+            None => invalid_operation("end_transform_feedback", "transform feedback is not active"),
+        }
+    }
+}
+
+/// The index of these bytes, lowest first.
+fn index(bytes: &[u8]) -> u32 {
+    bytes.iter().rev().fold(0, |index, byte| index << 8 | u32::from(*byte))
+}
+
+/// Texel and layer where an attached image begins.
+fn origin(texture: &Texture, attachment: &Attachment) -> ([u32; 3], u32) {
+    if texture.kind() == TextureKind::D3 { ([0, 0, attachment.layer], 0) } else { ([0; 3], attachment.layer) }
+}
+
+/// A framebuffer with the contents of the attached images. Its targets lie in tiles, textures in rows: each draw copies
+/// them from one to the other and back.
+fn load(object: &FramebufferObject, call: &'static str) -> Result<Framebuffer> {
+    let mut colors = Vec::new();
+    for (place, (number, attachment)) in object.colors.iter().enumerate() {
+        if *number as usize != place {
+            return incomplete(call, format_args!("colour attachment {place} is missing, but {number} is there"));
+        }
+        let state = attachment.texture.borrow();
+        let texture = state.storage(call)?;
+        let size = texture.size().level(attachment.level);
+        let target = ColorTarget::new(Extent::new(size.width, size.height), texture.format());
+        let mut target = match target {
+            Ok(target) => target,
+            Err(error) => return incomplete(call, error.rule),
+        };
+        let (texel, layer) = origin(texture, attachment);
+        let start = texture.place(attachment.level, texel, layer);
+        if let Some(rows) = texture.level(attachment.level).zip(start).and_then(|(level, start)| level.get(start..)) {
+            target.load(rows);
+        }
+        colors.push(target);
+    }
+    Framebuffer::new(colors, None, None).or_else(|error| incomplete(call, error.rule))
+}
+
+/// Copies the targets back to the attached images.
+fn store(object: &FramebufferObject, framebuffer: Framebuffer) {
+    let (colors, ..) = framebuffer.into_parts();
+    for (attachment, target) in object.colors.values().zip(colors) {
+        let mut state = attachment.texture.borrow_mut();
+        let Some(texture) = &mut state.texture else { continue };
+        let (texel, layer) = origin(texture, attachment);
+        let (start, rows) = (texture.place(attachment.level, texel, layer), target.to_bytes(0));
+        let level = texture.level_mut(attachment.level);
+        let range = start.and_then(|start| level?.get_mut(start..start + rows.len()));
+        if let Some(range) = range {
+            range.copy_from_slice(&rows);
+        }
+    }
+}
+
+fn incomplete<T>(call: &'static str, rule: impl std::fmt::Display) -> Result<T> {
+    refuse(call, format!("{rule} (INVALID_FRAMEBUFFER_OPERATION)"))
+}
