@@ -266,7 +266,8 @@ pub struct InfoArgs {
 /// `steradian list`.
 #[derive(Args, Debug)]
 pub struct ListArgs {
-    /// Family of names (integrators, materials, tones, …), or the name of one thing (conductor, path, …); default: all
+    /// Family of names (integrators, materials, tones, …), `limits` (features that integrators leave out or refuse), or
+    /// the name of one thing (conductor, path, …); default: all
     pub family: Option<String>,
     /// Print the documentation of the materials as Markdown
     #[arg(long, conflicts_with = "json")]

@@ -8,8 +8,10 @@ use crate::{
 use serde::Serialize;
 use std::fmt::Write;
 use steradian::{
+    engine::Support,
     scene::{Family, names},
     schema::{self, FAMILIES, Parameter},
+    support::{self, Answer},
 };
 
 /// One thing.
@@ -93,6 +95,9 @@ fn families() -> Vec<Listed> {
 
 /// Prints one family or all.
 pub fn run(args: &ListArgs) -> Outcome {
+    if args.family.as_deref() == Some("limits") {
+        return limits(args);
+    }
     let mut families = families();
     if let Some(wanted) = &args.family {
         let known = families.iter().map(|f| f.family);
@@ -126,6 +131,29 @@ pub fn run(args: &ListArgs) -> Outcome {
         terminal::json(&Listing { schema: 1, families: &families })?;
     } else {
         terminal::data(text(&families, args.family.is_some()).as_bytes())?;
+    }
+    Ok(failure::DONE)
+}
+
+/// Features that not every integrator renders, and the answers of integrators to them.
+fn limits(args: &ListArgs) -> Outcome {
+    let failed = |e: steradian::Error| Failure::failed(e.to_string());
+    if args.json {
+        let answers = support::answers().map_err(failed)?;
+        let of = |a: &Answer| {
+            let [support, reason] = match a.support {
+                Support::Exact => ["exact", ""],
+                Support::Approximates(how) => ["approximates", how],
+                Support::LeavesOut(why) => ["leaves out", why],
+                Support::Refuses(why) => ["refuses", why],
+            };
+            serde_json::json!({
+                "feature": a.feature.name(), "integrator": a.method, "support": support, "reason": reason
+            })
+        };
+        terminal::json(&serde_json::json!({ "schema": 1, "limits": answers.iter().map(of).collect::<Vec<_>>() }))?;
+    } else {
+        terminal::data(support::page().map_err(failed)?.as_bytes())?;
     }
     Ok(failure::DONE)
 }

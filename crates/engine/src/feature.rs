@@ -92,46 +92,97 @@ impl Feature {
         Self::UnsampledEmitters,
     ];
 
+    /// All features: those of scenes, then those of requests.
+    pub const ALL: [Self; 20] = [
+        Self::Media,
+        Self::GlowingMedia,
+        Self::Subsurface,
+        Self::Fluorescence,
+        Self::Schedules,
+        Self::UnsampledEmitters,
+        Self::InfinitePlanes,
+        Self::Curves,
+        Self::SurfaceDetail,
+        Self::SpecularView,
+        Self::Motion,
+        Self::MovingCamera,
+        Self::RealisticLens,
+        Self::UnconnectedCamera,
+        Self::Transparency,
+        Self::TransparencyBehindMedia,
+        Self::Samplers,
+        Self::Adaptivity,
+        Self::LightGroups,
+        Self::Denoising,
+    ];
+
+    /// The feature in a phrase.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Media => "participating media",
+            Self::GlowingMedia => "media that glow",
+            Self::Subsurface => "light that goes below surfaces",
+            Self::Fluorescence => "light that changes its wavelength (material 'fluorescent')",
+            Self::Schedules => "lights that go on and off (parameters 'on' and 'off')",
+            Self::UnsampledEmitters => "light of shapes of which no point can be drawn, such as an infinite plane",
+            Self::InfinitePlanes => "light from infinity on infinite planes",
+            Self::Curves => "curves",
+            Self::SurfaceDetail => "normal and bump maps",
+            Self::SpecularView => "what smooth surfaces show",
+            Self::Motion => "motion",
+            Self::MovingCamera => "a camera that moves",
+            Self::RealisticLens => "a camera with a lens of several elements (realistic)",
+            Self::UnconnectedCamera => "a spherical camera with a lens",
+            Self::Transparency => "a transparent background",
+            Self::TransparencyBehindMedia => "a transparent background behind media",
+            Self::Samplers => "a choice of samplers",
+            Self::Adaptivity => "more samples where the error is larger (--adaptive)",
+            Self::LightGroups => "layers of groups of lights",
+            Self::Denoising => "denoising, and the layer 'halves'",
+        }
+    }
+
     /// The feature as a scene has it; `None` where it has none, and for features of requests.
     pub fn found(self, scene: &Scene) -> Option<String> {
-        let named = |is: bool, name: &str| is.then(|| name.to_owned());
-        match self {
-            Self::Media => named(scene.has_media(), "participating media"),
-            Self::GlowingMedia => named(scene.media().iter().any(|m| m.glow.is_some()), "media that glow"),
-            Self::Subsurface => scene.below_surfaces().map(Into::into),
-            Self::Fluorescence => {
-                named(scene.is_fluorescent(), "light that changes its wavelength (material 'fluorescent')")
+        let is_there = match self {
+            // Some are told by name or number.
+            Self::Subsurface => return scene.below_surfaces().map(Into::into),
+            Self::UnsampledEmitters => {
+                return match scene.unsampled_emitters() {
+                    0 => None,
+                    1 => {
+                        Some("the light of one shape of which no point can be drawn, such as an infinite plane".into())
+                    }
+                    n => Some(format!(
+                        "the light of {n} shapes of which no point can be drawn, such as an infinite plane"
+                    )),
+                };
             }
-            Self::Schedules => named(scene.has_schedules(), "lights that go on and off (parameters 'on' and 'off')"),
-            Self::UnsampledEmitters => match scene.unsampled_emitters() {
-                0 => None,
-                1 => Some("the light of one shape of which no point can be drawn, such as an infinite plane".into()),
-                n => Some(format!("the light of {n} shapes of which no point can be drawn, such as an infinite plane")),
-            },
+            Self::SpecularView => {
+                return specular_material(scene).map(|name| format!("{}, such as '{name}'", self.name()));
+            }
+            Self::Media => scene.has_media(),
+            Self::GlowingMedia => scene.media().iter().any(|m| m.glow.is_some()),
+            Self::Fluorescence => scene.is_fluorescent(),
+            Self::Schedules => scene.has_schedules(),
             Self::InfinitePlanes => {
                 let is_infinite = |l: &Light| matches!(l, Light::Distant(..) | Light::Environment(_));
-                let is_lit = || scene.lights().lights.iter().any(is_infinite);
-                named(!scene.planes().is_empty() && is_lit(), "light from infinity on infinite planes")
+                !scene.planes().is_empty() && scene.lights().lights.iter().any(is_infinite)
             }
-            Self::Curves => named(scene.has_curves(), "curves"),
-            Self::SurfaceDetail => named(scene.has_surface_detail(), "normal and bump maps"),
-            Self::SpecularView => {
-                specular_material(scene).map(|name| format!("what smooth surfaces show, such as '{name}'"))
-            }
-            Self::Motion => named(scene.moves(), "motion"),
-            Self::MovingCamera => named(scene.camera().motion.is_some(), "a camera that moves"),
-            Self::RealisticLens => {
-                let is_realistic = matches!(scene.camera().projection, Projection::Realistic(_));
-                named(is_realistic, "a camera with a lens of several elements (realistic)")
-            }
-            Self::UnconnectedCamera => named(!scene.camera().can_receive(), "a spherical camera with a lens"),
+            Self::Curves => scene.has_curves(),
+            Self::SurfaceDetail => scene.has_surface_detail(),
+            Self::Motion => scene.moves(),
+            Self::MovingCamera => scene.camera().motion.is_some(),
+            Self::RealisticLens => matches!(scene.camera().projection, Projection::Realistic(_)),
+            Self::UnconnectedCamera => !scene.camera().can_receive(),
             Self::Transparency
             | Self::TransparencyBehindMedia
             | Self::Samplers
             | Self::Adaptivity
             | Self::LightGroups
-            | Self::Denoising => None,
-        }
+            | Self::Denoising => false,
+        };
+        is_there.then(|| self.name().to_owned())
     }
 }
 

@@ -28,6 +28,7 @@ pub mod raster;
 pub mod resume;
 mod single;
 pub mod specimen;
+pub mod support;
 pub mod verify;
 mod viewpoint;
 
