@@ -66,7 +66,7 @@ impl Names {
             if let syn::Item::Use(u) = item {
                 used_paths(&u.tree, &mut |path, here| {
                     if let Some(here) = here {
-                        names.used.insert(below(module, &here), names.from_root(module, path));
+                        names.used.insert(below(module, &here), names.path_from_root(module, path));
                     }
                 });
             }
@@ -75,7 +75,7 @@ impl Names {
     }
 
     /// A path in a module as from the crate's root; nothing if it begins with another crate or a name of the module.
-    fn from_root(&self, module: &[String], path: &[String]) -> Option<Path> {
+    fn path_from_root(&self, module: &[String], path: &[String]) -> Option<Path> {
         let ups = path.iter().take_while(|name| *name == "super").count();
         let (base, rest) = match path.first()?.as_str() {
             "crate" => (&[][..], &path[1..]),
@@ -115,7 +115,7 @@ struct Arrows<'a> {
 impl Arrows<'_> {
     fn add(&mut self, path: &[String]) {
         let from = self.own.first().map_or(ROOT, String::as_str);
-        let target = self.names.from_root(&self.own, path).and_then(|path| self.names.home(path));
+        let target = self.names.path_from_root(&self.own, path).and_then(|path| self.names.home(path));
         if let Some(to) = target.filter(|to| to != from) {
             self.arrows.entry(from.to_owned()).or_default().insert(to);
         }
