@@ -322,7 +322,8 @@ mod tests {
         let all_known = |name: &str, known: &[&str]| {
             let mut known = known.to_vec();
             let mut words = words(name);
-            (known.sort_unstable(), words.sort_unstable());
+            known.sort_unstable();
+            words.sort_unstable();
             assert_eq!(words, known, "{name}");
         };
         all_known("frame", &FRAMES.map(|f| f.0));
