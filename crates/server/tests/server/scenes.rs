@@ -28,6 +28,26 @@ fn models_are_dropped() {
     assert_eq!(answer.status, 200, "{}", answer.text());
 }
 
+/// Pages are told what the integrator that a file names leaves out of its scene.
+#[test]
+fn limits_of_integrators_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("fog.xml");
+    let fog = "<shape type='cube'><bsdf type='null'/><medium name='interior' type='homogeneous'/></shape>";
+    let text = |integrator: &str| {
+        format!(
+            "<scene version='3.0.0'>{integrator}<sensor type='perspective'/><emitter type='constant'/>{fog}</scene>"
+        )
+    };
+    let said = |integrator: &str| {
+        std::fs::write(&path, text(integrator)).unwrap();
+        Server::of(&path).get("api/state").json()["scene"]["messages"].to_string()
+    };
+    let what = "integrator 'path' leaves out participating media; 'volpath' renders it";
+    assert!(said("<integrator type='path'/>").contains(what), "{}", said("<integrator type='path'/>"));
+    assert!(!said("").contains("leaves out"), "{}", said(""));
+}
+
 /// Scenes that are dropped read nothing outside what came with them: by no format, path or link of theirs.
 #[test]
 fn dropped_scenes_read_nothing_elsewhere() {
