@@ -168,7 +168,8 @@ pub const IS_NOT_FINITE: u32 = 2;
 
 impl Default for Block {
     fn default() -> Self {
-        Self::zeroed()
+        // No light is in the columns of flat lights yet.
+        Self { flat_number: [u32::MAX; WIDTH], ..Self::zeroed() }
     }
 }
 
