@@ -125,6 +125,13 @@ pub fn run(args: &InfoArgs, terminal: Terminal) -> Outcome {
     if args.scene_options.strict {
         opened.diagnostics = diagnostics::refuse_losses(&opened.diagnostics);
     }
+    // Limits of the scene's own integrator.
+    let render = opened.scene.as_ref().and_then(|scene| Some((Quality::default().render(scene).ok()?, scene)));
+    if let Some((render, scene)) = render
+        && let Some(left_out) = render.left_out(scene)
+    {
+        opened.diagnostics.warn(&opened.desc.sources, None, left_out.of(render.name));
+    }
     if let Some(path) = &args.thumbnail {
         output::claim([path.as_path()], &opened.inputs())?;
     }

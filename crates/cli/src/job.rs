@@ -16,7 +16,7 @@ use std::{
     path::{Path, PathBuf},
 };
 use steradian::{
-    ColorMode, Inputs, Layer, LeftOut, Quality, Render, Scene, SensorNoise,
+    ColorMode, Inputs, Layer, Quality, Render, Scene, SensorNoise,
     engine::{Feature, Support},
     image::{FileKind, WriteOptions},
     radiosity,
@@ -154,8 +154,9 @@ impl<'a> Job<'a> {
         }
         check_memory(scene, render.film_bytes(scene, quality.layers.len()))?;
         let integrator = render.name;
-        if let Some(LeftOut { what, instead }) = &render.replaced {
-            terminal.warn(&format!("the scene's integrator '{instead}' cannot do {what}; '{integrator}' renders it"));
+        if let Some((own, why)) = &render.replaced {
+            terminal
+                .warn(&format!("the scene's integrator '{own}' is not used, since {why}; '{integrator}' renders it"));
         }
         if let Some(left_out) = render.left_out(scene) {
             terminal.warn(&left_out.of(integrator));

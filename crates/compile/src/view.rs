@@ -259,8 +259,11 @@ impl Compiler<'_> {
         const OF_ALL: [&str; 4] = ["max_depth", "rr_depth", "hide_emitters", "samples"];
         let node = self.desc.node(self.desc.integrator?);
         let Some((method, faults)) = MethodRequest::of_node(node, &OF_ALL) else {
+            let known = || Family::Integrator.kinds().collect::<Vec<_>>().join(", ");
             let help = names::did_you_mean(&node.kind, Family::Integrator.kinds());
-            self.error_help(node.span, format!("integrator '{}' is not implemented", node.kind), help);
+            let help = help.unwrap_or_else(|| format!("known are {}", known()));
+            let what = format!("integrator '{}' is not implemented ({help}); a path tracer takes its place", node.kind);
+            self.diagnostics.dropped(&self.desc.sources, node.span, what);
             return None;
         };
         for fault in faults {

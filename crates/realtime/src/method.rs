@@ -35,7 +35,9 @@ impl Raster {
         let mut options = Options::of(asked.options)?;
         let is_small = u64::from(crop.width()) * u64::from(crop.height()) <= LARGEST_PREVIEW;
         let by_light = request.layers.contains(&steradian_core::film::Layer::LIGHT_GROUPS);
-        if asked.options.is_plain() && request.spp.is_none() && !by_light && !request.transparent && is_small {
+        let is_plain =
+            asked.options.model().all().all(|p| p.name == "hide_emitters" || asked.options.given(p.name).is_none());
+        if is_plain && request.spp.is_none() && !by_light && !request.transparent && is_small {
             options.frame = FrameKind::Preview;
         }
         let depth = Depth { max: request.max_depth.unwrap_or(u32::MAX), ..asked.depth() };

@@ -150,6 +150,7 @@ fn open(source: Source, settings: SettingsChange, library: Library) -> Result<(V
     let document = Document::open(source)?;
     let mut look = Look { settings, ..Look::default() };
     let mut document = document;
+    quality(&look).request().map_err(|e| refusal(e.to_string()))?;
     let scene = compile(&mut document, &look, Purpose::Render)?;
     look.settings.integrator.get_or_insert_with(|| default_name(&scene));
     let held = held(&document, &look, &scene, 0).map_err(refusal)?;

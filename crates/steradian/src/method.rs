@@ -6,7 +6,7 @@ use steradian_core::{
     ColorMode,
     sampler::{Sampler, SamplerKind},
 };
-use steradian_engine::{Asked, Feature, Limit, Method, MethodKind, Support};
+use steradian_engine::{Asked, Feature, Limit, Method, MethodKind, Refusal, Support};
 use steradian_film::LayerInputs;
 use steradian_request::{MethodRequest, Request, SamplerRequest};
 use steradian_schema::integrator::path_tracer;
@@ -23,15 +23,17 @@ pub struct Render {
     pub method: Arc<dyn Method>,
     /// Samples, layers and limits of the render.
     pub plan: Plan,
-    /// The method that the scene's file names where it refuses the scene, and why: a path tracer takes its place.
-    pub replaced: Option<LeftOut>,
+    /// Name of the scene's own method where a path tracer takes its place, and why in a sentence.
+    pub replaced: Option<(&'static str, String)>,
 }
 
 /// Something of a scene that a method does not render.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LeftOut {
-    /// Description in words.
+    /// Features that are missing, in words; may be empty.
     pub what: String,
+    /// Features that are rendered otherwise than they are, in words; may be empty.
+    pub approximated: String,
     /// Name of the method that renders it, or that was to render it.
     pub instead: &'static str,
 }
@@ -39,7 +41,10 @@ pub struct LeftOut {
 impl LeftOut {
     /// The sentence about a method that leaves this out.
     pub fn of(&self, name: &str) -> String {
-        format!("integrator '{name}' leaves out {}; '{}' renders it", self.what, self.instead)
+        let parts = [("leaves out", &self.what), ("approximates", &self.approximated)];
+        let parts = parts.into_iter().filter(|(_, what)| !what.is_empty());
+        let parts: Vec<String> = parts.map(|(verb, what)| format!("{verb} {what}")).collect();
+        format!("integrator '{name}' {}; '{}' renders it", parts.join(" and "), self.instead)
     }
 }
 
@@ -80,21 +85,30 @@ impl Render {
             None => method_of(scene),
         };
         let asked = Asked { request, options: &options, scene };
-        let method = made(&asked)?;
-        // A path tracer takes the place of a scene's own method that refuses the scene.
+        let method = match made(&asked) {
+            Err(Error::Refused(refusal)) if request.method.is_none() => {
+                return Self::instead_of(options.name(), refusal.to_string(), request, scene);
+            }
+            made => made?,
+        };
         if let Some(refused) = Limit::of(&*method, scene).into_iter().find(Limit::refuses) {
             let name = options.name();
-            if request.method.is_some() {
-                return Err(Error::CannotRender { integrator: name.into(), what: refused.what });
-            }
-            let method = Some(MethodRequest::new(path_tracer(scene.has_media())));
-            let render = Self::new(&Request { method, ..request.clone() }, scene)?;
-            return Ok(Self { replaced: Some(LeftOut { what: refused.what, instead: name }), ..render });
+            return match request.method.is_some() || name == path_tracer(scene.has_media()).kind {
+                true => Err(Error::CannotRender { integrator: name.into(), what: refused.what }),
+                false => Self::instead_of(name, format!("it cannot do {}", refused.what), request, scene),
+            };
         }
         let plan = plan(&asked, &*method);
         let render = Self { name: options.name(), method, plan, replaced: None };
         render.check(scene)?;
         Ok(render)
+    }
+
+    /// By a path tracer, in place of a scene's own method that refuses the scene or has options that do not go together.
+    fn instead_of(name: &'static str, why: String, request: &Request, scene: &Scene) -> Result<Self, Error> {
+        let method = Some(MethodRequest::new(path_tracer(scene.has_media())));
+        let render = Self::new(&Request { method, ..request.clone() }, scene)?;
+        Ok(Self { replaced: Some((name, why)), ..render })
     }
 
     /// Refuses what the request asks for and the method does not do.
@@ -150,13 +164,19 @@ impl Render {
     /// Features of the scene that the picture lacks or shows otherwise, with the method that renders them; `None` where
     /// there are none.
     pub fn left_out(&self, scene: &Scene) -> Option<LeftOut> {
-        let what: Vec<String> = self.method.limits(scene).into_iter().map(|limit| limit.what).collect();
+        let limits = self.method.limits(scene);
+        let told = |is: fn(&Support) -> bool| {
+            let of = limits.iter().filter(|limit| is(&limit.support)).map(|limit| limit.what.as_str());
+            of.collect::<Vec<_>>().join("; ")
+        };
+        let what = told(|s| !matches!(s, Support::Approximates(_)));
+        let approximated = told(|s| matches!(s, Support::Approximates(_)));
         // Connections from the camera find what light tracing alone cannot, and its caustics.
         let instead = match self.method.supports(Feature::SpecularView) {
             Support::Exact => path_tracer(scene.has_media()).kind,
             _ => "bdpt",
         };
-        (!what.is_empty()).then(|| LeftOut { what: what.join(", "), instead })
+        (!limits.is_empty()).then_some(LeftOut { what, approximated, instead })
     }
 
     /// Reason why a denoiser cannot estimate the noise of the picture: errors of pixels that are not independent, or
@@ -181,10 +201,31 @@ impl Render {
 /// The method of a request.
 fn made(asked: &Asked<'_>) -> Result<Arc<dyn Method>, Error> {
     let name = asked.options.name();
-    let kind = methods().find(|kind| kind.name == name);
-    Ok((kind
-        .ok_or_else(|| Error::CannotRender { integrator: name.into(), what: "anything: it has no method".into() })?
-        .new)(asked)?)
+    check_options(asked.options)?;
+    let nothing = || Error::CannotRender { integrator: name.into(), what: "anything: it has no method".into() };
+    let kind = methods().find(|kind| kind.name == name).ok_or_else(nothing)?;
+    Ok((kind.new)(asked)?)
+}
+
+/// Refuses options that no scene can have: numbers beyond single precision, in which methods compute, and those of
+/// frames that exclude each other.
+///
+/// # Errors
+/// [`Error::Refused`].
+pub(crate) fn check_options(options: &MethodRequest) -> Result<(), Error> {
+    let name = options.name();
+    for parameter in options.model().all() {
+        let Some(value) = options.given(parameter.name).and_then(|v| v.number()) else { continue };
+        let single = value as f32;
+        if !single.is_finite() || (single == 0.0) != (value == 0.0) {
+            let what = format!("option '{}={value}' of integrator '{name}' is beyond single precision", parameter.name);
+            return Err(Refusal(what).into());
+        }
+    }
+    if name == steradian_realtime::RASTER.name {
+        steradian_realtime::Options::of(options).map_err(Refusal::from)?;
+    }
+    Ok(())
 }
 
 /// Samples, layers and limits of a request.

@@ -1,6 +1,6 @@
 //! A render request in words, as command lines, pages and Python have it.
 
-use crate::{Error, Layer, Render};
+use crate::{Error, Layer, Render, method::check_options};
 use steradian_core::Scene;
 use steradian_request::{MethodRequest, Request, SamplerRequest};
 use steradian_scene::{Family, names::did_you_mean};
@@ -56,8 +56,10 @@ impl Quality {
     pub fn request(&self) -> Result<Request, Error> {
         within("samples per pixel", 1, MAX_SPP as usize, self.spp.unwrap_or(1) as usize)?;
         within("threads", 0, MAX_THREADS, self.threads)?;
+        let method = self.integrator.as_deref().map(MethodRequest::parse).transpose()?;
+        method.as_ref().map_or(Ok(()), check_options)?;
         Ok(Request {
-            method: self.integrator.as_deref().map(MethodRequest::parse).transpose()?,
+            method,
             sampler: self.sampler.as_deref().map(sampler).transpose()?,
             spp: self.spp,
             adaptive: self.adaptive,

@@ -148,10 +148,10 @@ impl Saved {
 impl Recipe {
     /// Recipe of a scene with the [`fingerprint`] of its description, as it was compiled, rendered by a plan.
     pub fn new(scene: &Scene, fingerprint: [u8; blake3::OUT_LEN], options: &CompileOptions, render: &Render) -> Self {
-        let (film, Render { method, plan, .. }) = (scene.film(), render);
+        let (film, Render { name, method, plan, .. }) = (scene.film(), render);
         // Not threads, memory, or structures, which change no bit.
         let settings = [
-            ("integrator", format!("{method:?}")),
+            ("integrator", format!("{name} {method:?}")),
             ("sampler", format!("{:?}", plan.sampler.kind)),
             (SAMPLES, plan.sampler.spp.to_string()),
             ("seed", plan.sampler.seed.to_string()),

@@ -13,8 +13,11 @@ use steradian_engine::{
 /// `radiosity`.
 pub const RADIOSITY: MethodKind = MethodKind::new("radiosity", |asked| {
     let view = View::of(asked);
-    check(asked.scene, &view.settings).map_err(|refusal| Refusal(refusal.to_string()))?;
-    Ok(Arc::new(view))
+    match check(asked.scene, &view.settings) {
+        // Features of scenes are told by the method's limits.
+        Ok(()) | Err(super::Refusal::Media | super::Refusal::Motion | super::Refusal::Schedules) => Ok(Arc::new(view)),
+        Err(refusal) => Err(Refusal(refusal.to_string())),
+    }
 });
 
 impl View {
@@ -50,10 +53,10 @@ impl View {
 impl Method for View {
     fn supports(&self, feature: Feature) -> Support {
         match feature {
-            Feature::Fluorescence | Feature::Schedules => Refuses(""),
+            Feature::Media | Feature::Fluorescence | Feature::Schedules => Refuses(""),
+            Feature::Motion => Refuses("it knows one moment"),
             Feature::Subsurface => Approximates("it is shown as diffuse"),
             Feature::SurfaceDetail => LeavesOut("light between surfaces does not meet them"),
-            Feature::Media => LeavesOut(""),
             Feature::Denoising => Refuses("patches err, not pixels"),
             Feature::TransparencyBehindMedia => Support::Exact,
             _ => support::of_camera_rays(feature),

@@ -157,6 +157,7 @@ fn verify_by(
         told(name);
         let outcome = match maker.method(name, k) {
             Err(Error::CannotRender { what, .. }) => Outcome::Cannot(what),
+            Err(Error::Refused(refusal)) => Outcome::Cannot(refusal.to_string()),
             Err(refusal) if named.is_empty() => Outcome::Cannot(refusal.to_string()),
             Err(refusal) => return Err(refusal),
             Ok(method) => match method.render.integrator.limits(scene).into_iter().next() {

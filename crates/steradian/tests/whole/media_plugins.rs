@@ -179,7 +179,7 @@ fn media_are_rendered_unless_a_path_tracer_is_named() {
         let (scene, said) = read(&file(name, &text));
         for quality in [Quality::default(), Quality::of("path")] {
             let render = quality.render(&scene).unwrap();
-            let LeftOut { what, instead } = render.left_out(&scene).expect("media are left out");
+            let LeftOut { what, instead, .. } = render.left_out(&scene).expect("media are left out");
             assert_eq!((render.name, &*what, instead), ("path", "participating media", "volpath"), "{name}: {said:?}");
         }
     }
