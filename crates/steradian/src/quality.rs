@@ -146,6 +146,34 @@ mod tests {
         assert!(plan(&another, Some("ao"), false).unwrap().contains("distance: inf"));
     }
 
+    /// A path tracer takes the place of a file's integrator that is unknown, or whose options do not go together; another
+    /// one can be asked for all the same.
+    #[test]
+    fn files_with_unusable_integrators_are_rendered() {
+        let unknown = Node::new(Family::Integrator, "foo", None);
+        let unusable = Node::new(Family::Integrator, "raster", None).with("show", "direct");
+        let inverted = Node::new(Family::Integrator, "transient", None).with("from", 5.0).with("to", 1.0);
+        for (node, replaced) in [(unknown, None), (unusable, Some("raster")), (inverted, Some("transient"))] {
+            let scene = scene(node);
+            let render = Quality::default().render(&scene).unwrap();
+            assert_eq!((render.name, render.replaced.map(|r| r.0)), ("path", replaced));
+            assert_eq!(Quality::of("bdpt").render(&scene).unwrap().name, "bdpt");
+        }
+    }
+
+    /// Methods compute in single precision: lengths beyond it are infinite there, or zero.
+    #[test]
+    fn numbers_beyond_single_precision_are_refused() {
+        let plain = scene(Node::new(Family::Integrator, "path", None));
+        for text in ["vcm:radius=1e39", "sppm:pixels=1e-50", "photon:radius=1e-60", "pssmlt:large_step=1e-50"] {
+            let said = plan(&plain, Some(text), false).unwrap_err();
+            assert!(said.contains("beyond single precision") && said.contains(&text[..4]), "{said}");
+        }
+        let of_file = scene(Node::new(Family::Integrator, "sppm", None).with("radius", 1e39));
+        assert_eq!(Quality::default().render(&of_file).unwrap().replaced.unwrap().0, "sppm");
+        assert!(plan(&of_file, Some("sppm"), false).is_err());
+    }
+
     #[test]
     fn numbers_that_no_render_can_have_are_refused() {
         let scene = scene(Node::new(Family::Integrator, "path", None));

@@ -372,7 +372,10 @@ mod tests {
         );
         assert_eq!(samples(&path).unwrap(), 8);
         assert!(asked(Quality { seed: Some(3), ..quality.clone() }).contains("seed 0, not 3"));
-        assert!(asked(Quality { integrator: Some("direct".into()), ..quality.clone() }).contains("another integrator"));
+        for other in ["direct", "volpath"] {
+            let other = Quality { integrator: Some(other.into()), ..quality.clone() };
+            assert!(asked(other).contains("another integrator"));
+        }
         let mut other = print;
         other[5] ^= 1;
         assert!(matches!(restore(&recipe(&scene, other, &quality)), Err(StateError::OtherScene)));
