@@ -36,8 +36,7 @@ pub const TRANSIENT: MethodKind = MethodKind::new("transient", |asked| {
     let number = |name| asked.options.number(name).unwrap_or_default();
     let [from, to] = [number("from"), number("to")];
     if from >= to {
-        let what = format!("intervals from {from} m to {to} m: 'to' must be more than 'from'");
-        return Err(Refusal(format!("integrator 'transient' cannot do {what}")));
+        return Err(Refusal(format!("transient: intervals from {from} m to {to} m: 'to' must be more than 'from'")));
     }
     let (bins, camera) = (asked.options.count("bins"), asked.options.flag("camera"));
     Ok(Arc::new(Transient { depth: asked.depth(), range: [from, to], bins, unit: number("unit"), camera }))

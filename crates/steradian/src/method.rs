@@ -218,7 +218,8 @@ pub(crate) fn check_options(options: &MethodRequest) -> Result<(), Error> {
         let Some(value) = options.given(parameter.name).and_then(|v| v.number()) else { continue };
         let single = value as f32;
         if !single.is_finite() || (single == 0.0) != (value == 0.0) {
-            let what = format!("option '{}={value}' of integrator '{name}' is beyond single precision", parameter.name);
+            let what =
+                format!("option '{}={value:e}' of integrator '{name}' is beyond single precision", parameter.name);
             return Err(Refusal(what).into());
         }
     }
