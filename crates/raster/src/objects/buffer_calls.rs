@@ -5,6 +5,7 @@ use std::rc::Rc;
 use super::{
     buffers::{BufferFlags, BufferParameters, Contents, Mapping, Usage},
     context::{BufferRef, Context},
+    names::written,
 };
 use crate::{error::Result, format::Format};
 
@@ -16,7 +17,7 @@ impl Context {
     /// [`MAX_BUFFER_BYTES`](super::MAX_BUFFER_BYTES).
     pub fn buffer_storage(&self, buffer: impl Into<BufferRef>, data: Contents, flags: BufferFlags) -> Result<()> {
         const CALL: &str = "buffer_storage";
-        self.buffer(buffer, CALL)?.borrow_mut().storage(data, flags, CALL)
+        written(&self.buffer(buffer, CALL)?, CALL)?.storage(data, flags, CALL)
     }
 
     /// Gives a buffer mutable storage in the place of what it has; a mapping of that ends.
@@ -25,7 +26,7 @@ impl Context {
     /// For immutable storage, and more than [`MAX_BUFFER_BYTES`](super::MAX_BUFFER_BYTES).
     pub fn buffer_data(&self, buffer: impl Into<BufferRef>, data: Contents, usage: Usage) -> Result<()> {
         const CALL: &str = "buffer_data";
-        self.buffer(buffer, CALL)?.borrow_mut().data(data, usage, CALL)
+        written(&self.buffer(buffer, CALL)?, CALL)?.data(data, usage, CALL)
     }
 
     /// Writes bytes from an offset on.
@@ -34,7 +35,7 @@ impl Context {
     /// Beyond the end, to a buffer that is mapped but not persistently, to immutable storage without `DYNAMIC_STORAGE`.
     pub fn buffer_sub_data(&self, buffer: impl Into<BufferRef>, offset: usize, data: &[u8]) -> Result<()> {
         const CALL: &str = "buffer_sub_data";
-        self.buffer(buffer, CALL)?.borrow_mut().sub_data(offset, data, CALL)
+        written(&self.buffer(buffer, CALL)?, CALL)?.sub_data(offset, data, CALL)
     }
 
     /// Reads bytes from an offset on.
@@ -59,7 +60,7 @@ impl Context {
         texel: &[u8],
     ) -> Result<()> {
         const CALL: &str = "clear_buffer_sub_data";
-        self.buffer(buffer, CALL)?.borrow_mut().clear(format, range, texel, CALL)
+        written(&self.buffer(buffer, CALL)?, CALL)?.clear(format, range, texel, CALL)
     }
 
     /// Copies `size` bytes from one buffer to another, each with the offset of the first byte.
@@ -75,9 +76,9 @@ impl Context {
         const CALL: &str = "copy_buffer_sub_data";
         let (from, to) = (self.buffer(from, CALL)?, self.buffer(to, CALL)?);
         if Rc::ptr_eq(&from, &to) {
-            return from.borrow_mut().copy_within(from_offset, to_offset, size, CALL);
+            return written(&from, CALL)?.copy_within(from_offset, to_offset, size, CALL);
         }
-        let (from, mut to) = (from.borrow(), to.borrow_mut());
+        let (from, mut to) = (from.borrow(), written(&to, CALL)?);
         let source = from.read(from_offset, size, CALL)?;
         to.write(to_offset, size, CALL)?.copy_from_slice(source);
         Ok(())
@@ -89,7 +90,7 @@ impl Context {
     /// Beyond the end, and for a buffer that is mapped but not persistently.
     pub fn invalidate_buffer_sub_data(&self, buffer: impl Into<BufferRef>, offset: usize, size: usize) -> Result<()> {
         const CALL: &str = "invalidate_buffer_sub_data";
-        self.buffer(buffer, CALL)?.borrow_mut().invalidate(offset, size, CALL)
+        written(&self.buffer(buffer, CALL)?, CALL)?.invalidate(offset, size, CALL)
     }
 
     /// Maps a range of a buffer.
@@ -106,7 +107,7 @@ impl Context {
     ) -> Result<Mapping> {
         const CALL: &str = "map_buffer_range";
         let buffer = self.buffer(buffer, CALL)?;
-        let number = buffer.borrow_mut().map(offset, size, access, CALL)?;
+        let number = written(&buffer, CALL)?.map(offset, size, access, CALL)?;
         Ok(Mapping { buffer, number })
     }
 
@@ -116,7 +117,7 @@ impl Context {
     /// For buffers that are not mapped, or without `MAP_FLUSH_EXPLICIT`, and ranges beyond the end of the mapping.
     pub fn flush_mapped_buffer_range(&self, buffer: impl Into<BufferRef>, offset: usize, size: usize) -> Result<()> {
         const CALL: &str = "flush_mapped_buffer_range";
-        self.buffer(buffer, CALL)?.borrow_mut().flush(offset, size, CALL)
+        written(&self.buffer(buffer, CALL)?, CALL)?.flush(offset, size, CALL)
     }
 
     /// Ends a mapping. Bytes that were written are in the buffer then, with `MAP_FLUSH_EXPLICIT` only those flushed.
@@ -125,7 +126,7 @@ impl Context {
     /// For buffers that are not mapped.
     pub fn unmap_buffer(&self, buffer: impl Into<BufferRef>) -> Result<()> {
         const CALL: &str = "unmap_buffer";
-        self.buffer(buffer, CALL)?.borrow_mut().unmap(CALL)
+        written(&self.buffer(buffer, CALL)?, CALL)?.unmap(CALL)
     }
 
     /// Makes the client's and the commands' bytes of a persistent mapping that is not coherent visible to each other:
@@ -134,7 +135,8 @@ impl Context {
     /// # Errors
     /// Where there is no such buffer.
     pub fn client_mapped_buffer_barrier(&self, buffer: impl Into<BufferRef>) -> Result<()> {
-        self.buffer(buffer, "client_mapped_buffer_barrier")?.borrow_mut().synchronize();
+        const CALL: &str = "client_mapped_buffer_barrier";
+        written(&self.buffer(buffer, CALL)?, CALL)?.synchronize();
         Ok(())
     }
 

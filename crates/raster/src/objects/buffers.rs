@@ -8,7 +8,7 @@ use std::ops::{BitOr, Range};
 
 use super::{
     error::{invalid_enum, invalid_operation, invalid_value, out_of_memory},
-    names::Object,
+    names::{Object, written},
 };
 use crate::{
     error::Result,
@@ -404,10 +404,11 @@ impl Mapping {
     /// Writes bytes from an offset on, which counts from the first byte of the mapping.
     ///
     /// # Errors
-    /// After the end of the mapping, beyond its range, or without `MAP_WRITE`.
+    /// After the end of the mapping, beyond its range, without `MAP_WRITE`, and from within a draw that reads the
+    /// buffer.
     pub fn write(&self, offset: usize, data: &[u8]) -> Result<()> {
         const CALL: &str = "Mapping::write";
-        let mut buffer = self.buffer.borrow_mut();
+        let mut buffer = written(&self.buffer, CALL)?;
         let Buffer { bytes, map: Some(map), maps, .. } = &mut *buffer else { return ended(CALL) };
         if *maps != self.number {
             return ended(CALL);

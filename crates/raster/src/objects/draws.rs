@@ -10,7 +10,7 @@ use super::{
     containers::{Attachment, FramebufferObject, source},
     context::{BufferTarget, Context},
     error::{invalid_operation, invalid_value},
-    names::Object,
+    names::{self, Object},
     textures::TextureObject,
 };
 use crate::{
@@ -281,11 +281,12 @@ impl Context {
         drop((buffers, bound));
         self.queries.count(&counters, written);
         if let Some(feedback) = self.feedback.as_mut().filter(|_| !captured.is_empty()) {
-            feedback.buffer.borrow_mut().write(feedback.end, captured.len(), call)?.copy_from_slice(&captured);
+            let mut buffer = names::written(&feedback.buffer, call)?;
+            buffer.write(feedback.end, captured.len(), call)?.copy_from_slice(&captured);
             feedback.end += captured.len();
         }
         if let (Some(object), Some(framebuffer)) = (object, loaded) {
-            store(&object.borrow(), framebuffer);
+            store(&object.borrow(), framebuffer, call)?;
         }
         done.map(|()| counters)
     }
@@ -295,13 +296,14 @@ impl Context {
     /// # Errors
     /// For a framebuffer that is not complete.
     pub fn clear(&mut self, color: Vec4, depth: f32, stencil: u8) -> Result<()> {
+        const CALL: &str = "clear";
         match self.framebuffer.clone() {
             _ if self.queries.drops() => {}
             None => self.default.clear(color, depth, stencil),
             Some(object) => {
-                let mut framebuffer = load(&object.borrow(), "clear")?;
+                let mut framebuffer = load(&object.borrow(), CALL)?;
                 framebuffer.clear(color, depth, stencil);
-                store(&object.borrow(), framebuffer);
+                store(&object.borrow(), framebuffer, CALL)?;
             }
         }
         Ok(())
@@ -378,10 +380,10 @@ fn load(object: &FramebufferObject, call: &'static str) -> Result<Framebuffer> {
 }
 
 /// Copies the targets back to the attached images.
-fn store(object: &FramebufferObject, framebuffer: Framebuffer) {
+fn store(object: &FramebufferObject, framebuffer: Framebuffer, call: &'static str) -> Result<()> {
     let (colors, ..) = framebuffer.into_parts();
     for (attachment, target) in object.colors.values().zip(colors) {
-        let mut state = attachment.texture.borrow_mut();
+        let mut state = names::written(&attachment.texture, call)?;
         let Some(texture) = &mut state.texture else { continue };
         let (texel, layer) = origin(texture, attachment);
         let (start, rows) = (texture.place(attachment.level, texel, layer), target.to_bytes(0));
@@ -391,6 +393,7 @@ fn store(object: &FramebufferObject, framebuffer: Framebuffer) {
             range.copy_from_slice(&rows);
         }
     }
+    Ok(())
 }
 
 fn incomplete<T>(call: &'static str, rule: impl std::fmt::Display) -> Result<T> {

@@ -29,12 +29,14 @@ impl Context {
         self.shared.borrow_mut().buffers.create(count, "create_buffers", Buffer::new)
     }
 
-    /// Deletes names of buffers; mappings end.
+    /// Deletes names of buffers; mappings end, but for a buffer that a draw reads which has not ended.
     pub fn delete_buffers(&mut self, names: &[u32]) {
         for name in names {
             let deleted = self.shared.borrow_mut().buffers.delete(*name);
             if let Some(buffer) = deleted {
-                buffer.borrow_mut().end_mapping();
+                if let Ok(mut buffer) = buffer.try_borrow_mut() {
+                    buffer.end_mapping();
+                }
                 self.unbind_buffer(&buffer);
             }
         }

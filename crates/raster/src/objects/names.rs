@@ -5,7 +5,11 @@
 //! and each attachment another. Deletion takes the reference of the table, so that the name is free at once, while the
 //! object lives on for as long as something still refers to it. This is all there is to orphaning.
 
-use std::{cell::RefCell, collections::BTreeMap, rc::Rc};
+use std::{
+    cell::{RefCell, RefMut},
+    collections::BTreeMap,
+    rc::Rc,
+};
 
 use super::error::{invalid_operation, invalid_value};
 use crate::error::Result;
@@ -83,6 +87,15 @@ impl<T> Names<T> {
     pub fn name_of(&self, object: &Object<T>) -> u32 {
         let is_it = |entry: &Option<Object<T>>| entry.as_ref().is_some_and(|other| Rc::ptr_eq(other, object));
         self.objects.iter().find(|(_, entry)| is_it(entry)).map_or(0, |(name, _)| *name)
+    }
+}
+
+/// An object to be written. A draw reads what is bound until its closure returns; what the closure does to these
+/// objects by a mapping or by another context of the group is refused.
+pub(super) fn written<'a, T>(object: &'a Object<T>, call: &'static str) -> Result<RefMut<'a, T>> {
+    match object.try_borrow_mut() {
+        Ok(object) => Ok(object),
+        Err(_) => invalid_operation(call, "a draw that has not ended reads the object"),
     }
 }
 

@@ -8,7 +8,7 @@ use std::{collections::BTreeMap, time::Instant};
 use super::{
     context::{BufferRef, Context},
     error::{invalid_enum, invalid_operation, invalid_value},
-    names::{Names, Object},
+    names::{Names, Object, written},
 };
 use crate::{counters::Counters, error::Result};
 
@@ -194,7 +194,7 @@ impl Context {
         if !offset.is_multiple_of(8) {
             return invalid_value(CALL, format_args!("offset {offset} is no multiple of 8"));
         }
-        buffer.borrow_mut().write(offset, 8, CALL)?.copy_from_slice(&result.to_le_bytes());
+        written(&buffer, CALL)?.write(offset, 8, CALL)?.copy_from_slice(&result.to_le_bytes());
         Ok(())
     }
 

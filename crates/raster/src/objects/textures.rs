@@ -6,6 +6,7 @@
 use super::{
     context::{BufferTarget, Context},
     error::{invalid_operation, invalid_value},
+    names::written,
 };
 use crate::{
     error::Result,
@@ -123,7 +124,7 @@ impl Context {
     pub fn texture_storage(&self, texture: u32, levels: u32, format: Format, size: TextureSize) -> Result<()> {
         const CALL: &str = "texture_storage";
         let texture = self.shared.borrow().textures.object(texture, CALL)?;
-        let mut texture = texture.borrow_mut();
+        let mut texture = written(&texture, CALL)?;
         if texture.texture.is_some() {
             return invalid_operation(CALL, "the storage is immutable");
         }
@@ -159,7 +160,7 @@ impl Context {
     pub fn texture_sub_image(&self, texture: u32, region: Region, format: Format, pixels: Pixels) -> Result<()> {
         const CALL: &str = "texture_sub_image";
         let texture = self.shared.borrow().textures.object(texture, CALL)?;
-        let mut texture = texture.borrow_mut();
+        let mut texture = written(&texture, CALL)?;
         check(texture.storage(CALL)?, region, format, CALL)?;
         let rows = Rows::new(self.unpack, format, region.size, CALL)?;
         let buffer = self.bound_buffer(BufferTarget::PixelUnpack);
@@ -196,7 +197,10 @@ impl Context {
         check(source, region, format, CALL)?;
         let rows = Rows::new(self.pack, format, region.size, CALL)?;
         let buffer = self.bound_buffer(BufferTarget::PixelPack);
-        let mut buffer = buffer.as_ref().map(|buffer| buffer.borrow_mut());
+        let mut buffer = match &buffer {
+            Some(buffer) => Some(written(buffer, CALL)?),
+            None => None,
+        };
         let bytes = match (pixels, &mut buffer) {
             (PixelsMut::Offset(offset), Some(buffer)) => {
                 check_offset(offset, format, CALL)?;
@@ -222,7 +226,7 @@ impl Context {
     pub fn generate_texture_mipmap(&self, texture: u32) -> Result<()> {
         const CALL: &str = "generate_texture_mipmap";
         let texture = self.shared.borrow().textures.object(texture, CALL)?;
-        let mut texture = texture.borrow_mut();
+        let mut texture = written(&texture, CALL)?;
         texture.storage(CALL)?;
         match texture.texture.as_mut().map_or(Ok(()), Texture::generate_levels) {
             Err(error) => invalid_operation(CALL, error.rule),

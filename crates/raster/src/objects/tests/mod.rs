@@ -1,6 +1,7 @@
 //! Scripted traces of calls.
 
 mod buffers;
+mod draws;
 mod names;
 mod pixels;
 mod queries;

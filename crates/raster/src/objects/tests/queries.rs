@@ -206,6 +206,34 @@ fn times_do_not_decrease() {
     assert!(first + elapsed <= last);
 }
 
+/// A closure of a draw that writes to what the draw reads is refused, and nothing panics.
+#[test]
+fn a_draw_reads_what_is_bound_until_it_ends() {
+    use crate::objects::ShareGroup;
+    let group = ShareGroup::new();
+    let (mut a, mut b) = (super::context_of(&group), super::context_of(&group));
+    let (buffer, array) = (a.create_buffers(1).unwrap()[0], a.create_vertex_arrays(1).unwrap()[0]);
+    let access = BufferFlags::MAP_WRITE | BufferFlags::MAP_PERSISTENT;
+    a.buffer_storage(buffer, Contents::Size(48), access | BufferFlags::DYNAMIC_STORAGE).unwrap();
+    a.vertex_array_vertex_buffer(array, 0, VertexBuffer { buffer, offset: 0, stride: 16 }).unwrap();
+    a.enable_vertex_array_attrib(array, 0).unwrap();
+    a.bind_vertex_array(array).unwrap();
+    let mapping = a.map_buffer_range(buffer, 0, 48, access).unwrap();
+    a.draw_arrays(0..3, 0..1, |_, _| {
+        let words = ["a draw that has not ended", OP];
+        assert_refused(mapping.write(0, &[1]), "Mapping::write", words);
+        assert_refused(b.buffer_sub_data(buffer, 0, &[1]), "buffer_sub_data", words);
+        assert_refused(b.unmap_buffer(buffer), "unmap_buffer", words);
+        assert_refused(b.copy_buffer_sub_data((buffer, 0), (buffer, 4), 4), "copy_buffer_sub_data", words);
+        b.delete_buffers(&[buffer]);
+        Ok(())
+    })
+    .unwrap();
+    mapping.write(0, &[1]).unwrap();
+    // The vertex array keeps the buffer that the other context has deleted.
+    a.draw_arrays(0..3, 0..1, white).unwrap();
+}
+
 #[test]
 fn a_deleted_query_counts_until_it_ends() {
     let (mut c, _) = prepared();
