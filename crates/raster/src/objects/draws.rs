@@ -167,10 +167,9 @@ impl Output<'_> {
                         bytes.extend(vertex.position.to_array().into_iter().flat_map(f32::to_le_bytes));
                         bytes.extend(vertex.varyings.to_floats().as_ref().iter().flat_map(|x| x.to_le_bytes()));
                     }
-                    // A primitive that finds no room is generated but not written, and so are all that follow.
+                    // A primitive that finds no room is generated but not written.
                     if bytes.len() > *room {
-                        *room = 0;
-                        break;
+                        continue;
                     }
                     *room -= bytes.len();
                     self.captured.extend(bytes);

@@ -89,6 +89,8 @@ fn a_deleted_buffer_lives_while_another_context_has_it_bound() {
         b is 1 = false
         a bound array = 0
         a bound read = 0
+        a read array 3 = no buffer is bound to Array (INVALID_OPERATION)
+        a read read 3 = no buffer is bound to CopyRead (INVALID_OPERATION)
         b read array 3 = old
         b bound array = 0
         a delete 1
@@ -117,8 +119,10 @@ fn a_deleted_buffer_leaves_the_bound_vertex_array_and_stays_in_others() {
         a bindarray 2
         a bound elements = 0
         a bind elements 2
+        a data elements two
         a delete 2
         a bound elements = 0
+        a read elements 3 = no buffer is bound to ElementArray (INVALID_OPERATION)
         a delete 1
         a bindarray 1
         a read elements 3 = one
