@@ -152,7 +152,7 @@ pub struct Names {
     pub objects: BTreeMap<u32, String>,
     /// Materials by [`FirstHit::material`].
     pub materials: BTreeMap<u32, String>,
-    /// Groups of lights, in the order of [`Film::by_light`].
+    /// Groups of lights, in the order of [`crate::LayerSums::by_light`].
     pub light_groups: Vec<String>,
     /// The point of the world that positions are told from.
     pub origin: [f64; 3],
