@@ -21,7 +21,7 @@ def test_no_layer_is_ignored(integrator):
         image = scene.render(spp=1, size=(4, 3), integrator=integrator, layers=["light_groups"])
         assert any(name.startswith("RGBA_") for name in image.channels), image.channels
     except ValueError as e:
-        assert "groups of lights" in str(e) and integrator in str(e)
+        assert "groups of lights" in str(e) and integrator.split(":")[0] in str(e)
     try:
         image = scene.render(spp=2, size=(4, 3), integrator=integrator, layers=["halves"])
         halves = [np.stack([image[f"{half}.{c}"] for c in "RGB"]) for half in ("half_a", "half_b")]
