@@ -34,7 +34,7 @@ pub struct LeftOut {
     pub what: String,
     /// Features that are rendered otherwise than they are, in words; may be empty.
     pub approximated: String,
-    /// Name of the method that renders it, or that was to render it.
+    /// Name of a method that renders it.
     pub instead: &'static str,
 }
 
@@ -53,10 +53,15 @@ pub fn methods() -> impl Iterator<Item = &'static MethodKind> {
     steradian_integrators::METHODS.iter().chain(steradian_realtime::METHODS)
 }
 
+/// The method of a name.
+fn kind(name: &str) -> Option<&'static MethodKind> {
+    methods().find(|kind| kind.name == name)
+}
+
 /// The colour mode that suits an integrator, `NAME` or `NAME:key=value,…`, where its scene's format has no say.
 pub fn suited_mode(integrator: &str) -> Option<ColorMode> {
     let name = integrator.split_once(':').map_or(integrator, |(name, _)| name);
-    methods().find(|kind| kind.name == name)?.mode
+    kind(name)?.mode
 }
 
 /// The method that a scene asks for: its file's own, or a path tracer.
@@ -125,7 +130,6 @@ impl Render {
         let asked = [
             (plan.transparent, transparency, format!("a transparent background{behind}")),
             (by_light, Feature::LightGroups, "layers of groups of lights".into()),
-            (halves, Feature::Denoising, "the layer 'halves'".into()),
         ];
         for (is_asked, feature, what) in asked {
             if is_asked && supports(feature) != Support::Exact {
@@ -203,8 +207,7 @@ fn made(asked: &Asked<'_>) -> Result<Arc<dyn Method>, Error> {
     let name = asked.options.name();
     check_options(asked.options)?;
     let nothing = || Error::CannotRender { integrator: name.into(), what: "anything: it has no method".into() };
-    let kind = methods().find(|kind| kind.name == name).ok_or_else(nothing)?;
-    Ok((kind.new)(asked)?)
+    Ok((kind(name).ok_or_else(nothing)?.new)(asked)?)
 }
 
 /// Refuses options that no scene can have: numbers beyond single precision, in which methods compute, and those of

@@ -76,7 +76,7 @@ impl Quality {
     /// The method and plan of this request for a scene.
     ///
     /// # Errors
-    /// Those of [`Self::request`] and [`Render::new`].
+    /// Errors of [`Self::request`] and [`Render::new`].
     pub fn render(&self, scene: &Scene) -> Result<Render, Error> {
         Render::new(&self.request()?, scene)
     }

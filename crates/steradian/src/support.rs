@@ -38,7 +38,7 @@ pub fn answers() -> Result<Vec<Answer>, Error> {
 /// The answers as a page: a row for each feature that not every method renders.
 ///
 /// # Errors
-/// Those of [`answers`].
+/// Errors of [`answers`].
 pub fn page() -> Result<String, Error> {
     let answers = answers()?;
     let mut page = String::from(

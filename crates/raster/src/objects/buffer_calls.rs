@@ -133,7 +133,7 @@ impl Context {
     /// `glMemoryBarrier` with `CLIENT_MAPPED_BUFFER_BARRIER_BIT` (section 7.13.2), for one buffer.
     ///
     /// # Errors
-    /// Where there is no such buffer.
+    /// An error for names without a buffer.
     pub fn client_mapped_buffer_barrier(&self, buffer: impl Into<BufferRef>) -> Result<()> {
         const CALL: &str = "client_mapped_buffer_barrier";
         written(&self.buffer(buffer, CALL)?, CALL)?.synchronize();
@@ -143,7 +143,7 @@ impl Context {
     /// State of a buffer.
     ///
     /// # Errors
-    /// Where there is no such buffer.
+    /// An error for names without a buffer.
     pub fn get_buffer_parameters(&self, buffer: impl Into<BufferRef>) -> Result<BufferParameters> {
         Ok(self.buffer(buffer, "get_buffer_parameters")?.borrow().parameters())
     }

@@ -108,7 +108,7 @@ impl<'a> Inputs<'a> {
     /// The texture of a kind that is bound to a unit.
     ///
     /// # Errors
-    /// Where there is none, or it has no storage.
+    /// An error for names without a buffer, and for buffers without storage.
     pub fn texture(&self, unit: u32, kind: TextureKind) -> Result<&'a Texture> {
         match self.textures.iter().find(|(key, _)| *key == (unit, kind as u8)) {
             Some((_, texture)) => Ok(texture),
@@ -143,7 +143,7 @@ impl Output<'_> {
     /// as 32-bit floats one after the other; whole primitives only, as long as there is room.
     ///
     /// # Errors
-    /// Where the pipeline was made for another layout, or gives other primitives than feedback captures.
+    /// An error for pipelines of another layout, and for primitives other than those that feedback captures.
     pub fn draw<V, T, G, F>(&mut self, pipeline: &Pipeline<V, T, G, F>) -> Result<Counters>
     where
         V: VertexShader,

@@ -150,7 +150,7 @@ impl Context {
     /// Ends the active query of a target.
     ///
     /// # Errors
-    /// Where no query of the target is active.
+    /// An error without an active query of the target.
     pub fn end_query(&mut self, target: QueryTarget) -> Result<()> {
         let Some(query) = self.queries.active.remove(&target) else {
             return invalid_operation("end_query", format_args!("no query of {target:?} is active"));
