@@ -1,7 +1,7 @@
 /** A camera on a turntable: it turns about an axis, and tilts up to the axis; the horizon stays level. */
 
-import type { CameraState, Vec3 } from './protocol';
-import { across, add, cross, dot, length, normalize, scale, sub, turn } from './vector';
+import type { CameraState } from './protocol';
+import { across, add, cross, dot, length, normalize, scale, sub, turn, type Vec3 } from './vector';
 
 const RADIANS_PER_PIXEL = 0.007;
 

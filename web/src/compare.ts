@@ -4,8 +4,8 @@ import { Divider } from './divider';
 import { h, row, section, setText, show } from './dom';
 import { FlipMap } from './flipmap';
 import { numberField } from './number';
-import type { FrameMessage, Message, State } from './protocol';
-import { clearReference, fetchReference, keepReference, type About, type Figures } from './reference';
+import type { AboutReference, Figures, FrameEnd, Message, State } from './protocol';
+import { clearReference, fetchReference, keepReference } from './reference';
 import { toneText } from './tone';
 import type { Comparison, View } from './view';
 
@@ -17,7 +17,7 @@ export class Compare {
   readonly divider: Divider;
   /** Which of the two is shown, over the picture. */
   readonly tag = h('div', { class: 'tag', hidden: true });
-  about: About | null = null;
+  about: AboutReference | null = null;
   /** Whether this page is changing B. */
   private acts = false;
   /** Called when there is another B, or none. */
@@ -102,7 +102,7 @@ export class Compare {
     this.place();
   }
 
-  takeFrame({ kind }: FrameMessage): void {
+  takeFrame({ kind }: FrameEnd): void {
     this.isPreview = kind === 'preview';
     this.refresh();
   }

@@ -2,7 +2,7 @@
 
 import { VALUES } from './half';
 import type { Picture } from './layers';
-import type { FrameMessage } from './protocol';
+import type { FrameEnd } from './protocol';
 
 /** What a frame tells. */
 export interface Point {
@@ -33,7 +33,7 @@ export class Convergence {
   curves: Curve[] = [];
 
   /** Takes a frame of a render, whose error to B is computed where it counts. */
-  take(frame: FrameMessage, label: string, toReference: () => number | null): boolean {
+  take(frame: FrameEnd, label: string, toReference: () => number | null): boolean {
     const { generation, seconds, samples, error, done } = frame;
     if (frame.kind === 'preview' || samples <= 0 || seconds <= 0) return false;
     let curve = this.curves.at(-1);

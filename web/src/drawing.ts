@@ -1,6 +1,7 @@
 /** The path of a sample over the picture: its vertices numbered, the rays between them, and those towards lights. */
 
-import type { PathVertex, Place, TracedPath } from './protocol';
+import type { PathVertex, TracedPath } from './protocol';
+import type { Place } from './vector';
 import type { View } from './view';
 
 /** Vertices that are numbered at most; the rays between further ones are drawn, too. */

@@ -3,7 +3,7 @@
 import { Convergence, MOST_CURVES, relMse, type Curve, type Point } from './convergence';
 import { h, row, section, show } from './dom';
 import { plot, type Line } from './plot';
-import type { FrameMessage, State } from './protocol';
+import type { FrameEnd, State } from './protocol';
 import type { View } from './view';
 
 type Axis = 'seconds' | 'samples';
@@ -37,7 +37,7 @@ export class Errors {
   }
 
   /** A frame that's shown now. */
-  takeFrame(frame: FrameMessage): void {
+  takeFrame(frame: FrameEnd): void {
     const taken = this.convergence.take(frame, this.state?.settings.integrator || 'the scene’s', () => this.toReference());
     if (taken && !this.timer) this.timer = window.setTimeout(() => this.draw(), PAUSE);
   }

@@ -1,6 +1,7 @@
 /** The map of FLIP errors: asked of the server as frames come, one at a time. */
 
-import { fetchFlip, type Figures } from './reference';
+import type { Figures } from './protocol';
+import { fetchFlip } from './reference';
 import type { View } from './view';
 
 export class FlipMap {

@@ -2,8 +2,7 @@
 
 import type { Camera } from './camera';
 import type { Moving } from './moving';
-import { add, scale } from './vector';
-import type { Vec3 } from './protocol';
+import { add, scale, type Vec3 } from './vector';
 
 /** Distances to the target for each second. */
 const SPEED = 0.7;

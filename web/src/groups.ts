@@ -2,7 +2,7 @@
 
 import { halfOf, VALUES } from './half';
 import { put } from './layers';
-import type { Tile } from './protocol';
+import type { Tile } from './tile';
 
 /** The number of the first group's plane; smaller ones are those of the picture and its layers. */
 export const FIRST_PLANE = 256;

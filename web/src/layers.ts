@@ -1,6 +1,7 @@
 /** Frames as textures: one is shown while the next one's tiles come. */
 
-import type { Box, Tile } from './protocol';
+import type { Tile } from './tile';
+import type { Box } from './vector';
 
 /** A picture of halves, on the GPU and here. */
 export interface Picture {

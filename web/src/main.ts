@@ -25,7 +25,7 @@ import { Overlay, regionOf } from './overlay';
 import { Pick } from './pick';
 import { CameraPanel, RenderPanel, type Side } from './panel';
 import { Path } from './path';
-import type { FrameMessage, PageMessage, State } from './protocol';
+import type { FrameEnd, PageMessage, State } from './protocol';
 import { Socket } from './socket';
 import { Status } from './status';
 import { Toolbar } from './toolbar';
@@ -214,7 +214,7 @@ function start(): void {
     overlay.place();
   }
 
-  function takeFrame(frame: FrameMessage): void {
+  function takeFrame(frame: FrameEnd): void {
     view.frame(frame);
     mixer.takeFrame(frame);
     moving.frame(frame.generation);

@@ -4,7 +4,7 @@ import { linearOf } from './color';
 import { h, isPressed, row, section, setPressed, setText } from './dom';
 import { MOST_GROUPS } from './groups';
 import { numberField } from './number';
-import type { FrameMessage, PageMessage, State } from './protocol';
+import type { FrameEnd, PageMessage, State } from './protocol';
 import type { View } from './view';
 
 /** Stops by which a group is brightened or dimmed at most. */
@@ -87,14 +87,14 @@ export class Mixer {
   }
 
   update({ scene, settings }: State): void {
-    const isOn = settings.lightGroups ?? false;
+    const isOn = settings.lightGroups;
     const of = `${scene.path} ${scene.name}`;
     if (of !== this.scene) {
       this.scene = of;
       this.names = [];
       this.strips.clear();
     }
-    this.element.hidden = settings.lightGroups === undefined || scene.lights === 0;
+    this.element.hidden = scene.lights === 0;
     this.on.checked = isOn;
     if (!isOn) {
       this.view.groups.clear();
@@ -106,7 +106,7 @@ export class Mixer {
   }
 
   /** Shows the groups of a frame; of one that came without, those stay that were there. */
-  takeFrame({ lightGroups = [] }: FrameMessage): void {
+  takeFrame({ lightGroups }: FrameEnd): void {
     const isSame = lightGroups.length === this.names.length && lightGroups.every((name, g) => name === this.names[g]);
     if (lightGroups.length === 0 || isSame) return;
     this.names = lightGroups;

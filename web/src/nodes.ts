@@ -2,7 +2,7 @@
 
 import { h, section, setText } from './dom';
 import { kindOf, parameterField, type Field } from './parameter';
-import type { NodeParameter, PageMessage, SceneNode, State } from './protocol';
+import type { NodeState, PageMessage, ParameterState, State } from './protocol';
 
 /** Milliseconds after which a picture that did not come is no longer waited for. */
 const PATIENCE = 2000;
@@ -15,8 +15,8 @@ class ParameterRow {
   private readonly reset: HTMLButtonElement;
 
   constructor(
-    node: SceneNode,
-    parameter: NodeParameter,
+    node: NodeState,
+    parameter: ParameterState,
     private readonly edit: (p: string, value: string | null, done: boolean) => void,
   ) {
     const { name } = parameter;
@@ -30,7 +30,7 @@ class ParameterRow {
 
   private readonly label: string;
 
-  update(parameter: NodeParameter): void {
+  update(parameter: ParameterState): void {
     const { name, type, doc } = parameter;
     this.element.title = [doc, type].filter(Boolean).join('\n');
     this.name.classList.toggle('unset', parameter.value === null);
@@ -48,7 +48,7 @@ class NodeItem {
   private rows: Map<string, ParameterRow> | null = null;
 
   constructor(
-    public node: SceneNode,
+    public node: NodeState,
     private readonly edit: (node: string, p: string, value: string | null, done: boolean) => void,
   ) {
     this.element = h(
@@ -60,7 +60,7 @@ class NodeItem {
     this.update(node);
   }
 
-  update(node: SceneNode): void {
+  update(node: NodeState): void {
     this.node = node;
     setText(this.title, node.kind);
     if (this.rows) this.fill();
@@ -124,7 +124,7 @@ export class Nodes {
     const { edits } = this;
     try {
       const response = await fetch('./api/nodes');
-      const nodes = (await response.json()) as SceneNode[];
+      const nodes = (await response.json()) as NodeState[];
       // Nodes without the last edit would undo it.
       if (edits !== this.edits) this.wants = true;
       else if (response.ok) this.show(nodes);
@@ -133,8 +133,8 @@ export class Nodes {
     }
   }
 
-  private show(nodes: SceneNode[]): void {
-    const families = new Map<string, SceneNode[]>();
+  private show(nodes: NodeState[]): void {
+    const families = new Map<string, NodeState[]>();
     for (const node of nodes) families.set(node.family, [...(families.get(node.family) ?? []), node]);
     const shape = JSON.stringify(nodes.map((n) => [n.family, n.id]));
     for (const node of nodes) this.items.get(node.id)?.update(node);
@@ -166,7 +166,7 @@ export class Nodes {
     this.held = null;
     this.wants = true;
     this.edits++;
-    this.send({ type: 'edit', node, parameter, value });
+    this.send({ type: 'edit', node, parameter, value, moving: false });
   }
 
   private sendHeld(): void {

@@ -1,12 +1,14 @@
 /** Fields for numbers: one to type in, with a slider where a range is known. */
 
 import { h, setValue } from './dom';
-import type { Range } from './protocol';
 
 export interface NumberField {
   element: HTMLElement;
   set(value: number): void;
 }
+
+/** Ends; `null` for one that is infinite. */
+type Range = [number | null, number | null];
 
 export interface NumberOptions {
   label: string;

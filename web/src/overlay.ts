@@ -2,7 +2,7 @@
 
 import { h } from './dom';
 import { Drawing } from './drawing';
-import type { Box } from './protocol';
+import type { Box } from './vector';
 import type { View } from './view';
 
 export class Overlay {

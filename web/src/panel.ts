@@ -2,7 +2,7 @@
 
 import { h, row, section, setOptions, setValue, show } from './dom';
 import { numberField } from './number';
-import type { PageMessage, Settings, State } from './protocol';
+import type { PageMessage, SettingsChange, State } from './protocol';
 
 type Send = (message: PageMessage) => boolean;
 
@@ -34,10 +34,9 @@ export class RenderPanel {
   private readonly depth;
   private readonly width;
   private readonly height;
-  private readonly denoiseRow;
 
   constructor(private readonly send: Send) {
-    const set = (change: Partial<Settings & { width: number; height: number }>) => this.send({ type: 'settings', ...change });
+    const set = (change: SettingsChange) => this.send({ type: 'settings', ...change });
     const choice = (key: Choice, label: string) => {
       const select = h('select', { 'aria-label': label, onchange: () => set({ [key]: select.value || null }) });
       return select;
@@ -53,7 +52,6 @@ export class RenderPanel {
     this.depth = whole('Most bounces', 0, true, (v) => set({ maxDepth: v }));
     this.width = whole('Width in pixels', 1, false, () => set(this.size()));
     this.height = whole('Height in pixels', 1, false, () => set(this.size()));
-    this.denoiseRow = row('Denoise', this.choices.denoise);
     const size = h('span', { class: 'plain' }, this.width, '×', this.height);
     this.element = section(
       'Render',
@@ -65,7 +63,7 @@ export class RenderPanel {
       h('div', { class: 'row' }, h('span', {}, 'Size'), size),
       row('Seed', this.seed),
       row('Max depth', this.depth, 'Bounces at most'),
-      this.denoiseRow,
+      row('Denoise', this.choices.denoise),
     );
   }
 
@@ -81,7 +79,7 @@ export class RenderPanel {
       this.choices.color,
       choices.colors.map((value) => ({ value })),
     );
-    setOptions(this.choices.denoise, [{ value: '', text: 'no' }, ...named(choices.denoisers ?? [])]);
+    setOptions(this.choices.denoise, [{ value: '', text: 'no' }, ...named(choices.denoisers)]);
     for (const key of ['integrator', 'sampler', 'color', 'denoise'] as const) {
       const select = this.choices[key];
       setValue(select, settings[key] ?? '');
@@ -92,7 +90,6 @@ export class RenderPanel {
     setValue(this.depth, settings.maxDepth === null ? '' : String(settings.maxDepth));
     setValue(this.width, String(film.width));
     setValue(this.height, String(film.height));
-    this.denoiseRow.hidden = settings.denoise === undefined;
   }
 
   private size(): { width: number; height: number } {

@@ -5,13 +5,13 @@ import { h, setValue } from './dom';
 import { numberField } from './number';
 import { placeOf } from './place';
 import { placeField } from './placefield';
-import type { NodeParameter } from './protocol';
+import type { ParameterState } from './protocol';
 
 export interface Field {
   element: HTMLElement;
   /** What kind of field it is; another kind needs another field. */
   kind: string;
-  set(parameter: NodeParameter): void;
+  set(parameter: ParameterState): void;
 }
 
 /** Called with the new value in Steradian's language; `null` for what holds when nothing is given. */
@@ -29,9 +29,9 @@ function triple(text: string): number[] | null {
 }
 
 /** What holds; of a default without what is said of exceptions. */
-const current = (p: NodeParameter) => p.value ?? p.default?.split(';')[0] ?? '';
+const current = (p: ParameterState) => p.value ?? p.default.split(';')[0] ?? '';
 
-export function kindOf(p: NodeParameter): string {
+export function kindOf(p: ParameterState): string {
   const text = current(p);
   if (p.type.startsWith('true or false')) return 'flag';
   if (p.words.length > 0 && (p.value === null || p.words.includes(p.value))) return 'word';
@@ -41,7 +41,7 @@ export function kindOf(p: NodeParameter): string {
   return 'text';
 }
 
-export function parameterField(p: NodeParameter, label: string, edit: Edit): Field {
+export function parameterField(p: ParameterState, label: string, edit: Edit): Field {
   const kind = kindOf(p);
   const make = { flag, word, color, number, place, text }[kind]!;
   return { kind, ...make(p, label, edit) };
@@ -49,23 +49,23 @@ export function parameterField(p: NodeParameter, label: string, edit: Edit): Fie
 
 type Made = Omit<Field, 'kind'>;
 
-function flag(p: NodeParameter, label: string, edit: Edit): Made {
+function flag(p: ParameterState, label: string, edit: Edit): Made {
   const box = h('input', { type: 'checkbox', 'aria-label': label, onchange: () => edit(String(box.checked), true) });
-  const set = (p: NodeParameter) => void (box.checked = current(p) === 'true');
+  const set = (p: ParameterState) => void (box.checked = current(p) === 'true');
   set(p);
   return { element: box, set };
 }
 
-function word(p: NodeParameter, label: string, edit: Edit): Made {
+function word(p: ParameterState, label: string, edit: Edit): Made {
   const own = p.words.includes(current({ ...p, value: null })) ? [] : [h('option', { value: '' }, p.default || '–')];
   const options = p.words.map((w) => h('option', { value: w }, w));
   const select = h('select', { 'aria-label': label, onchange: () => edit(select.value || null, true) }, ...own, ...options);
-  const set = (p: NodeParameter) => setValue(select, p.words.includes(current(p)) ? current(p) : '');
+  const set = (p: ParameterState) => setValue(select, p.words.includes(current(p)) ? current(p) : '');
   set(p);
   return { element: select, set };
 }
 
-function number(p: NodeParameter, label: string, edit: Edit): Made {
+function number(p: ParameterState, label: string, edit: Edit): Made {
   const field = numberField({
     label,
     value: Number(current(p)),
@@ -74,7 +74,7 @@ function number(p: NodeParameter, label: string, edit: Edit): Made {
     unit: p.unit,
     change: (v, done) => edit(String(v), done),
   });
-  const set = (p: NodeParameter) => {
+  const set = (p: ParameterState) => {
     field.set(Number(current(p)));
     if (picker) setValue(picker, hexOf([1, 1, 1].map((v) => v * Number(current(p)))));
   };
@@ -87,7 +87,7 @@ function number(p: NodeParameter, label: string, edit: Edit): Made {
   return { element: field.element, set };
 }
 
-function color(p: NodeParameter, label: string, edit: Edit): Made {
+function color(p: ParameterState, label: string, edit: Edit): Made {
   const send = (rgb: number[], done: boolean) => edit(`[${rgb.join(', ')}]`, done);
   const take = (done: boolean) => {
     const rgb = linearOf(picker.value);
@@ -110,7 +110,7 @@ function color(p: NodeParameter, label: string, edit: Edit): Made {
       },
     }),
   );
-  const set = (p: NodeParameter) => {
+  const set = (p: ParameterState) => {
     const rgb = triple(current(p))!;
     setValue(picker, hexOf(rgb));
     fields.forEach((f, i) => setValue(f, String(rgb[i])));
@@ -119,21 +119,21 @@ function color(p: NodeParameter, label: string, edit: Edit): Made {
   return { element: h('span', { class: 'color' }, picker, ...fields), set };
 }
 
-function place(p: NodeParameter, label: string, edit: Edit): Made {
+function place(p: ParameterState, label: string, edit: Edit): Made {
   const field = placeField(label, current(p), edit);
   return { element: field.element, set: (p) => field.set(current(p)) };
 }
 
-function text(p: NodeParameter, label: string, edit: Edit): Made {
+function text(p: ParameterState, label: string, edit: Edit): Made {
   const field = h('input', {
     type: 'text',
     spellcheck: 'false',
     'aria-label': label,
     onchange: () => edit(field.value.trim() || null, true),
   });
-  const set = (p: NodeParameter) => {
+  const set = (p: ParameterState) => {
     setValue(field, p.value ?? '');
-    field.placeholder = p.default ?? '';
+    field.placeholder = p.default;
   };
   set(p);
   return { element: field, set };

@@ -2,7 +2,8 @@
 
 import { h, setPressed, setText, show } from './dom';
 import { Drawing, isLit, MOST_NUMBERED } from './drawing';
-import type { PathVertex, State, TracedPath, Vec3 } from './protocol';
+import type { PathVertex, State, TracedPath } from './protocol';
+import type { Vec3 } from './vector';
 
 /** Samples of a pixel are numbered below this. */
 const MOST_SAMPLES = 1 << 24;

@@ -1,8 +1,8 @@
 /** The point of the scene under the pointer: the camera turns to it, or is focused on it. */
 
 import type { Camera } from './camera';
-import type { CameraState, Message, PageMessage, Pixel, Vec3 } from './protocol';
-import { dot, sub } from './vector';
+import type { CameraState, Message, PageMessage, Pixel } from './protocol';
+import { dot, sub, type Vec3 } from './vector';
 
 export class Pick {
   /** The pixel under the pointer. */
@@ -28,7 +28,7 @@ export class Pick {
     if (!point) return;
     const far = dot(sub(point, this.camera.eye), this.camera.forward) / unit;
     if (!(far > 0)) return this.tell({ severity: 'note', text: 'the point is not in front of the camera' });
-    this.send({ type: 'edit', node: id, parameter: 'focal_distance', value: String(Number(far.toPrecision(7))) });
+    this.send({ type: 'edit', node: id, parameter: 'focal_distance', value: String(Number(far.toPrecision(7))), moving: false });
     if (lens <= 0)
       this.tell({ severity: 'note', text: `all is sharp through a pinhole: 'lens_radius' of ${id} above 0 shows where the focus is` });
   }

@@ -1,7 +1,6 @@
 /** Transforms as location, rotation and scale. */
 
-import type { Vec3 } from './protocol';
-import { cross, dot, length, scale } from './vector';
+import { cross, dot, length, scale, type Vec3 } from './vector';
 
 /** What a transform does: first scales along the axes, then turns about x, y and z (degrees, in this order), then shifts. */
 export interface Place {

@@ -2,7 +2,7 @@
 
 import { h, setValue } from './dom';
 import { placeOf, textOf, type Place } from './place';
-import type { Vec3 } from './protocol';
+import type { Vec3 } from './vector';
 
 const PARTS = ['location', 'rotation', 'scale'] as const;
 const AXES = ['x', 'y', 'z'] as const;

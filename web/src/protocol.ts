@@ -1,229 +1,363 @@
-/** What server and page say to each other. */
+/** Messages of server and page. Made from the types of crates/server by its tests with STERADIAN_WRITE=1: not to be edited. */
 
-export type Vec3 = [number, number, number];
-/** Pixels x0, y0, x1, y1, the last two exclusive. */
-export type Box = [number, number, number, number];
-export type Severity = 'error' | 'warning' | 'note';
-export interface Message {
-  severity: Severity;
-  text: string;
-}
-export interface Named {
-  name: string;
-  doc: string;
-}
-export interface ToneParameter {
-  name: string;
-  doc: string;
-  default: number;
-  range: [number, number];
-}
-export interface ToneChoice {
-  name: string;
-  doc: string;
-  encoding: string;
-  parameters: ToneParameter[];
-}
+/**
+ * Severity of a message.
+ */
+export type Severity = "error" | "warning" | "note";
 
-export interface CameraState {
-  name: string | null;
-  names: string[];
-  kind: string;
-  eye: Vec3;
-  target: Vec3;
-  up: Vec3;
-  fov: number | null;
-  handedness: number;
-  moved: boolean;
-  movable: boolean;
-  /** What edits call it. */
-  id: string;
-  /** How long one along its axis is in the world. */
-  unit: number;
-  /** Radius of its lens, 0 for a pinhole; `null` where it has no focal distance. */
-  lens: number | null;
-}
+/**
+ * A message to people.
+ */
+export type Message = { severity: Severity, 
+/**
+ * Message, with its place where it is about the scene.
+ */
+text: string, };
 
-export interface Settings {
-  /** A name, or `name:key=value,…`; empty for the scene's. */
-  integrator: string;
-  spp: number;
-  /** `null` for the one that suits. */
-  sampler: string | null;
-  color: string;
-  /** `null` for the scene's, as with `maxDepth`. */
-  seed: number | null;
-  maxDepth: number | null;
-  /** What removes the noise in the end, `null` for none; absent where the server does not denoise. */
-  denoise?: string | null;
-  /** Whether the light of each group of lights is sent along; absent where the server cannot. */
-  lightGroups?: boolean;
-}
+/**
+ * A thing with a name.
+ */
+export type Named = { name: string, doc: string, };
 
-export interface State {
-  generation: number;
-  scene: { name: string; path: string | null; faces: number; lights: number; materials: number; messages: Message[] };
-  film: { width: number; height: number };
-  region: Box | null;
-  camera: CameraState;
-  settings: Settings;
-  choices: { integrators: Named[]; samplers: Named[]; denoisers?: Named[]; colors: string[]; tones: ToneChoice[]; layers: Named[] };
-  layers: string[];
-  tone: string;
-  paused: boolean;
-  undo: number;
-  redo: number;
-  command: string;
-  /** What the scene is called when it is saved. */
-  saveName: string;
-}
+/**
+ * A number that a tone curve takes.
+ */
+export type ToneParameter = { name: string, doc: string, default: number, range: [number, number], };
 
-/** What ends a frame: all tiles of its picture and layers came before. */
-export interface FrameMessage {
-  generation: number;
-  /** Of the frame; a fraction of what it shows while the camera moves. */
-  width: number;
-  height: number;
-  /** The film's pixel that the frame's first one shows. */
-  origin: [number, number];
-  kind: string;
-  samples: number;
-  target: number;
-  error: number | null;
-  seconds: number;
-  done: boolean;
-  nonfinite: number;
-  /** The part of the film that the frame shows, where the server tells: x0, y0, x1, y1. */
-  crop?: Box;
-  /** The one layer that it ends, where it isn't all of them. */
-  layer?: string;
-  denoised?: boolean;
-  /** The groups of lights whose planes came with it, in their order. */
-  lightGroups?: string[];
-}
+/**
+ * A tone curve.
+ */
+export type ToneChoice = { name: string, doc: string, encoding: string, parameters: Array<ToneParameter>, };
 
-export type ServerMessage =
-  | ({ type: 'state' } & State)
-  | ({ type: 'frame' } & FrameMessage)
-  | ({ type: 'message' } & Message)
-  | { type: 'reference' }
-  /** A request was carried out, and the state with it told, or refused. */
-  | { type: 'answered' };
+/**
+ * Size of a picture, pixels.
+ */
+export type Size = { width: number, height: number, };
 
-export type PageMessage =
-  | { type: 'camera'; eye: Vec3; target: Vec3; up: Vec3; fov?: number; moving: boolean }
-  | { type: 'camera-name'; name: string }
-  | { type: 'camera-reset' }
-  | ({ type: 'settings' } & Partial<Settings & { width: number; height: number }>)
-  | { type: 'region'; pixels: Box | null }
-  | { type: 'layers'; names: string[] }
-  | { type: 'edit'; node: string; parameter: string; value: string | null; moving?: boolean }
-  | { type: 'undo' }
-  | { type: 'redo' }
-  | { type: 'pause'; on: boolean };
+/**
+ * Denoiser.
+ */
+export type Denoiser = "nlm" | "atrous" | "oidn";
 
-export type Range = [number | null, number | null];
+/**
+ * Choices for pages.
+ */
+export type Choices = { integrators: Array<Named>, samplers: Array<Named>, denoisers: Array<Named>, colors: Array<string>, tones: Array<ToneChoice>, layers: Array<Named>, };
 
-export interface NodeParameter {
-  name: string;
-  value: string | null;
-  default: string | null;
-  type: string;
-  unit: string;
-  doc: string;
-  words: string[];
-  /** Ends; `null` for one that's infinite. */
-  range: Range | null;
-}
-export interface SceneNode {
-  id: string;
-  family: string;
-  kind: string;
-  parameters: NodeParameter[];
-}
+/**
+ * The scene, as far as pages show it.
+ */
+export type AboutScene = { name: string, path: string | null, faces: number, lights: number, materials: number, messages: Array<Message>, };
 
-export type Sample = number | 'NaN' | 'Infinity' | '-Infinity';
-export interface Pixel {
-  x: number;
-  y: number;
-  generation: number;
-  samples: number;
-  error: number | null;
-  object: string | null;
-  material: string | null;
-  channels: Record<string, Sample>;
-}
+/**
+ * The camera.
+ */
+export type CameraState = { name: string | null, names: Array<string>, kind: string, eye: [number, number, number], target: [number, number, number], up: [number, number, number], 
+/**
+ * Degrees, of perspective cameras.
+ */
+fov: number | null, 
+/**
+ * -1 where it mirrors against `eye`, `target` and `up` in a right-handed world.
+ */
+handedness: number, moved: boolean, movable: boolean, 
+/**
+ * Name for edits.
+ */
+id: string, 
+/**
+ * World length of one unit along its axis.
+ */
+unit: number, 
+/**
+ * Radius of its lens, 0 for a pinhole; `null` where it has no focal distance.
+ */
+lens: number | null, };
 
-/** A place or a direction in the picture, in pixels from its left upper corner. */
-export type Place = [number, number];
-export interface PathVertex {
-  kind: 'camera' | 'surface' | 'medium' | 'escaped';
-  position: Vec3;
-  normal: Vec3 | null;
-  object: string | null;
-  material: string | null;
-  /** `null` behind the camera. */
-  place: Place | null;
-  /** The unit direction in the picture in which the path goes on. */
-  onwards: Place | null;
-  /** What the path carries when it arrives. */
-  weight: Vec3;
-  emitted: Vec3;
-  /** The light sample: black where something is before the light; without a position where that is infinitely far. */
-  direct: { position: Vec3 | null; place: Place | null; onwards: Place | null; light: Vec3 } | null;
-  /** How the path goes on; `null` where it ends. */
-  event: string | null;
-}
-/** The path of one sample of a pixel. */
-export interface TracedPath {
-  x: number;
-  y: number;
-  sample: number;
-  generation: number;
-  tracer: string;
-  /** Whether the picture is made of such paths. */
-  of_picture: boolean;
-  value: Vec3;
-  end: 'escaped' | 'absorbed' | 'depth' | 'roulette' | 'not finite' | 'too long';
-  vertices: PathVertex[];
-}
+/**
+ * Render settings.
+ */
+export type Settings = { 
+/**
+ * `NAME` or `NAME:key=value,…`.
+ */
+integrator: string, 
+/**
+ * Samples per pixel; of the scene where nothing was chosen.
+ */
+spp: number, 
+/**
+ * Sampler; `null` for the one that suits.
+ */
+sampler: string | null, 
+/**
+ * `auto`, `rgb` or `spectral`.
+ */
+color: string, 
+/**
+ * Random seed; `null` for the scene's.
+ */
+seed: number | null, 
+/**
+ * Most scattering events; `null` for the scene's.
+ */
+maxDepth: number | null, 
+/**
+ * Denoiser of the finished picture; on the way the quick filter is used. `null` where noise stays.
+ */
+denoise: Denoiser | null, 
+/**
+ * Renders the light of each group of lights apart, and sends it along.
+ */
+lightGroups: boolean, };
 
-/** A rectangle of a frame's layer. */
-export interface Tile {
-  generation: number;
-  layer: number;
-  components: number;
-  frameWidth: number;
-  frameHeight: number;
-  x: number;
-  y: number;
-  width: number;
-  height: number;
-  halves: Uint16Array;
-}
+/**
+ * All that pages know.
+ */
+export type State = { 
+/**
+ * Grows with every change of what is shown.
+ */
+generation: number, scene: AboutScene, film: Size, region: [number, number, number, number] | null, camera: CameraState, settings: Settings, choices: Choices, 
+/**
+ * Layers that are sent along.
+ */
+layers: Array<string>, 
+/**
+ * The tone curve that suits the scene.
+ */
+tone: string, paused: boolean, undo: number, redo: number, 
+/**
+ * Command line that makes the same picture.
+ */
+command: string, 
+/**
+ * File name for saving the scene.
+ */
+saveName: string, };
 
-const MAGIC = 0x54525453;
-const HEADER = 24;
+/**
+ * Origin of a picture.
+ */
+export type FrameKind = "preview" | "render";
 
-/** The tile in a binary message, or `null` where it isn't one. */
-export function parseTile(buffer: ArrayBuffer): Tile | null {
-  if (buffer.byteLength < HEADER) return null;
-  const view = new DataView(buffer);
-  if (view.getUint32(0, true) !== MAGIC) return null;
-  const short = (at: number) => view.getUint16(at, true);
-  const tile = {
-    generation: view.getUint32(4, true),
-    layer: short(8),
-    components: short(10),
-    frameWidth: short(12),
-    frameHeight: short(14),
-    x: short(16),
-    y: short(18),
-    width: short(20),
-    height: short(22),
-  };
-  const count = tile.width * tile.height * tile.components;
-  const whole = buffer.byteLength === HEADER + 2 * count && (tile.components === 1 || tile.components === 3);
-  const inside = tile.x + tile.width <= tile.frameWidth && tile.y + tile.height <= tile.frameHeight;
-  return whole && inside && count > 0 ? { ...tile, halves: new Uint16Array(buffer, HEADER, count) } : null;
-}
+/**
+ * End of a frame, after its tiles.
+ */
+export type FrameEnd = { generation: number, 
+/**
+ * Size of this frame: a fraction of the film's while the camera moves.
+ */
+width: number, height: number, 
+/**
+ * Position of its first pixel in the whole picture.
+ */
+origin: [number, number], 
+/**
+ * The part of the whole picture that it shows: x0, y0, x1, y1, the last two exclusive.
+ */
+crop: [number, number, number, number], kind: FrameKind, 
+/**
+ * Samples per pixel, in the mean.
+ */
+samples: number, target: number, 
+/**
+ * Relative error, estimated.
+ */
+error: number | null, seconds: number, done: boolean, 
+/**
+ * True if noise was removed.
+ */
+denoised: boolean, 
+/**
+ * Samples that were not finite and count as black.
+ */
+nonfinite: number, 
+/**
+ * Groups of lights whose planes came, in their order.
+ */
+lightGroups: Array<string>, };
+
+/**
+ * Text that the server sends over a page's socket.
+ */
+export type ServerMessage = { "type": "state" } & State | { "type": "frame" } & FrameEnd | { "type": "message" } & Message | { "type": "reference" } | { "type": "answered" };
+
+/**
+ * Change of the render settings; fields that are absent stay.
+ */
+export type SettingsChange = { integrator?: string, spp?: number | null, sampler?: string | null, color?: string, seed?: number | null, maxDepth?: number | null, denoise?: Denoiser | null, lightGroups?: boolean, width?: number, height?: number, };
+
+/**
+ * Request of a page.
+ */
+export type PageMessage = { "type": "camera", 
+/**
+ * Position.
+ */
+eye: [number, number, number], 
+/**
+ * Point that it looks at.
+ */
+target: [number, number, number], 
+/**
+ * Upwards.
+ */
+up: [number, number, number], 
+/**
+ * Field of view in degrees, where it is to change.
+ */
+fov?: number, 
+/**
+ * True while the hand is still on it: pictures are coarse then.
+ */
+moving: boolean, } | { "type": "camera-name", 
+/**
+ * Its name, or its number from 0.
+ */
+name: string, } | { "type": "camera-reset" } | { "type": "settings" } & SettingsChange | { "type": "region", 
+/**
+ * Pixels x0, y0, x1, y1, the last two exclusive; `null` for all.
+ */
+pixels: [number, number, number, number] | null, } | { "type": "layers", 
+/**
+ * Their names.
+ */
+names: Array<string>, } | { "type": "edit", 
+/**
+ * The node's name.
+ */
+node: string, 
+/**
+ * The parameter's.
+ */
+parameter: string, 
+/**
+ * In Steradian's own language; `null` takes it away.
+ */
+value: string | null, 
+/**
+ * True while the hand is still on it: pictures are coarse then, and the next edit of the parameter replaces
+ * this one.
+ */
+moving: boolean, } | { "type": "undo" } | { "type": "redo" } | { "type": "pause", 
+/**
+ * Stops if true, goes on if false.
+ */
+on: boolean, };
+
+/**
+ * A parameter of a node.
+ */
+export type ParameterState = { name: string, 
+/**
+ * In Steradian's own language; `null` where the default counts.
+ */
+value: string | null, default: string, type: string, unit: string, range: [number | null, number | null] | null, doc: string, words: Array<string>, };
+
+/**
+ * A node of the scene.
+ */
+export type NodeState = { id: string, family: string, kind: string, parameters: Array<ParameterState>, };
+
+/**
+ * Value of a channel.
+ */
+export type Sample = number | string;
+
+/**
+ * Data of a pixel.
+ */
+export type Pixel = { x: number, y: number, generation: number, kind: FrameKind, samples: number, error: number | null, object: string | null, material: string | null, channels: { [key in string]: Sample }, };
+
+/**
+ * Kind of a vertex.
+ */
+export type VertexKind = "camera" | "surface" | "medium" | "escaped";
+
+/**
+ * A light sample.
+ */
+export type LightSample = { 
+/**
+ * The point on the light, of lights that are not infinite.
+ */
+position: [number, number, number] | null, place: [number, number] | null, 
+/**
+ * The unit direction to it in the picture.
+ */
+onwards: [number, number] | null, light: [number, number, number], };
+
+/**
+ * Vertex of a path as a page draws it.
+ */
+export type PathVertex = { kind: VertexKind, position: [number, number, number], normal: [number, number, number] | null, object: string | null, material: string | null, 
+/**
+ * In the picture, pixels from its left upper corner; `null` behind the camera.
+ */
+place: [number, number] | null, 
+/**
+ * The unit direction in the picture in which the path goes on.
+ */
+onwards: [number, number] | null, weight: [number, number, number], emitted: [number, number, number], direct: LightSample | null, event: string | null, };
+
+/**
+ * Reason for which a path ends.
+ */
+export type PathEnd = "escaped" | "absorbed" | "depth" | "roulette" | "not finite" | "too long";
+
+/**
+ * Path as a page draws it.
+ */
+export type TracedPath = { x: number, y: number, sample: number, generation: number, 
+/**
+ * `path` or `volpath`, and whether the picture is made by it.
+ */
+tracer: string, of_picture: boolean, 
+/**
+ * Contribution of the sample to the pixel.
+ */
+value: [number, number, number], end: PathEnd, vertices: Array<PathVertex>, };
+
+/**
+ * Description of a reference for pages.
+ */
+export type AboutReference = { 
+/**
+ * Name.
+ */
+name: string, 
+/**
+ * Pixels.
+ */
+width: number, 
+/**
+ * Pixels.
+ */
+height: number, 
+/**
+ * The part of the full picture that it shows, x0, y0, x1, y1; `null` of files.
+ */
+crop: [number, number, number, number] | null, };
+
+/**
+ * Metric of the difference of pixels.
+ */
+export type Metric = "flip" | "relative" | "absolute";
+
+/**
+ * Header of a map of differences: its subject and its figures; those that are not finite are `null`.
+ */
+export type Figures = { metric: Metric, generation: number, crop: [number, number, number, number], samples: number, 
+/**
+ * Mean of the map's values.
+ */
+mean: number | null, 
+/**
+ * Value that 95 % of them do not exceed.
+ */
+quantile95: number | null, relmse: number | null, 
+/**
+ * Decibels, of display values without a tone curve.
+ */
+psnr: number | null, };

@@ -1,26 +1,7 @@
 /** B, the picture that the shown one is compared with: the server keeps it. */
 
-import { parseTile, type Box, type Tile } from './protocol';
-
-/** What the server tells of B. */
-export interface About {
-  name: string;
-  width: number;
-  height: number;
-  /** The part of the film that it shows; `null` of files. */
-  crop: Box | null;
-}
-
-/** How far the picture is from B; `null` for what isn't finite. */
-export interface Figures {
-  generation: number;
-  crop: Box;
-  samples: number;
-  mean: number | null;
-  quantile95: number | null;
-  relmse: number | null;
-  psnr: number | null;
-}
+import type { AboutReference, Figures } from './protocol';
+import { parseTile, type Tile } from './tile';
 
 /** An answer of JSON and tiles, each after its length. */
 export function parsePieces<T>(buffer: ArrayBuffer): { head: T; tiles: Tile[] } {
@@ -43,9 +24,9 @@ async function checked(response: Response): Promise<Response> {
 }
 
 /** B with its tiles; `null` where there is none. */
-export async function fetchReference(): Promise<{ head: About; tiles: Tile[] } | null> {
+export async function fetchReference(): Promise<{ head: AboutReference; tiles: Tile[] } | null> {
   const response = await checked(await fetch('./api/reference'));
-  return response.status === 204 ? null : parsePieces<About>(await response.arrayBuffer());
+  return response.status === 204 ? null : parsePieces<AboutReference>(await response.arrayBuffer());
 }
 
 /** Makes the shown picture B, or a file. */

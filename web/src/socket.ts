@@ -1,6 +1,7 @@
 /** The connection: typed messages, and reconnecting with growing pauses. */
 
-import { parseTile, type PageMessage, type ServerMessage, type Tile } from './protocol';
+import type { PageMessage, ServerMessage } from './protocol';
+import { parseTile, type Tile } from './tile';
 
 export interface Listeners {
   message(message: ServerMessage): void;

@@ -1,7 +1,7 @@
 /** The line below the picture: how far the render is, and whether the server is there. */
 
 import { h, setText, show } from './dom';
-import type { FrameMessage, State } from './protocol';
+import type { FrameEnd, State } from './protocol';
 
 export class Status {
   readonly element = h('footer', { class: 'status' });
@@ -11,7 +11,7 @@ export class Status {
   private readonly progress = h('progress', { max: 1, value: 0, 'aria-label': 'Samples taken' });
   private readonly retry: HTMLButtonElement;
   private state: State | null = null;
-  private frame: FrameMessage | null = null;
+  private frame: FrameEnd | null = null;
 
   constructor(retry: () => void) {
     this.retry = h('button', { class: 'small', hidden: true, onclick: retry }, 'Try now');
@@ -24,7 +24,7 @@ export class Status {
     setText(this.connection, on ? '' : `connection lost; next try in ${seconds} s`);
   }
 
-  update(state: State | null, frame: FrameMessage | null): void {
+  update(state: State | null, frame: FrameEnd | null): void {
     this.state = state ?? this.state;
     this.frame = frame ?? this.frame;
     const { settings, paused } = this.state ?? {};

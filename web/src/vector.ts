@@ -1,6 +1,10 @@
 /** Vectors of three numbers. */
 
-import type { Vec3 } from './protocol';
+export type Vec3 = [number, number, number];
+/** A place or a direction in the picture, in pixels from its left upper corner. */
+export type Place = [number, number];
+/** Pixels x0, y0, x1, y1, the last two exclusive. */
+export type Box = [number, number, number, number];
 
 export const add = (a: Vec3, b: Vec3): Vec3 => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
 export const sub = (a: Vec3, b: Vec3): Vec3 => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];

@@ -5,7 +5,9 @@ import { Groups } from './groups';
 import { statistics, VALUES, type Statistics } from './half';
 import { Layers, type Picture } from './layers';
 import { Placement } from './placement';
-import type { Box, FrameMessage, Tile } from './protocol';
+import type { FrameEnd } from './protocol';
+import type { Tile } from './tile';
+import type { Box } from './vector';
 import { link } from './shader';
 import { CURVES, type Tone } from './tone';
 
@@ -67,9 +69,9 @@ export class View {
   }
 
   /** A frame's tiles are all there. */
-  frame(message: FrameMessage): void {
-    this.layers.swap(cropOf(message, this.film, this.region), message.layer);
-    if (message.layer === undefined) this.groups.swap(message.lightGroups ?? [], message.width, message.height);
+  frame(message: FrameEnd): void {
+    this.layers.swap(message.crop);
+    this.groups.swap(message.lightGroups, message.width, message.height);
     this.version++;
     this.redraw();
   }
@@ -221,13 +223,4 @@ export class View {
     if (!this.uniforms.has(name)) this.uniforms.set(name, this.gl.getUniformLocation(this.program, name));
     return this.uniforms.get(name)!;
   }
-}
-
-/** The part of the film that a frame shows. */
-function cropOf(frame: FrameMessage, film: { width: number; height: number }, region: Box | null): Box {
-  if (frame.crop) return frame.crop;
-  const [x, y] = frame.origin;
-  // Frames of a moving camera have fewer pixels than they show.
-  if (frame.kind === 'render') return [x, y, x + frame.width, y + frame.height];
-  return region ?? [x, y, film.width - x, film.height - y];
 }

@@ -197,7 +197,7 @@ test('with Shift the lens is focused as far as the point is along the axis', asy
   mock.change({ camera: { ...mock.state.camera, unit: 0.5 } });
   await pointAt(mock, ready, { 'P.X': 1, 'P.Y': 2, 'P.Z': -1.25, Z: 6.25 });
   await ready.keyboard.press('Shift+Period');
-  const edit = { type: 'edit', node: 'main', parameter: 'focal_distance', value: '12.5' };
+  const edit = { type: 'edit', node: 'main', parameter: 'focal_distance', value: '12.5', moving: false };
   await expect.poll(() => sent(mock, 'edit')).toEqual([edit]);
   expect(sent(mock, 'camera')).toEqual([]);
 

@@ -4,7 +4,7 @@ import { createServer, type IncomingMessage, type ServerResponse } from 'node:ht
 import { readFile } from 'node:fs/promises';
 import type { AddressInfo } from 'node:net';
 import { WebSocketServer, type WebSocket } from 'ws';
-import type { FrameMessage, PageMessage, Pixel, SceneNode, State } from '../src/protocol';
+import type { FrameEnd, NodeState, PageMessage, Pixel, State } from '../src/protocol';
 import { toHalf } from './half';
 import { pathOf } from './path';
 import { Reference } from './reference';
@@ -32,7 +32,7 @@ export class Mock {
   /** Bodies that were posted, by path. */
   posted: { path: string; body: string }[] = [];
   state: State = firstState();
-  nodes: SceneNode[] = firstNodes();
+  nodes: NodeState[] = firstNodes();
   /** What the picture is of. */
   shade: Shade = (x, y) => pattern(x, y, this.state.film.width, this.state.film.height);
   /** Whether a camera is answered by a picture. */
@@ -94,7 +94,7 @@ export class Mock {
   }
 
   /** Sends a frame of the picture and the chosen layers, tile by tile, at 1/`reduced` of the size of what's rendered. */
-  frame(more: Partial<FrameMessage> & { reduced?: number } = {}, to: Iterable<WebSocket> = this.sockets): void {
+  frame(more: Partial<FrameEnd> & { reduced?: number } = {}, to: Iterable<WebSocket> = this.sockets): void {
     const { reduced = 1, ...message } = more;
     const { film, generation, settings, region, layers } = this.state;
     const [x0, y0, x1, y1] = region ?? [0, 0, film.width, film.height];
@@ -121,17 +121,19 @@ export class Mock {
       const tiles = this.plane(3, shade, { width, height, layer: 256 + group, generation });
       for (const socket of to) for (const tile of tiles) socket.send(tile);
     });
-    const frame: FrameMessage = {
+    const frame: FrameEnd = {
       generation,
       width,
       height,
       origin: [x0, y0],
+      crop: [x0, y0, x1, y1],
       kind: 'render',
       samples: this.samples,
       target: settings.spp,
       error: 0.021,
       seconds: 1.25,
       done: this.samples >= settings.spp,
+      denoised: false,
       nonfinite: 0,
       lightGroups: groups.map(([name]) => name),
       ...message,
@@ -197,8 +199,8 @@ export class Mock {
     } else if (message.type === 'settings' && this.refuses !== null) {
       this.broadcast({ type: 'message', severity: 'error', text: this.refuses });
     } else if (message.type === 'settings') {
-      const { type: _, width = state.film.width, height = state.film.height, ...settings } = message;
-      this.change({ settings: { ...state.settings, ...settings }, film: { width, height } });
+      const { type: _, width = state.film.width, height = state.film.height, spp, ...settings } = message;
+      this.change({ settings: { ...state.settings, ...settings, spp: spp ?? state.settings.spp }, film: { width, height } });
       this.frame();
     } else if (message.type === 'layers') {
       this.change({ layers: message.names });

@@ -1,7 +1,7 @@
 /** The mock's B: what is kept or loaded, and the map of the differences. */
 
 import type { IncomingMessage, ServerResponse } from 'node:http';
-import type { About } from '../src/reference';
+import type { AboutReference, Figures } from '../src/protocol';
 import type { Mock } from './mock';
 
 /** JSON and tiles, each after its length. */
@@ -15,7 +15,7 @@ function pieces(head: object, tiles: Buffer[]): Buffer {
 }
 
 export class Reference {
-  about: About | null = null;
+  about: AboutReference | null = null;
   /** Queries of maps. */
   asked: URLSearchParams[] = [];
   private tiles: Buffer[] = [];
@@ -31,7 +31,8 @@ export class Reference {
     const [width, height] = [film.width, film.height];
     if (path === 'api/difference') {
       this.asked.push(url.searchParams);
-      const head = { generation, crop: [0, 0, width, height], samples: 64, mean: 0.1234, quantile95: 0.5, relmse: 0.02, psnr: null };
+      const figures = { mean: 0.1234, quantile95: 0.5, relmse: 0.02, psnr: null };
+      const head: Figures = { metric: 'flip', generation, crop: [0, 0, width, height], samples: 64, ...figures };
       // An eighth more with each pixel, and over again: the nine colours of the scale.
       binary(
         pieces(

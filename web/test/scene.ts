@@ -1,6 +1,6 @@
 /** The mock's scene. */
 
-import type { NodeParameter, SceneNode, State } from '../src/protocol';
+import type { NodeState, ParameterState, State } from '../src/protocol';
 
 const named = (...names: string[]) => names.map((name) => ({ name, doc: `what ${name} is` }));
 const gamma = { name: 'gamma', doc: 'exponent γ of the display', default: 2.2, range: [0.1, 10] as [number, number] };
@@ -81,11 +81,11 @@ export function firstState(): State {
   };
 }
 
-function parameter(name: string, type: string, value: string | null, more: Partial<NodeParameter> = {}): NodeParameter {
-  return { name, value, default: null, type, unit: '', range: null, doc: `what ${name} is`, words: [], ...more };
+function parameter(name: string, type: string, value: string | null, more: Partial<ParameterState> = {}): ParameterState {
+  return { name, value, default: '', type, unit: '', range: null, doc: `what ${name} is`, words: [], ...more };
 }
 
-export function firstNodes(): SceneNode[] {
+export function firstNodes(): NodeState[] {
   return [
     {
       id: 'red glass',

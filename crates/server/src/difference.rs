@@ -2,7 +2,7 @@
 
 use crate::{
     app::{App, Refused},
-    kept::About,
+    kept::AboutReference,
     reference::{LAYER, binary, broken_off, pieces, unfit},
     tile::{self, Plane},
 };
@@ -21,8 +21,9 @@ use steradian::image::{
 
 /// Metric of the difference of pixels.
 #[derive(Clone, Copy, Deserialize, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(rename_all = "lowercase")]
-enum Metric {
+pub enum Metric {
     /// FLIP, of what is displayed where a tone curve is given; 0 to 1.
     Flip,
     /// (x − r)² / (r² + 0.01), the mean of the components: its mean is the relMSE.
@@ -41,7 +42,8 @@ pub struct Asked {
 
 /// Header of a map of differences: its subject and its figures; those that are not finite are `null`.
 #[derive(Serialize)]
-struct Figures {
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct Figures {
     metric: Metric,
     generation: u32,
     crop: [u32; 4],
@@ -70,7 +72,7 @@ pub async fn difference(
     let reference = reference.ok_or_else(|| Refused(StatusCode::NOT_FOUND, "there is no reference".into()))?;
     let conflict = |why: String| Refused(StatusCode::CONFLICT, why);
     let shown = app.viewer.shown().ok_or_else(|| conflict("there is no picture yet".into()))?;
-    let of = |what: &About| {
+    let of = |what: &AboutReference| {
         format!(
             "{}x{} pixels{}",
             what.width,
@@ -79,7 +81,8 @@ pub async fn difference(
         )
     };
     let crop = shown.film.crop;
-    let about = About { name: String::new(), width: crop.width(), height: crop.height(), crop: Some(shown.crop) };
+    let about =
+        AboutReference { name: String::new(), width: crop.width(), height: crop.height(), crop: Some(shown.crop) };
     let is_other_part = reference.about.crop.is_some_and(|crop| crop != shown.crop);
     if (about.width, about.height) != (reference.about.width, reference.about.height) || is_other_part {
         return Err(conflict(format!("the picture has {}, the reference {}", of(&about), of(&reference.about))));

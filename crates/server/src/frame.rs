@@ -2,7 +2,7 @@
 
 use crate::{
     groups,
-    protocol::FrameEnd,
+    protocol::{FrameEnd, FrameKind, ServerMessage},
     tile::{self, Plane},
 };
 use std::sync::Arc;
@@ -31,8 +31,8 @@ pub struct Shown {
     pub generation: u32,
     /// The part of the full picture that it shows, in that one's pixels.
     pub crop: [u32; 4],
-    /// `preview` or `render`.
-    pub kind: &'static str,
+    /// Origin of the picture.
+    pub kind: FrameKind,
     /// Rendered scene.
     pub scene: Arc<Scene>,
     /// The sums.
@@ -161,7 +161,7 @@ impl Frame {
             light_groups: names.to_vec(),
             crop: shown.crop,
         };
-        Self { tiles, end: serde_json::to_string(&end).unwrap_or_default() }
+        Self { tiles, end: ServerMessage::Frame(end).text() }
     }
 }
 

@@ -1,6 +1,6 @@
 //! A render under way.
 
-use crate::frame::Shown;
+use crate::{frame::Shown, protocol::FrameKind};
 use std::{
     sync::{
         Arc, Condvar, Mutex, PoisonError,
@@ -100,7 +100,7 @@ impl Job {
     }
 
     /// The picture as it is.
-    pub fn shown(&self, generation: u32, crop: [u32; 4], kind: &'static str) -> Shown {
+    pub fn shown(&self, generation: u32, crop: [u32; 4], kind: FrameKind) -> Shown {
         let done = self.session.counters();
         Shown {
             generation,

@@ -15,14 +15,15 @@ pub struct Keeper {
 /// A picture to hold others against.
 pub struct Reference {
     /// Description for pages.
-    pub about: About,
+    pub about: AboutReference,
     /// The picture.
     pub image: Image,
 }
 
 /// Description of a reference for pages.
 #[derive(Clone, Serialize)]
-pub struct About {
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct AboutReference {
     /// Name.
     pub name: String,
     /// Pixels.
@@ -43,7 +44,7 @@ impl Reference {
         let side =
             |n: usize| u16::try_from(n).map_err(|_| format!("{n} pixels are too many along an edge: {}", u16::MAX));
         let [width, height] = [side(image.width())?, side(image.height())?].map(u32::from);
-        Ok(Self { about: About { name, width, height, crop }, image })
+        Ok(Self { about: AboutReference { name, width, height, crop }, image })
     }
 }
 

@@ -15,6 +15,8 @@ mod access;
 mod app;
 mod changes;
 mod connections;
+#[cfg(test)]
+mod declarations;
 mod denoiser;
 mod difference;
 mod document;

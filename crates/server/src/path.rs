@@ -30,7 +30,9 @@ pub struct Asked {
 
 /// Path as a page draws it.
 #[derive(Serialize)]
-struct Told {
+#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(test, ts(rename = "TracedPath"))]
+pub struct Told {
     x: u32,
     y: u32,
     sample: u32,
@@ -40,13 +42,44 @@ struct Told {
     of_picture: bool,
     /// Contribution of the sample to the pixel.
     value: [f32; 3],
-    end: &'static str,
+    end: EndTold,
     vertices: Vec<VertexTold>,
 }
 
+/// Reason for which a path ends.
 #[derive(Serialize)]
-struct VertexTold {
-    kind: &'static str,
+#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(test, ts(rename = "PathEnd"))]
+#[serde(rename_all = "lowercase")]
+pub enum EndTold {
+    Escaped,
+    Absorbed,
+    Depth,
+    Roulette,
+    #[serde(rename = "not finite")]
+    NotFinite,
+    #[serde(rename = "too long")]
+    TooLong,
+}
+
+/// Kind of a vertex.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(test, ts(rename = "VertexKind"))]
+#[serde(rename_all = "lowercase")]
+pub enum KindTold {
+    Camera,
+    Surface,
+    Medium,
+    Escaped,
+}
+
+/// Vertex of a path as a page draws it.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(test, ts(rename = "PathVertex"))]
+pub struct VertexTold {
+    kind: KindTold,
     position: [f32; 3],
     normal: Option<[f32; 3]>,
     object: Option<String>,
@@ -63,7 +96,9 @@ struct VertexTold {
 
 /// A light sample.
 #[derive(Serialize)]
-struct DirectTold {
+#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(test, ts(rename = "LightSample"))]
+pub struct DirectTold {
     /// The point on the light, of lights that are not infinite.
     position: Option<[f32; 3]>,
     place: Option<[f32; 2]>,
@@ -102,12 +137,12 @@ fn told(subject: &Arc<Subject>, Asked { x, y, sample }: Asked) -> Result<Told, S
         of_picture: is_of_picture,
         value: path.value.to_array(),
         end: match path.end {
-            End::Escaped => "escaped",
-            End::Absorbed => "absorbed",
-            End::Depth => "depth",
-            End::Roulette => "roulette",
-            End::NotFinite => "not finite",
-            End::TooLong => "too long",
+            End::Escaped => EndTold::Escaped,
+            End::Absorbed => EndTold::Absorbed,
+            End::Depth => EndTold::Depth,
+            End::Roulette => EndTold::Roulette,
+            End::NotFinite => EndTold::NotFinite,
+            End::TooLong => EndTold::TooLong,
         },
         vertices: (0..path.vertices.len()).map(|k| vertex(subject, &path, k)).collect(),
     })
@@ -137,10 +172,10 @@ fn vertex(subject: &Subject, path: &TracedPath, k: usize) -> VertexTold {
     });
     VertexTold {
         kind: match v.kind {
-            VertexKind::Camera => "camera",
-            VertexKind::Surface => "surface",
-            VertexKind::Medium => "medium",
-            VertexKind::Escaped => "escaped",
+            VertexKind::Camera => KindTold::Camera,
+            VertexKind::Surface => KindTold::Surface,
+            VertexKind::Medium => KindTold::Medium,
+            VertexKind::Escaped => KindTold::Escaped,
         },
         position: scene.to_file(v.position).as_vec3().to_array(),
         normal: v.normal.map(|n| n.to_array()),

@@ -7,7 +7,9 @@ pub const COLORS: [&str; 3] = ["auto", "rgb", "spectral"];
 
 /// Request of a page.
 #[derive(Clone, Debug, Deserialize, PartialEq)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(tag = "type", rename_all = "kebab-case", rename_all_fields = "camelCase", deny_unknown_fields)]
+#[cfg_attr(test, ts(rename = "PageMessage"))]
 pub enum Request {
     /// Moves the camera.
     Camera {
@@ -18,6 +20,7 @@ pub enum Request {
         /// Upwards.
         up: [f64; 3],
         /// Field of view in degrees, where it is to change.
+        #[cfg_attr(test, ts(optional))]
         fov: Option<f64>,
         /// True while the hand is still on it: pictures are coarse then.
         #[serde(default)]
@@ -68,7 +71,9 @@ pub enum Request {
 
 /// Change of the render settings; fields that are absent stay.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(rename_all = "camelCase", deny_unknown_fields, default)]
+#[cfg_attr(test, ts(optional_fields))]
 #[allow(missing_docs)]
 pub struct SettingsChange {
     pub integrator: Option<String>,
@@ -90,6 +95,7 @@ pub struct SettingsChange {
 
 /// Denoiser.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(rename_all = "lowercase")]
 pub enum Denoiser {
     /// Non-local means.
@@ -107,6 +113,7 @@ fn given<'de, T: Deserialize<'de>, D: serde::Deserializer<'de>>(from: D) -> Resu
 
 /// Render settings.
 #[derive(Clone, Debug, Default, Serialize, PartialEq)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(rename_all = "camelCase")]
 pub struct Settings {
     /// `NAME` or `NAME:key=value,…`.
@@ -129,27 +136,31 @@ pub struct Settings {
 
 /// The scene, as far as pages show it.
 #[derive(Clone, Debug, Default, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 #[allow(missing_docs)]
-pub struct About {
+pub struct AboutScene {
     pub name: String,
     pub path: Option<String>,
     pub faces: u64,
     pub lights: usize,
     pub materials: usize,
-    pub messages: Vec<Said>,
+    pub messages: Vec<Message>,
 }
 
-/// A message about the scene.
-#[derive(Clone, Debug, Serialize)]
-pub struct Said {
-    /// `error`, `warning` or `note`.
-    pub severity: &'static str,
-    /// Message, with its place.
-    pub text: String,
+/// Severity of a message.
+#[derive(Clone, Copy, Debug, Serialize, PartialEq, Eq)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+#[serde(rename_all = "lowercase")]
+#[allow(missing_docs)]
+pub enum Severity {
+    Error,
+    Warning,
+    Note,
 }
 
 /// The camera.
 #[derive(Clone, Debug, Default, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 #[allow(missing_docs)]
 pub struct CameraState {
     pub name: Option<String>,
@@ -174,12 +185,13 @@ pub struct CameraState {
 
 /// All that pages know.
 #[derive(Clone, Debug, Serialize)]
-#[serde(tag = "type", rename = "state", rename_all = "camelCase")]
+#[cfg_attr(test, derive(ts_rs::TS))]
+#[serde(rename_all = "camelCase")]
 #[allow(missing_docs)]
 pub struct State {
     /// Grows with every change of what is shown.
     pub generation: u32,
-    pub scene: About,
+    pub scene: AboutScene,
     pub film: Size,
     pub region: Option<[u32; 4]>,
     pub camera: CameraState,
@@ -200,6 +212,7 @@ pub struct State {
 
 /// Size of a picture, pixels.
 #[derive(Clone, Copy, Debug, Default, Serialize, PartialEq)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 #[allow(missing_docs)]
 pub struct Size {
     pub width: u32,
@@ -208,18 +221,20 @@ pub struct Size {
 
 /// Choices for pages.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 #[allow(missing_docs)]
 pub struct Choices {
     pub integrators: Vec<Named>,
     pub samplers: Vec<Named>,
-    pub denoisers: [Named; 3],
-    pub colors: [&'static str; 3],
-    pub tones: Vec<Tone>,
+    pub denoisers: &'static [Named],
+    pub colors: &'static [&'static str],
+    pub tones: Vec<ToneChoice>,
     pub layers: Vec<Named>,
 }
 
 /// A thing with a name.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 #[allow(missing_docs)]
 pub struct Named {
     pub name: &'static str,
@@ -228,8 +243,9 @@ pub struct Named {
 
 /// A tone curve.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 #[allow(missing_docs)]
-pub struct Tone {
+pub struct ToneChoice {
     pub name: &'static str,
     pub doc: &'static str,
     pub encoding: &'static str,
@@ -238,6 +254,7 @@ pub struct Tone {
 
 /// A number that a tone curve takes.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 #[allow(missing_docs)]
 pub struct ToneParameter {
     pub name: &'static str,
@@ -246,9 +263,21 @@ pub struct ToneParameter {
     pub range: [f32; 2],
 }
 
+/// Origin of a picture.
+#[derive(Clone, Copy, Debug, Serialize, PartialEq, Eq)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+#[serde(rename_all = "lowercase")]
+pub enum FrameKind {
+    /// Picture at once, by the pipeline or few paths.
+    Preview,
+    /// Picture of the chosen integrator.
+    Render,
+}
+
 /// End of a frame, after its tiles.
 #[derive(Clone, Debug, Serialize)]
-#[serde(tag = "type", rename = "frame", rename_all = "camelCase")]
+#[cfg_attr(test, derive(ts_rs::TS))]
+#[serde(rename_all = "camelCase")]
 #[allow(missing_docs)]
 pub struct FrameEnd {
     pub generation: u32,
@@ -259,8 +288,7 @@ pub struct FrameEnd {
     pub origin: [u32; 2],
     /// The part of the whole picture that it shows: x0, y0, x1, y1, the last two exclusive.
     pub crop: [u32; 4],
-    /// `preview` or `render`.
-    pub kind: &'static str,
+    pub kind: FrameKind,
     /// Samples per pixel, in the mean.
     pub samples: f64,
     pub target: u32,
@@ -272,21 +300,52 @@ pub struct FrameEnd {
     pub denoised: bool,
     /// Samples that were not finite and count as black.
     pub nonfinite: u64,
-    /// Groups of lights whose planes came, from [`crate::groups::FIRST_PLANE`] on.
+    /// Groups of lights whose planes came, in their order.
     pub light_groups: Vec<String>,
 }
 
 /// A message to people.
 #[derive(Clone, Debug, Serialize)]
-#[serde(tag = "type", rename = "message")]
+#[cfg_attr(test, derive(ts_rs::TS))]
 #[allow(missing_docs)]
 pub struct Message {
-    pub severity: &'static str,
+    pub severity: Severity,
+    /// Message, with its place where it is about the scene.
     pub text: String,
+}
+
+/// Text that the server sends over a page's socket.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+#[serde(tag = "type", rename_all = "kebab-case")]
+pub enum ServerMessage {
+    /// All that pages know, after a change of it.
+    State(Box<State>),
+    /// End of a frame, after its tiles.
+    Frame(FrameEnd),
+    /// A message to people.
+    Message(Message),
+    /// There is another reference, or none.
+    Reference,
+    /// A request was carried out, and the state with it told, or refused.
+    Answered,
+}
+
+impl ServerMessage {
+    /// JSON text of the message.
+    pub fn text(&self) -> String {
+        serde_json::to_string(self).unwrap_or_default()
+    }
+
+    /// An error for people.
+    pub fn error(text: String) -> Self {
+        Self::Message(Message { severity: Severity::Error, text })
+    }
 }
 
 /// A node of the scene.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 #[allow(missing_docs)]
 pub struct NodeState {
     pub id: String,
@@ -297,6 +356,7 @@ pub struct NodeState {
 
 /// A parameter of a node.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 #[allow(missing_docs)]
 pub struct ParameterState {
     pub name: String,

@@ -4,6 +4,7 @@ use crate::{
     app::{App, Refused},
     kept::Reference,
     look::MOST_PIXELS,
+    protocol::{FrameKind, ServerMessage},
     tile::{self, Plane},
 };
 use axum::{
@@ -19,8 +20,6 @@ use steradian::image::{Error, Limits, read};
 pub const MOST_BYTES: usize = 512 << 20;
 /// The layer of the reference's tiles and of maps.
 pub const LAYER: u16 = u16::MAX;
-/// Message to pages that there is another reference, or none.
-const CHANGED: &str = r#"{"type":"reference"}"#;
 /// Letters of a name.
 const LONGEST_NAME: usize = 120;
 
@@ -54,13 +53,13 @@ pub async fn keep(
 fn set(app: &App, reference: Option<Reference>) {
     app.reference.set(reference);
     // Nobody may be there.
-    let _ = app.viewer.messages.send(CHANGED.into());
+    let _ = app.viewer.messages.send(ServerMessage::Reference.text());
 }
 
 async fn current(app: &App) -> Result<Reference, Refused> {
     let not_yet = |why: &str| Refused(StatusCode::CONFLICT, why.into());
     let shown = app.viewer.shown().ok_or_else(|| not_yet("there is no picture yet"))?;
-    if shown.kind == "preview" {
+    if shown.kind == FrameKind::Preview {
         return Err(not_yet("only a preview is shown; the picture can be kept once its render has begun"));
     }
     let keep = move || {

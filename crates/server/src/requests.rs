@@ -5,6 +5,7 @@ use crate::{
     document::Document,
     frame::LAYERS,
     look::Look,
+    protocol::FrameKind,
     viewer::Task,
 };
 use axum::{
@@ -13,7 +14,6 @@ use axum::{
     response::{IntoResponse, Json, Response},
 };
 use serde::{Deserialize, Serialize, Serializer};
-use serde_json::{Value, json};
 use steradian::{develop, film::FirstHit};
 use tokio::sync::oneshot;
 
@@ -45,23 +45,36 @@ pub struct Place {
     y: u32,
 }
 
+/// Value of a channel.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+#[serde(untagged)]
+pub enum Sample {
+    /// A finite value.
+    Number(f32),
+    /// `NaN`, `inf` or `-inf`, which JSON has no numbers for.
+    Text(String),
+}
+
 /// Data of a pixel.
 #[derive(Serialize)]
-struct Known<'a> {
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct Pixel<'a> {
     x: u32,
     y: u32,
     generation: u32,
-    kind: &'static str,
+    kind: FrameKind,
     samples: u32,
     error: Option<f64>,
     object: Option<&'a String>,
     material: Option<&'a String>,
     #[serde(serialize_with = "in_order")]
-    channels: Vec<(&'a str, Value)>,
+    #[cfg_attr(test, ts(as = "std::collections::BTreeMap<String, Sample>"))]
+    channels: Vec<(&'a str, Sample)>,
 }
 
 /// An object with its members as they come: red before blue.
-fn in_order<S: Serializer>(members: &[(&str, Value)], to: S) -> Result<S::Ok, S::Error> {
+fn in_order<S: Serializer>(members: &[(&str, Sample)], to: S) -> Result<S::Ok, S::Error> {
     to.collect_map(members.iter().map(|(name, value)| (name, value)))
 }
 
@@ -72,7 +85,7 @@ pub async fn pixel(State(app): State<App>, Query(Place { x, y }): Query<Place>) 
     let film = shown.pixel(x, y).ok_or_else(none)?;
     let hit = film.layers.features.first().map(|f| FirstHit { shape: f.sum.shape, material: f.sum.material, ..f.sum });
     let image = develop(&shown.scene, &film, &LAYERS);
-    let number = |v: f32| if v.is_finite() { json!(v) } else { json!(v.to_string()) };
+    let number = |v: f32| if v.is_finite() { Sample::Number(v) } else { Sample::Text(v.to_string()) };
     let channels = image.channels().iter().map(|c| (c.name.as_str(), number(c.data[0]))).collect();
     let names = shown.scene.material_names();
     let material = hit.and_then(|h| names.get(h.material.checked_sub(1)? as usize));
@@ -83,5 +96,5 @@ pub async fn pixel(State(app): State<App>, Query(Place { x, y }): Query<Place>) 
         .then(|| (0..3).map(|c| variance[c] / (mean[c] * mean[c] + 0.01)).sum::<f64>() / 3.0)
         .map(f64::sqrt);
     let (generation, kind, samples) = (shown.generation, shown.kind, film.pixels[0].samples);
-    Ok(Json(Known { x, y, generation, kind, samples, error, object, material, channels }).into_response())
+    Ok(Json(Pixel { x, y, generation, kind, samples, error, object, material, channels }).into_response())
 }

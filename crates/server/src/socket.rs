@@ -3,7 +3,7 @@
 use crate::{
     app::{App, Refused},
     frame::Frame,
-    protocol::{Message as Said, Request},
+    protocol::{Request, ServerMessage},
     viewer::Task,
 };
 use axum::{
@@ -23,8 +23,6 @@ use std::{
 };
 use tokio::sync::{oneshot, watch};
 
-/// Ends the answer to a request.
-const ANSWERED: &str = r#"{"type":"answered"}"#;
 /// Pages at once.
 const MOST_SOCKETS: usize = 64;
 /// Bytes of a request.
@@ -146,11 +144,10 @@ async fn answer(
     if states.has_changed().ok()? {
         tell_state(socket, states).await?;
     }
-    send(socket, Message::Text(ANSWERED.into())).await
+    send(socket, Message::Text(ServerMessage::Answered.text().into())).await
 }
 
 async fn tell(socket: &mut WebSocket, app: &App, text: String) -> Option<()> {
     app.log.refused(&format!("refused a request: {}", text.lines().next().unwrap_or_default()));
-    let said = serde_json::to_string(&Said { severity: "error", text }).ok()?;
-    send(socket, Message::Text(said.into())).await
+    send(socket, Message::Text(ServerMessage::error(text).text().into())).await
 }

@@ -6,7 +6,8 @@ use crate::{
     frame::LAYERS,
     look::{Look, quality},
     protocol::{
-        About, COLORS, CameraState, Choices, Denoiser, Named, Said, Settings, Size, State, Tone, ToneParameter,
+        AboutScene, COLORS, CameraState, Choices, Denoiser, Message, Named, ServerMessage, Settings, Severity, Size,
+        State, ToneChoice, ToneParameter,
     },
 };
 use std::{
@@ -19,7 +20,7 @@ use steradian::{
     load::suited_tone,
     math::{DVec3, Ray, Transform},
     registry,
-    scene::{Family, Format, Node, Severity, Value},
+    scene::{self, Family, Format, Node, Value},
 };
 
 /// Messages that pages are told, at most.
@@ -58,28 +59,28 @@ pub fn of(generation: u32, document: &Document, look: &Look, scene: &Scene, libr
         command: command(document, look, library.as_deref().ok()),
         save_name: saved_name(document),
     };
-    serde_json::to_string(&state).unwrap_or_default().into()
+    ServerMessage::State(Box::new(state)).text().into()
 }
 
 /// Message of what the integrator leaves out of the scene.
-fn left_out(look: &Look, scene: &Scene) -> Option<Said> {
+fn left_out(look: &Look, scene: &Scene) -> Option<Message> {
     let render = quality(look).render(scene).ok()?;
     let text = render.left_out(scene)?.of(render.name);
-    Some(Said { severity: "warning", text })
+    Some(Message { severity: Severity::Warning, text })
 }
 
-fn about(document: &Document, look: &Look, scene: &Scene) -> About {
+fn about(document: &Document, look: &Look, scene: &Scene) -> AboutScene {
     let name = document.source.name.to_string_lossy();
     let file = document.desc.path.as_deref();
-    let said = |d: &steradian::scene::Diagnostic| Said {
+    let said = |d: &scene::Diagnostic| Message {
         severity: match d.severity {
-            Severity::Error => "error",
-            Severity::Warning => "warning",
-            Severity::Note => "note",
+            scene::Severity::Error => Severity::Error,
+            scene::Severity::Warning => Severity::Warning,
+            scene::Severity::Note => Severity::Note,
         },
         text: d.to_string(),
     };
-    About {
+    AboutScene {
         name: file.and_then(Path::file_name).map_or(name.clone(), |f| f.to_string_lossy()).into_owned(),
         path: file.map(|f| f.to_string_lossy().into_owned()),
         faces: document.desc.face_count(),
@@ -175,7 +176,7 @@ static CHOICES: LazyLock<Choices> = LazyLock::new(choices);
 fn choices() -> Choices {
     let family = |name: &str| registry().into_iter().find(|f| f.0 == name).map(|f| f.1).unwrap_or_default();
     let named = |(name, doc): (&'static str, &'static str)| Named { name, doc };
-    let tone = |curve: &steradian::image::tone::Curve| Tone {
+    let tone = |curve: &steradian::image::tone::Curve| ToneChoice {
         name: curve.name,
         doc: curve.doc,
         encoding: curve.encoding,
@@ -186,8 +187,8 @@ fn choices() -> Choices {
     Choices {
         integrators: Family::Integrator.models().iter().map(|i| Named { name: i.kind, doc: i.doc }).collect(),
         samplers: family("samplers").into_iter().map(named).collect(),
-        denoisers: denoiser::CHOICES,
-        colors: COLORS,
+        denoisers: &denoiser::CHOICES,
+        colors: &COLORS,
         tones: CURVES.iter().map(tone).collect(),
         layers: LAYERS.iter().map(|l| Named { name: l.name(), doc: l.doc() }).collect(),
     }

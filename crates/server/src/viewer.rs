@@ -21,7 +21,7 @@ use crate::{
     frame::{Backdrop, Frame, Shown},
     job::{Job, Progress, Waiting},
     look::{Look, Purpose, bytes, check_memory, check_size, options, quality},
-    protocol::{Denoiser, Message, Request, SettingsChange, told},
+    protocol::{Denoiser, FrameKind, Message, Request, ServerMessage, SettingsChange, Severity, told},
     state,
 };
 use std::{
@@ -132,7 +132,10 @@ pub fn start(source: Source, settings: SettingsChange, library: Library) -> Resu
         // What fails inside ends what was being done, not the view.
         while catch_unwind(AssertUnwindSafe(|| viewer.run())).is_err() {
             (viewer.job, viewer.owed) = (None, false);
-            viewer.say("error", "the render failed by a fault of the program; the next change begins anew".into());
+            viewer.say(
+                Severity::Error,
+                "the render failed by a fault of the program; the next change begins anew".into(),
+            );
         }
     };
     let thread = thread::Builder::new().name("viewer".into()).spawn(run);
@@ -376,7 +379,7 @@ impl Viewer {
         let (fresh, lost) = match self.document.reloaded() {
             Ok(read) => read,
             Err(diagnostics) => {
-                self.say("error", told(&diagnostics));
+                self.say(Severity::Error, told(&diagnostics));
                 return Invalidates::Nothing;
             }
         };
@@ -384,11 +387,11 @@ impl Viewer {
         self.look.moving = false;
         if let Err(why) = self.remake() {
             self.document = old;
-            self.say("error", why);
+            self.say(Severity::Error, why);
             return Invalidates::Nothing;
         }
-        lost.into_iter().for_each(|why| self.say("warning", format!("an edit does not fit any more: {why}")));
-        self.say("note", "the scene's files have changed: they were read again".into());
+        lost.into_iter().for_each(|why| self.say(Severity::Warning, format!("an edit does not fit any more: {why}")));
+        self.say(Severity::Note, "the scene's files have changed: they were read again".into());
         self.stamps = self.document.stamps();
         Invalidates::Scene
     }
@@ -448,7 +451,7 @@ impl Viewer {
         self.first_paths();
         match Job::new(&self.scene, &quality(&self.look)) {
             Ok(job) => self.job = Some(job),
-            Err(why) => self.say("error", why),
+            Err(why) => self.say(Severity::Error, why),
         }
     }
 
@@ -463,7 +466,7 @@ impl Viewer {
         let mut job = match job {
             Ok(job) => job,
             Err(why) => {
-                self.say("error", why);
+                self.say(Severity::Error, why);
                 return true;
             }
         };
@@ -471,7 +474,7 @@ impl Viewer {
             return false;
         }
         let seconds = start.elapsed().as_secs_f64().max(1e-4);
-        let shown = job.shown(self.generation, self.full_crop(), "preview");
+        let shown = job.shown(self.generation, self.full_crop(), FrameKind::Preview);
         self.pixels_per_second = shown.film.pixels.len() as f64 / seconds;
         self.backdrop = Some(Backdrop::new(&shown, None));
         self.show(Arc::new(shown));
@@ -489,7 +492,8 @@ impl Viewer {
         let Ok(mut job) = Job::new(&scene, &plain) else { return };
         job.advance(2 * FIRST_PATHS, &self.waiting);
         let target = quality(&self.look).spp.unwrap_or(self.scene.settings().spp);
-        let mut shown = Shown { is_done: false, target, ..job.shown(self.generation, self.full_crop(), "render") };
+        let mut shown =
+            Shown { is_done: false, target, ..job.shown(self.generation, self.full_crop(), FrameKind::Render) };
         self.denoise(&mut shown);
         if shown.samples > 0.0 {
             self.paths_per_second = shown.film.pixels.len() as f64 * shown.samples / shown.seconds.max(1e-3);
@@ -549,13 +553,13 @@ impl Viewer {
             let shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner).clone();
             return shown.map_or((), |shown| self.show(shown));
         };
-        let mut shown = job.shown(self.generation, crop, "render");
+        let mut shown = job.shown(self.generation, crop, FrameKind::Render);
         let failure = job.failure();
         self.published = Some(job.progress());
         self.denoise(&mut shown);
         self.show(Arc::new(shown));
         if let Some(why) = failure {
-            self.say("error", why);
+            self.say(Severity::Error, why);
         }
     }
 
@@ -577,7 +581,7 @@ impl Viewer {
         let start = Instant::now();
         match denoiser.picture(shown, &self.library) {
             Ok(picture) => shown.denoised = Some(picture),
-            Err(why) => self.say("error", why),
+            Err(why) => self.say(Severity::Error, why),
         }
         if !shown.is_done {
             self.denoising = start.elapsed().as_secs_f64();
@@ -590,9 +594,9 @@ impl Viewer {
         self.frame.send_replace(Arc::new(frame));
     }
 
-    fn say(&self, severity: &'static str, text: String) {
+    fn say(&self, severity: Severity, text: String) {
         // Nobody may be there.
-        let _ = self.messages.send(serde_json::to_string(&Message { severity, text }).unwrap_or_default());
+        let _ = self.messages.send(ServerMessage::Message(Message { severity, text }).text());
     }
 }
 

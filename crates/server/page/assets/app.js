@@ -311,7 +311,7 @@ var Divider = class {
 		this.set(part);
 	}
 };
-// src/protocol.ts
+// src/tile.ts
 var MAGIC = 1414681683;
 var HEADER = 24;
 /** The tile in a binary message, or `null` where it isn't one. */
@@ -340,7 +340,6 @@ function parseTile(buffer) {
 	} : null;
 }
 // src/reference.ts
-/** B, the picture that the shown one is compared with: the server keeps it. */
 /** An answer of JSON and tiles, each after its length. */
 function parsePieces(buffer) {
 	const view = new DataView(buffer);
@@ -387,7 +386,6 @@ async function fetchFlip(tone, exposure) {
 	return parsePieces(await (await checked(await fetch(`./api/difference?${query}`))).arrayBuffer());
 }
 // src/flipmap.ts
-/** The map of FLIP errors: asked of the server as frames come, one at a time. */
 var FlipMap = class {
 	view;
 	tone;
@@ -2361,14 +2359,14 @@ var Mixer = class {
 		this.element = section("Light groups", false, row("Mix", this.on, ABOUT), this.facts, this.list, this.buttons);
 	}
 	update({ scene, settings }) {
-		const isOn = settings.lightGroups ?? false;
+		const isOn = settings.lightGroups;
 		const of = `${scene.path} ${scene.name}`;
 		if (of !== this.scene) {
 			this.scene = of;
 			this.names = [];
 			this.strips.clear();
 		}
-		this.element.hidden = settings.lightGroups === void 0 || scene.lights === 0;
+		this.element.hidden = scene.lights === 0;
 		this.on.checked = isOn;
 		if (!isOn) {
 			this.view.groups.clear();
@@ -2379,7 +2377,7 @@ var Mixer = class {
 		setText(this.facts, isOn ? KEPT : ABOUT);
 	}
 	/** Shows the groups of a frame; of one that came without, those stay that were there. */
-	takeFrame({ lightGroups = [] }) {
+	takeFrame({ lightGroups }) {
 		const isSame = lightGroups.length === this.names.length && lightGroups.every((name, g) => name === this.names[g]);
 		if (lightGroups.length === 0 || isSame) return;
 		this.names = lightGroups;
@@ -2613,6 +2611,7 @@ var Navigate = class {
 	}
 };
 // src/place.ts
+/** Transforms as location, rotation and scale. */
 /** More than this part of shear is told from rounding. */
 var SHEAR = 1e-6;
 /** The place of a transform in Steradian's language; `null` for what is none, or shears. */
@@ -2802,7 +2801,7 @@ function triple$1(text) {
 	return parts?.length === 3 && parts.every((p) => NUMBER.test(p)) ? parts.map(Number) : null;
 }
 /** What holds; of a default without what is said of exceptions. */
-var current = (p) => p.value ?? p.default?.split(";")[0] ?? "";
+var current = (p) => p.value ?? p.default.split(";")[0] ?? "";
 function kindOf(p) {
 	const text = current(p);
 	if (p.type.startsWith("true or false")) return "flag";
@@ -2945,7 +2944,7 @@ function text(p, label, edit) {
 	});
 	const set = (p) => {
 		setValue(field, p.value ?? "");
-		field.placeholder = p.default ?? "";
+		field.placeholder = p.default;
 	};
 	set(p);
 	return {
@@ -3113,7 +3112,8 @@ var Nodes = class {
 			type: "edit",
 			node,
 			parameter,
-			value
+			value,
+			moving: false
 		});
 	}
 	sendHeld() {
@@ -3439,7 +3439,8 @@ var Pick = class {
 			type: "edit",
 			node: id,
 			parameter: "focal_distance",
-			value: String(Number(far.toPrecision(7)))
+			value: String(Number(far.toPrecision(7))),
+			moving: false
 		});
 		if (lens <= 0) this.tell({
 			severity: "note",
@@ -3501,7 +3502,6 @@ var RenderPanel = class {
 	depth;
 	width;
 	height;
-	denoiseRow;
 	constructor(send) {
 		this.send = send;
 		const set = (change) => this.send({
@@ -3526,9 +3526,8 @@ var RenderPanel = class {
 		this.depth = whole("Most bounces", 0, true, (v) => set({ maxDepth: v }));
 		this.width = whole("Width in pixels", 1, false, () => set(this.size()));
 		this.height = whole("Height in pixels", 1, false, () => set(this.size()));
-		this.denoiseRow = row("Denoise", this.choices.denoise);
 		const size = h("span", { class: "plain" }, this.width, "×", this.height);
-		this.element = section("Render", true, row("Integrator", this.choices.integrator), row("Samples", this.spp, "Samples for each pixel"), row("Sampler", this.choices.sampler), row("Colour", this.choices.color), h("div", { class: "row" }, h("span", {}, "Size"), size), row("Seed", this.seed), row("Max depth", this.depth, "Bounces at most"), this.denoiseRow);
+		this.element = section("Render", true, row("Integrator", this.choices.integrator), row("Samples", this.spp, "Samples for each pixel"), row("Sampler", this.choices.sampler), row("Colour", this.choices.color), h("div", { class: "row" }, h("span", {}, "Size"), size), row("Seed", this.seed), row("Max depth", this.depth, "Bounces at most"), row("Denoise", this.choices.denoise));
 	}
 	update({ settings, choices, film }) {
 		const named = (list) => list.map((c) => ({
@@ -3549,7 +3548,7 @@ var RenderPanel = class {
 		setOptions(this.choices.denoise, [{
 			value: "",
 			text: "no"
-		}, ...named(choices.denoisers ?? [])]);
+		}, ...named(choices.denoisers)]);
 		for (const key of [
 			"integrator",
 			"sampler",
@@ -3565,7 +3564,6 @@ var RenderPanel = class {
 		setValue(this.depth, settings.maxDepth === null ? "" : String(settings.maxDepth));
 		setValue(this.width, String(film.width));
 		setValue(this.height, String(film.height));
-		this.denoiseRow.hidden = settings.denoise === void 0;
 	}
 	size() {
 		return {
@@ -3790,7 +3788,6 @@ function values(rgb) {
 var number = (v) => v === null ? "NaN" : show(Number(v.toPrecision(3)));
 var triple = (rgb) => rgb.map(number).join("  ");
 // src/socket.ts
-/** The connection: typed messages, and reconnecting with growing pauses. */
 var FIRST_PAUSE = .5;
 var LONGEST_PAUSE = 10;
 var Socket = class {
@@ -4215,8 +4212,8 @@ var View = class {
 	}
 	/** A frame's tiles are all there. */
 	frame(message) {
-		this.layers.swap(cropOf(message, this.film, this.region), message.layer);
-		if (message.layer === void 0) this.groups.swap(message.lightGroups ?? [], message.width, message.height);
+		this.layers.swap(message.crop);
+		this.groups.swap(message.lightGroups, message.width, message.height);
 		this.version++;
 		this.redraw();
 	}
@@ -4361,23 +4358,6 @@ var View = class {
 		return this.uniforms.get(name);
 	}
 };
-/** The part of the film that a frame shows. */
-function cropOf(frame, film, region) {
-	if (frame.crop) return frame.crop;
-	const [x, y] = frame.origin;
-	if (frame.kind === "render") return [
-		x,
-		y,
-		x + frame.width,
-		y + frame.height
-	];
-	return region ?? [
-		x,
-		y,
-		film.width - x,
-		film.height - y
-	];
-}
 // src/main.ts
 function start() {
 	trackEditing();
