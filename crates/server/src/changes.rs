@@ -1,22 +1,54 @@
 //! Changes of the scene and its view by requests.
 
 use crate::{
+    denoiser::Library,
     document::Document,
     edits::{Edit, What},
     frame, groups,
-    look::{Purpose, View, bytes, check_memory, options, quality, set},
+    look::{Look, Purpose, View, bytes, check_memory, quality, set},
     protocol::{Request, told},
     state,
     viewer::{Invalidates, Viewer, compile},
 };
 use std::sync::Arc;
+use steradian::Scene;
+
+/// Scene that can be rendered as it is looked at, and the bytes that its pictures take.
+type Remade = (Arc<Scene>, u64);
+
+/// Compiles the scene as it is to be looked at, and sees whether it can be rendered so. `held` are the bytes of the
+/// picture before, which goes.
+fn remade(document: &mut Document, look: &Look, held: u64, library: &Library) -> Result<Remade, String> {
+    let scene = compile(document, look, Purpose::Render).map_err(|d| told(&d))?;
+    let render = quality(look).render(&scene).map_err(|e| e.to_string())?;
+    let needed = bytes(&render, &scene, look);
+    let there_is = document.source.memory.and_then(|there_is| there_is());
+    check_memory(needed, held, there_is)?;
+    let denoiser = look.settings.denoise.flatten();
+    if let Some(denoiser) = denoiser {
+        if let Some(why) = render.not_denoisable(&scene) {
+            return Err(format!("noise cannot be removed here: {why}"));
+        }
+        denoiser.check(library)?;
+    }
+    if look.settings.light_groups == Some(true) {
+        if denoiser.is_some() {
+            return Err("a picture without its noise has no light groups: only one of both can be on".into());
+        }
+        groups::check(&scene)?;
+    }
+    Ok((scene, needed))
+}
 
 impl Viewer {
     /// Carries out what a page asks for.
     pub fn request(&mut self, request: Request) -> Result<Invalidates, String> {
+        if let Request::Edit { node, parameter, value, moving } = request {
+            self.edit(Edit { what: What::Parameter { node, parameter, value }, moving })?;
+            return Ok(Invalidates::Scene);
+        }
         let before = self.look.clone();
         let revert: fn(&mut Document) = match request {
-            Request::Edit { .. } => Document::take_back,
             Request::Undo => |document| _ = document.redo(),
             Request::Redo => |document| _ = document.undo(),
             _ => |_| {},
@@ -32,45 +64,38 @@ impl Viewer {
         Ok(invalid)
     }
 
-    /// Compiles the scene as it is to be looked at, and sees whether it can be rendered so.
+    /// Compiles the scene as it is to be looked at; while a hand is on the camera, previews alone do.
     pub fn remake(&mut self) -> Result<(), String> {
-        if self.look.moving {
-            return Ok(());
+        self.drawn = None;
+        if !self.look.moving {
+            (self.scene, self.held) = remade(&mut self.document, &self.look, self.held, &self.library)?;
         }
-        let scene = compile(&mut self.document, &self.look, Purpose::Render).map_err(|d| told(&d))?;
-        let render = quality(&self.look).render(&scene).map_err(|e| e.to_string())?;
-        let needed = bytes(&render, &scene, &self.look);
-        let there_is = self.document.source.memory.and_then(|there_is| there_is());
-        check_memory(needed, self.held, there_is)?;
-        let denoiser = self.look.settings.denoise.flatten();
-        if let Some(denoiser) = denoiser {
-            if let Some(why) = render.not_denoisable(&scene) {
-                return Err(format!("noise cannot be removed here: {why}"));
-            }
-            denoiser.check(&self.library)?;
+        Ok(())
+    }
+
+    /// Makes an edit. The scene that is compiled to check it is the one that is shown: the preview's while a hand is
+    /// on the parameter, otherwise the render's.
+    fn edit(&mut self, edit: Edit) -> Result<(), String> {
+        let moving = edit.moving;
+        let look = Look { moving, ..self.look.clone() };
+        if moving {
+            let coarse = self.preview_look();
+            let drawn = |document: &mut Document| compile(document, &coarse, Purpose::Preview).map_err(|d| told(&d));
+            self.drawn = Some(self.document.edit(edit, drawn)?);
+        } else {
+            let (held, library) = (self.held, &self.library);
+            let remade = self.document.edit(edit, |document| remade(document, &look, held, library))?;
+            (self.scene, self.held) = remade;
+            self.drawn = None;
         }
-        if self.look.settings.light_groups == Some(true) {
-            if denoiser.is_some() {
-                return Err("a picture without its noise has no light groups: only one of both can be on".into());
-            }
-            groups::check(&scene)?;
-        }
-        (self.scene, self.held) = (scene, needed);
+        self.look = look;
         Ok(())
     }
 
     /// Lights the scene by an environment map.
     pub fn set_environment(&mut self, name: String, picture: Arc<[u8]>) -> Result<(), String> {
         let to_world = state::environment_to_world(&self.document, &self.look, &self.scene);
-        let options = options(&self.look, self.document.desc.format, Purpose::Render);
-        let edit = Edit { what: What::Environment { name, picture, to_world }, moving: false };
-        self.document.edit(edit, &options)?;
-        self.look.moving = false;
-        let remade = self.remake();
-        if remade.is_err() {
-            self.document.take_back();
-        }
-        remade
+        self.edit(Edit { what: What::Environment { name, picture, to_world }, moving: false })
     }
 
     fn change(&mut self, request: Request) -> Result<Invalidates, String> {
@@ -115,14 +140,6 @@ impl Viewer {
                 look.layers = names.iter().map(|name| frame::layer(name)).collect::<Result<_, _>>()?;
                 Ok(Invalidates::Layers)
             }
-            Request::Edit { node, parameter, value, moving } => {
-                let purpose = if moving { Purpose::Preview } else { Purpose::Render };
-                let options = options(look, document.desc.format, purpose);
-                let what = What::Parameter { node, parameter, value };
-                document.edit(Edit { what, moving }, &options)?;
-                look.moving = moving;
-                Ok(Invalidates::Scene)
-            }
             Request::Undo => {
                 look.moving = false;
                 document.undo().then_some(Invalidates::Scene).ok_or_else(|| "there is nothing to undo".into())
@@ -131,6 +148,8 @@ impl Viewer {
                 look.moving = false;
                 document.redo().then_some(Invalidates::Scene).ok_or_else(|| "there is nothing to redo".into())
             }
+            // Made by `edit`.
+            Request::Edit { .. } => Ok(Invalidates::Nothing),
             Request::Pause { on } => {
                 look.paused = on;
                 Ok(if on || job.is_some() { Invalidates::State } else { Invalidates::Picture })

@@ -3,7 +3,7 @@
 use crate::{
     edits::{Change, Edit, PLACE, placements},
     look::View,
-    protocol::{NodeState, ParameterState, told},
+    protocol::{NodeState, ParameterState},
 };
 use std::{
     collections::{BTreeMap, HashMap},
@@ -57,6 +57,9 @@ pub struct Document {
     undo: Vec<Change>,
     redo: Vec<Change>,
     kept: Kept,
+    /// Number of compilations.
+    #[cfg(test)]
+    pub compiled: usize,
 }
 
 impl Document {
@@ -75,7 +78,16 @@ impl Document {
         if diagnostics.has_errors() {
             return Err(diagnostics);
         }
-        Ok(Self { source, desc, diagnostics, undo: Vec::new(), redo: Vec::new(), kept: Default::default() })
+        Ok(Self {
+            source,
+            desc,
+            diagnostics,
+            undo: Vec::new(),
+            redo: Vec::new(),
+            kept: Default::default(),
+            #[cfg(test)]
+            compiled: 0,
+        })
     }
 
     /// Compiles it, as seen from a place if one is given.
@@ -94,6 +106,10 @@ impl Document {
         let compiled = recompile(&self.desc, &options, &mut self.kept);
         if let Some((id, own)) = own {
             *self.desc.node_mut(id) = own;
+        }
+        #[cfg(test)]
+        {
+            self.compiled += 1;
         }
         match compiled.scene {
             Some(scene) if !compiled.diagnostics.has_errors() => {
@@ -123,24 +139,18 @@ impl Document {
         !self.undo.is_empty()
     }
 
-    /// Makes an edit; the scene must compile still.
+    /// Makes an edit that a check accepts; gives what the check made, as the compiled scene.
     ///
     /// # Errors
     /// What is wrong with it; nothing is changed then.
-    pub fn edit(&mut self, edit: Edit, options: &CompileOptions) -> Result<(), String> {
+    pub fn edit<T>(&mut self, edit: Edit, check: impl FnOnce(&mut Self) -> Result<T, String>) -> Result<T, String> {
         let replaced = self.undo.last().is_some_and(|c| c.goes_on(&edit));
         if replaced {
             self.undo();
         }
-        let done = self.carry_out(edit).and_then(|()| {
-            let fault = self.compile(options, None).err().map(|d| told(&d));
-            if fault.is_some() {
-                self.take_back();
-            }
-            fault.map_or(Ok(()), Err)
-        });
+        let done = self.carry_out(edit).and_then(|()| check(self).inspect_err(|_| self.take_back()));
         match done {
-            Ok(()) => self.redo.clear(),
+            Ok(_) => self.redo.clear(),
             Err(_) if replaced => drop(self.redo()),
             Err(_) => {}
         }

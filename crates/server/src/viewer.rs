@@ -173,6 +173,7 @@ fn open(source: Source, settings: SettingsChange, library: Library) -> Result<(V
         look,
         scene,
         held,
+        drawn: None,
         generation: 0,
         pixels_per_second: FIRST_PREVIEW / PREVIEW_SECONDS,
         paths_per_second: FIRST_SPEED,
@@ -220,6 +221,8 @@ pub struct Viewer {
     pub scene: Arc<Scene>,
     /// Bytes that its pictures take.
     pub held: u64,
+    /// Scene of the preview, where an edit was checked with it.
+    pub drawn: Option<Arc<Scene>>,
     generation: u32,
     /// Speed of previews.
     pixels_per_second: f64,
@@ -405,7 +408,7 @@ impl Viewer {
         let scene = compile(&mut document, &look, Purpose::Render).map_err(lines)?;
         look.settings.integrator = Some(default_name(&scene));
         self.held = held(&document, &look, &scene, self.held).map_err(|why| vec![why])?;
-        (self.document, self.look, self.scene) = (document, look, scene);
+        (self.document, self.look, self.scene, self.drawn) = (document, look, scene, None);
         self.stamps = self.document.stamps();
         self.seen.clone_from(&self.stamps);
         (self.pixels_per_second, self.paths_per_second) = (FIRST_PREVIEW / PREVIEW_SECONDS, FIRST_SPEED);
@@ -457,8 +460,14 @@ impl Viewer {
 
     /// A picture at once, as fine as there is time for; `false` where it was broken off.
     fn preview(&mut self) -> bool {
-        let look = self.coarse(self.pixels_per_second * PREVIEW_SECONDS);
-        let Ok(scene) = compile(&mut self.document, &look, Purpose::Preview) else { return true };
+        let scene = match self.drawn.clone() {
+            Some(scene) => scene,
+            None => {
+                let look = self.preview_look();
+                let Ok(scene) = compile(&mut self.document, &look, Purpose::Preview) else { return true };
+                scene
+            }
+        };
         let start = Instant::now();
         let raster = Quality::of("raster");
         let plain = Quality { max_depth: Some(2), ..Quality::of(&format!("path:{PLAIN}")) }.spp(1);
@@ -501,6 +510,11 @@ impl Viewer {
             self.backdrop = Some(Backdrop::new(&shown, behind.as_ref()));
             self.show(Arc::new(shown));
         }
+    }
+
+    /// View for a preview.
+    pub fn preview_look(&self) -> Look {
+        self.coarse(self.pixels_per_second * PREVIEW_SECONDS)
     }
 
     /// View for a picture of about so many pixels.

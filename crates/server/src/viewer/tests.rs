@@ -96,3 +96,37 @@ fn pictures_without_memory_are_refused() {
     viewer.held += 1 << 32;
     viewer.request(Request::Settings(transient)).unwrap();
 }
+
+/// The scene that an edit is checked with is the one that is shown; a render's preview and first paths are new views of
+/// what was compiled.
+#[test]
+fn an_edit_compiles_the_scene_once() {
+    let (mut viewer, _handle) = viewer();
+    finish(&mut viewer);
+    let edit = |value: &str, moving| {
+        let (node, parameter, value) = ("white".into(), "reflectance".into(), Some(value.to_owned()));
+        Request::Edit { node, parameter, value, moving }
+    };
+    // Compilations for the change, and for its pictures.
+    let mut compiled = |request| {
+        let before = viewer.document.compiled;
+        let invalid = viewer.request(request).unwrap();
+        let changed = viewer.document.compiled;
+        viewer.tell_state(invalid);
+        viewer.show_change(invalid);
+        [changed - before, viewer.document.compiled - changed]
+    };
+    assert_eq!(compiled(edit("0.3", false)), [1, 2]);
+    assert_eq!(compiled(edit("0.4", true)), [1, 0]);
+    assert_eq!(compiled(edit("0.5", true)), [1, 0]);
+    assert_eq!(compiled(edit("0.5", false)), [1, 2]);
+    assert_eq!(compiled(Request::Undo), [1, 2]);
+    // What is refused leaves all as it is.
+    let edits = viewer.document.edits();
+    viewer.document.source.memory = Some(|| Some(1 << 10));
+    for moving in [true, false] {
+        let why = viewer.request(edit("0.7", moving)).unwrap_err();
+        assert!(why.contains("memory"), "{why}");
+        assert_eq!(viewer.document.edits(), edits);
+    }
+}
