@@ -1,6 +1,11 @@
 //! Tests of the viewer's tasks, step by step, without the thread.
 
-use super::*;
+use super::{opening::open, *};
+use crate::{
+    document::Source,
+    protocol::{Request, SettingsChange, told},
+};
+use steradian::Quality;
 
 const BOX: &str = "builtin:cornell-box";
 
