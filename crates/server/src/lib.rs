@@ -37,6 +37,8 @@ mod save;
 mod socket;
 mod state;
 mod tile;
+#[cfg(test)]
+mod tones;
 mod upload;
 mod viewer;
 
