@@ -3,8 +3,8 @@
 //!
 //! The thread owns the description, its compiled scene, and the session. A request comes with a place for its answer
 //! and breaks off the step under way; all requests that wait are carried out before anything is rendered. The answer
-//! follows the state that knows of the request; until then the page keeps the changes in its fields (`takeFields` in
-//! `web/src/main.ts`). Then come a preview as coarse as its time allows, first paths of a coarse picture, and the
+//! follows the state that knows of the request; until then the page keeps the changes in its fields (`fields` in
+//! `web/src/connection.ts`). Then come a preview as coarse as its time allows, first paths of a coarse picture, and the
 //! session, in steps of 0.1 to 1 s.
 //!
 //! Each picture is encoded once (`tile`: half floats) and handed to all sockets by a `watch` channel, so that a slow

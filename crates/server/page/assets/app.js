@@ -1,201 +1,3 @@
-// src/vector.ts
-var add = (a, b) => [
-	a[0] + b[0],
-	a[1] + b[1],
-	a[2] + b[2]
-];
-var sub = (a, b) => [
-	a[0] - b[0],
-	a[1] - b[1],
-	a[2] - b[2]
-];
-var scale = (a, s) => [
-	a[0] * s,
-	a[1] * s,
-	a[2] * s
-];
-var dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-var cross = (a, b) => [
-	a[1] * b[2] - a[2] * b[1],
-	a[2] * b[0] - a[0] * b[2],
-	a[0] * b[1] - a[1] * b[0]
-];
-var length = (a) => Math.hypot(...a);
-var normalize = (a) => scale(a, 1 / (length(a) || 1));
-/** `a` without its part along the unit vector `axis`. */
-var across = (a, axis) => sub(a, scale(axis, dot(a, axis)));
-/** `a`, turned about the unit vector `axis` (right-handed, radians; Rodrigues' formula). */
-function turn(a, axis, angle) {
-	const [c, s] = [Math.cos(angle), Math.sin(angle)];
-	return add(add(scale(a, c), scale(cross(axis, a), s)), scale(axis, dot(axis, a) * (1 - c)));
-}
-// src/camera.ts
-var RADIANS_PER_PIXEL = .007;
-var Camera = class {
-	eye = [
-		0,
-		0,
-		1
-	];
-	target = [
-		0,
-		0,
-		0
-	];
-	/** What is up in the scene, a unit vector. */
-	axis = [
-		0,
-		1,
-		0
-	];
-	handedness = 1;
-	fov = 50;
-	/** Where the camera looks, level. */
-	heading = [
-		0,
-		0,
-		-1
-	];
-	/** Where it looks after `aim`. */
-	direction = [
-		0,
-		0,
-		-1
-	];
-	/** Takes the server's camera. The axis stays where that camera's horizon is level about it. */
-	adopt(state) {
-		this.eye = [...state.eye];
-		this.target = [...state.target];
-		this.handedness = state.handedness;
-		this.fov = state.fov ?? 50;
-		const up = normalize(state.up);
-		const right = normalize(cross(this.forward, up));
-		const isLevel = (axis) => Math.abs(dot(right, axis)) < .001 && dot(up, axis) > -.001;
-		if (!isLevel(this.axis) || Math.abs(dot(up, this.axis)) < .001) {
-			const level = [
-				[
-					0,
-					1,
-					0
-				],
-				[
-					0,
-					0,
-					1
-				],
-				[
-					1,
-					0,
-					0
-				],
-				[
-					0,
-					-1,
-					0
-				],
-				[
-					0,
-					0,
-					-1
-				],
-				[
-					-1,
-					0,
-					0
-				]
-			].filter(isLevel).sort((a, b) => dot(up, b) - dot(up, a));
-			const isAcross = Math.abs(dot(up, this.forward)) < 1e-4;
-			this.axis = isAcross && level[0] && dot(up, level[0]) > .1 ? level[0] : up;
-		}
-		const level = across(this.forward, this.axis);
-		this.heading = length(level) > 1e-4 ? normalize(level) : normalize(across(scale(up, -Math.sign(dot(this.forward, this.axis))), this.axis));
-	}
-	get forward() {
-		return normalize(sub(this.target, this.eye));
-	}
-	get distance() {
-		return length(sub(this.target, this.eye)) || 1;
-	}
-	/** The picture's up direction; the axis, unless the camera looks nearly along it. */
-	get up() {
-		const sine = dot(this.forward, this.axis);
-		if (Math.abs(sine) < .999) return this.axis;
-		return add(scale(this.heading, -sine), scale(this.axis, Math.sqrt(Math.max(0, 1 - sine * sine))));
-	}
-	/** The picture's right direction. */
-	get right() {
-		return scale(normalize(cross(this.forward, this.up)), this.handedness);
-	}
-	/** Turns about the target: what is in front follows the pointer. Lengths in CSS pixels. */
-	orbit(dx, dy) {
-		const { distance } = this;
-		this.aim(-this.handedness * dx * RADIANS_PER_PIXEL, -dy * RADIANS_PER_PIXEL);
-		this.eye = sub(this.target, scale(this.direction, distance));
-	}
-	/** Turns about the eye: the view follows the pointer. */
-	look(dx, dy) {
-		const { distance } = this;
-		this.aim(-this.handedness * dx * .5 * RADIANS_PER_PIXEL, -dy * .5 * RADIANS_PER_PIXEL);
-		this.target = add(this.eye, scale(this.direction, distance));
-	}
-	/** Moves across the view; `size` is the picture's smaller side in the pixels that `dx` and `dy` are in. */
-	pan(dx, dy, size) {
-		const perPixel = 2 * this.distance * Math.tan(this.fov * Math.PI / 360) / Math.max(size, 1);
-		const pictureUp = scale(cross(this.right, this.forward), this.handedness);
-		this.move(add(scale(this.right, -dx * perPixel), scale(pictureUp, dy * perPixel)));
-	}
-	/** Changes the distance by a factor. */
-	dolly(factor) {
-		const distance = Math.min(Math.max(this.distance * factor, 1e-6), 1e9);
-		this.eye = sub(this.target, scale(this.forward, distance));
-	}
-	/** Looks at a point, and turns about it from then on. */
-	center(point) {
-		const level = across(this.forward, this.axis);
-		if (length(level) > 1e-4) this.heading = normalize(level);
-		this.target = [...point];
-	}
-	move(by) {
-		this.eye = add(this.eye, by);
-		this.target = add(this.target, by);
-	}
-	/** Looks at the target from the front, the right or the top, or opposite. With Z up the front is at −Y, else at +Z. */
-	from(side, opposite) {
-		const { distance, axis } = this;
-		const s = opposite ? -1 : 1;
-		const isZ = Math.abs(axis[2]) > .9;
-		const level = (v) => normalize(across(length(across(v, axis)) > .1 ? v : [
-			0,
-			0,
-			1
-		], axis));
-		const front = level(isZ ? [
-			0,
-			-1,
-			0
-		] : [
-			0,
-			0,
-			1
-		]);
-		const away = side === "top" ? axis : side === "front" ? front : level([
-			1,
-			0,
-			0
-		]);
-		this.heading = side === "top" ? scale(front, -1) : scale(away, -s);
-		this.eye = add(this.target, scale(away, s * distance));
-	}
-	/** Turns the direction by angles about the axis and towards it, and keeps it from passing the axis. */
-	aim(around, upwards) {
-		const sine = Math.min(Math.max(dot(this.forward, this.axis), -1), 1);
-		const level = across(this.forward, this.axis);
-		if (length(level) > 1e-4) this.heading = normalize(level);
-		this.heading = normalize(turn(this.heading, this.axis, around));
-		const tilt = Math.min(Math.max(Math.asin(sine) + upwards, -Math.PI / 2), Math.PI / 2);
-		this.direction = add(scale(this.heading, Math.cos(tilt)), scale(this.axis, Math.sin(tilt)));
-	}
-};
 // src/dom.ts
 /** An element with attributes (functions are listeners: `onclick`) and children. */
 function h(tag, attributes = {}, ...children) {
@@ -257,6 +59,502 @@ function show(v) {
 	if (a === 0) return "0";
 	return a >= 1e6 || a < .001 ? Number(v.toPrecision(3)).toExponential() : String(Number(v.toPrecision(4)));
 }
+// src/keys.ts
+/** Keys, and the page that lists them. */
+/** What the pointer does, for the list. */
+var POINTER = [
+	["Drag, middle drag", "orbit"],
+	["Shift + drag", "pan the camera"],
+	["Wheel", "dolly"],
+	["Ctrl + wheel", "zoom the picture"],
+	["Ctrl + drag", "move the picture"],
+	["Click", "pin a pixel"],
+	["One finger", "orbit"],
+	["Two fingers", "pan and dolly"],
+	["W A S D Q E, mouse", "fly, once started; Shift is faster, the wheel changes the speed, Escape ends"]
+];
+/** A plain key, by the character it writes. */
+var character = (...keys) => (event) => !event.ctrlKey && !event.metaKey && !event.altKey && keys.includes(event.key);
+/** A key by its place, whatever else is held but Alt. */
+var place$1 = (...codes) => (event) => !event.altKey && codes.includes(event.code);
+/** Whether what has the focus wants the keys for itself. */
+function isTyping(target) {
+	if (target instanceof HTMLInputElement) return ![
+		"checkbox",
+		"range",
+		"color"
+	].includes(target.type);
+	return target instanceof HTMLSelectElement || target instanceof HTMLTextAreaElement;
+}
+var Keys = class {
+	keys;
+	help;
+	constructor(keys) {
+		this.keys = keys;
+		const rows = (list) => list.map(([key, doc]) => h("div", {}, h("dt", {}, h("kbd", {}, key)), h("dd", {}, doc)));
+		const groups = [
+			"Picture",
+			"Camera",
+			"Render"
+		].map((group) => {
+			const list = keys.filter((k) => k.group === group).map((k) => [k.shown, k.doc]);
+			return h("section", {}, h("h3", {}, group), h("dl", {}, ...rows(list)));
+		});
+		const close = h("button", {
+			onclick: () => this.help.close(),
+			"aria-label": "Close"
+		}, "Close");
+		this.help = h("dialog", {
+			class: "help",
+			"aria-labelledby": "help-title"
+		}, h("header", {}, h("h2", { id: "help-title" }, "Keys and pointer"), close), h("div", { class: "columns" }, h("section", {}, h("h3", {}, "Pointer"), h("dl", {}, ...rows(POINTER))), ...groups));
+		this.help.addEventListener("click", (event) => event.target === this.help && this.help.close());
+		addEventListener("keydown", (event) => this.press(event));
+	}
+	toggle() {
+		if (this.help.open) this.help.close();
+		else this.help.showModal();
+	}
+	press(event) {
+		if (event.defaultPrevented || isTyping(event.target) || this.help.open && event.key !== "?") return;
+		if (event.target instanceof HTMLInputElement && /^(Arrow|Page|Home|End)/.test(event.key)) return;
+		const key = this.keys.find((k) => k.is(event));
+		if (!key) return;
+		event.preventDefault();
+		key.act(event);
+	}
+};
+// src/bindings.ts
+/** CSS pixels of a drag that an arrow key stands for. */
+var STEP = 20;
+function bindings({ view, camera, toolbar, look, compare, inspector, pick, path, focus, move, from, fly, send, help }) {
+	const zoom = (factor) => {
+		view.placement.zoom(factor);
+		view.redraw();
+	};
+	const side = (code, shown, of) => ({
+		shown,
+		doc: `from the ${of}; with Ctrl from the opposite side`,
+		group: "Camera",
+		is: place$1(code),
+		act: (e) => from(of, e.ctrlKey)
+	});
+	const history = (shown, type, is) => ({
+		shown,
+		doc: type,
+		group: "Render",
+		is,
+		act: () => send({ type })
+	});
+	const isZ = (event) => (event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z";
+	return [
+		side("Numpad1", "Numpad 1", "front"),
+		side("Numpad3", "Numpad 3", "right"),
+		side("Numpad7", "Numpad 7", "top"),
+		{
+			shown: "[  ]",
+			doc: "exposure by half an EV",
+			group: "Picture",
+			is: character("[", "]"),
+			act: (e) => look.expose(view.tone.exposure + (e.key === "[" ? -.5 : .5))
+		},
+		{
+			shown: "\\",
+			doc: "exposure 0",
+			group: "Picture",
+			is: character("\\"),
+			act: () => look.expose(0)
+		},
+		{
+			shown: "+  −",
+			doc: "zoom",
+			group: "Picture",
+			is: character("+", "=", "-"),
+			act: (e) => zoom(e.key === "-" ? 1 / 1.5 : 1.5)
+		},
+		{
+			shown: "F",
+			doc: "fit the picture into the window",
+			group: "Picture",
+			is: character("f"),
+			act: () => (view.placement.fit(), view.redraw())
+		},
+		{
+			shown: "1",
+			doc: "one pixel for each pixel",
+			group: "Picture",
+			is: character("1"),
+			act: () => (view.placement.actual(), view.redraw())
+		},
+		{
+			shown: "C",
+			doc: "false colour",
+			group: "Picture",
+			is: character("c"),
+			act: () => look.setFalse(!view.isFalse)
+		},
+		{
+			shown: "L",
+			doc: "next layer; with Shift the one before",
+			group: "Picture",
+			is: character("l", "L"),
+			act: (e) => look.stepLayer(e.shiftKey ? -1 : 1)
+		},
+		{
+			shown: "B",
+			doc: "picture A or B, the one it is compared with",
+			group: "Picture",
+			is: character("b"),
+			act: () => compare.alternate()
+		},
+		{
+			shown: "T",
+			doc: "draw the path of a sample of the pinned pixel",
+			group: "Picture",
+			is: character("t"),
+			act: () => path.toggle()
+		},
+		{
+			shown: "N",
+			doc: "show or hide the panel",
+			group: "Picture",
+			is: character("n"),
+			act: () => toolbar.press("panel")
+		},
+		{
+			shown: "?",
+			doc: "this list",
+			group: "Picture",
+			is: character("?"),
+			act: help
+		},
+		{
+			shown: "Arrows",
+			doc: "orbit; with Shift pan",
+			group: "Camera",
+			is: place$1("ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown"),
+			act: ({ code, shiftKey }) => {
+				const [dx, dy] = {
+					ArrowLeft: [-20, 0],
+					ArrowRight: [STEP, 0],
+					ArrowUp: [0, -20],
+					ArrowDown: [0, STEP]
+				}[code];
+				move(() => shiftKey ? camera.pan(dx, dy, view.canvas.clientHeight) : camera.orbit(dx, dy));
+			}
+		},
+		{
+			shown: "Page up, down",
+			doc: "dolly",
+			group: "Camera",
+			is: place$1("PageUp", "PageDown"),
+			act: (e) => move(() => camera.dolly(e.code === "PageUp" ? .9 : 1 / .9))
+		},
+		{
+			shown: ".",
+			doc: "turn to the point under the pointer, and about it; with Shift focus there",
+			group: "Camera",
+			is: place$1("Period", "NumpadDecimal"),
+			act: (e) => e.shiftKey ? focus() : void pick.center()
+		},
+		{
+			shown: "Shift + `",
+			doc: "fly",
+			group: "Camera",
+			is: (e) => e.shiftKey && e.code === "Backquote",
+			act: fly
+		},
+		{
+			shown: "Home",
+			doc: "back to the scene’s camera",
+			group: "Camera",
+			is: place$1("Home"),
+			act: () => send({ type: "camera-reset" })
+		},
+		{
+			shown: "R",
+			doc: "frame a region to render",
+			group: "Render",
+			is: character("r"),
+			act: () => toolbar.setRegion(!toolbar.region)
+		},
+		{
+			shown: "P",
+			doc: "pause, go on",
+			group: "Render",
+			is: character("p"),
+			act: () => toolbar.press("pause")
+		},
+		history("Ctrl + Z", "undo", (e) => isZ(e) && !e.shiftKey),
+		history("Ctrl + Shift + Z", "redo", (e) => isZ(e) && e.shiftKey || e.ctrlKey && e.key === "y"),
+		{
+			shown: "Escape",
+			doc: "put the tool down, unpin the pixel",
+			group: "Render",
+			is: place$1("Escape"),
+			act: () => toolbar.region ? toolbar.setRegion(false) : inspector.set(null)
+		}
+	];
+}
+// src/tile.ts
+var MAGIC = 1414681683;
+var HEADER = 24;
+/** The tile in a binary message, or `null` where it isn't one. */
+function parseTile(buffer) {
+	if (buffer.byteLength < HEADER) return null;
+	const view = new DataView(buffer);
+	if (view.getUint32(0, true) !== MAGIC) return null;
+	const short = (at) => view.getUint16(at, true);
+	const tile = {
+		generation: view.getUint32(4, true),
+		layer: short(8),
+		components: short(10),
+		frameWidth: short(12),
+		frameHeight: short(14),
+		x: short(16),
+		y: short(18),
+		width: short(20),
+		height: short(22)
+	};
+	const count = tile.width * tile.height * tile.components;
+	const whole = buffer.byteLength === HEADER + 2 * count && (tile.components === 1 || tile.components === 3);
+	const inside = tile.x + tile.width <= tile.frameWidth && tile.y + tile.height <= tile.frameHeight;
+	return whole && inside && count > 0 ? {
+		...tile,
+		halves: new Uint16Array(buffer, HEADER, count)
+	} : null;
+}
+// src/socket.ts
+var FIRST_PAUSE = .5;
+var LONGEST_PAUSE = 10;
+var Socket = class {
+	listeners;
+	socket = null;
+	pause = FIRST_PAUSE;
+	timer = 0;
+	/** Requests without an answer yet. */
+	asked = 0;
+	constructor(listeners) {
+		this.listeners = listeners;
+		this.connect();
+		addEventListener("online", () => this.retry());
+	}
+	/** Whether the last state knows of all that was asked for. */
+	get isSettled() {
+		return this.asked === 0;
+	}
+	/** Sends, or forgets it when there is no connection: the state that comes after connecting tells what holds. */
+	send(message) {
+		if (this.socket?.readyState !== WebSocket.OPEN) return false;
+		this.asked++;
+		this.socket.send(JSON.stringify(message));
+		return true;
+	}
+	/** Tries now, when waiting. */
+	retry() {
+		if (this.timer === 0) return;
+		clearTimeout(this.timer);
+		this.connect();
+	}
+	take(message) {
+		if (message.type !== "answered") this.listeners.message(message);
+		else if (--this.asked === 0) this.listeners.settled();
+	}
+	connect() {
+		this.timer = 0;
+		const url = new URL("./api/socket", location.href);
+		url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
+		const socket = new WebSocket(url);
+		socket.binaryType = "arraybuffer";
+		socket.onopen = () => {
+			this.pause = FIRST_PAUSE;
+			this.asked = 0;
+			this.listeners.status(true, null);
+		};
+		socket.onmessage = ({ data }) => {
+			if (data instanceof ArrayBuffer) {
+				const tile = parseTile(data);
+				if (tile) this.listeners.tile(tile);
+			} else this.take(JSON.parse(data));
+		};
+		socket.onclose = () => {
+			this.listeners.status(false, this.pause);
+			this.timer = window.setTimeout(() => this.connect(), 1e3 * this.pause);
+			this.pause = Math.min(2 * this.pause, LONGEST_PAUSE);
+		};
+		this.socket = socket;
+	}
+};
+// src/status.ts
+/** The line below the picture: how far the render is, and whether the server is there. */
+var Status = class {
+	element = h("footer", { class: "status" });
+	dot = h("span", {
+		class: "dot",
+		"aria-hidden": "true"
+	});
+	connection = h("span", { role: "status" }, "connecting");
+	facts = h("span", { class: "status-facts" });
+	progress = h("progress", {
+		max: 1,
+		value: 0,
+		"aria-label": "Samples taken"
+	});
+	retry;
+	state = null;
+	frame = null;
+	constructor(retry) {
+		this.retry = h("button", {
+			class: "small",
+			hidden: true,
+			onclick: retry
+		}, "Try now");
+		this.element.append(this.dot, this.connection, this.retry, this.facts, this.progress);
+	}
+	connected(on, seconds) {
+		this.element.classList.toggle("lost", !on);
+		this.retry.hidden = on;
+		setText(this.connection, on ? "" : `connection lost; next try in ${seconds} s`);
+	}
+	update(state, frame) {
+		this.state = state ?? this.state;
+		this.frame = frame ?? this.frame;
+		const { settings, paused } = this.state ?? {};
+		const f = this.frame;
+		const what = f === null ? "no picture yet" : paused ? "paused" : f.kind === "preview" ? "preview" : f.done ? "done" : "rendering";
+		this.element.dataset.what = what;
+		const parts = [what, settings?.integrator];
+		if (f) {
+			parts.push(f.kind === "preview" ? null : `${show(f.samples)} / ${f.target} spp`);
+			if (f.error !== null) parts.push(`error ${show(100 * f.error)} %`);
+			parts.push(`${f.seconds < 10 ? f.seconds.toFixed(2) : f.seconds.toFixed(0)} s`);
+			if (f.denoised) parts.push("denoised");
+			if (f.nonfinite > 0) parts.push(`${f.nonfinite} not finite`);
+			parts.push(`${f.width} × ${f.height}`);
+			this.progress.value = Math.min(1, f.samples / Math.max(f.target, 1));
+		}
+		const text = parts.filter(Boolean).join(" · ");
+		setText(this.facts, text);
+		this.facts.title = text;
+	}
+};
+// src/connection.ts
+var Connection = class {
+	status = new Status(() => this.socket?.retry());
+	state = null;
+	socket = null;
+	isNew = true;
+	/** Sends, unless there is no connection; tells whether it did. */
+	send(message) {
+		return this.socket?.send(message) ?? false;
+	}
+	/** Connects, and tells what comes. */
+	open(told) {
+		this.socket = new Socket({
+			message: (message) => {
+				if (message.type === "state") this.takeState(message, told);
+				else if (message.type === "frame") {
+					told.frame(message);
+					this.status.update(null, message);
+				} else told.other(message);
+			},
+			tile: (tile) => told.tile(tile),
+			status: (connected, seconds) => {
+				this.isNew ||= connected;
+				this.status.connected(connected, seconds);
+			},
+			settled: () => this.state && told.fields(this.state, this.isNew)
+		});
+	}
+	takeState(state, told) {
+		const { isNew } = this;
+		this.state = state;
+		told.state(state, isNew);
+		if (isNew || this.socket?.isSettled) told.fields(state, isNew);
+		this.status.update(state, null);
+		this.isNew = false;
+	}
+};
+// src/drop.ts
+/** Files dropped on the page are opened: models or scenes with what belongs to them, folders too; a picture becomes the environment map. */
+var Drop = class {
+	tell;
+	hint = h("div", {
+		class: "drop",
+		hidden: true
+	}, "Drop a model or a scene with what belongs to it, or an environment map");
+	constructor(tell) {
+		this.tell = tell;
+		let depth = 0;
+		const isFiles = (event) => event.dataTransfer?.types.includes("Files") ?? false;
+		const show = (on) => this.hint.hidden = !on;
+		addEventListener("dragenter", (event) => isFiles(event) && show(++depth > 0));
+		addEventListener("dragleave", (event) => isFiles(event) && show(--depth > 0));
+		addEventListener("dragover", (event) => isFiles(event) && event.preventDefault());
+		addEventListener("drop", (event) => {
+			if (!isFiles(event)) return;
+			event.preventDefault();
+			show((depth = 0) > 0);
+			this.open([...event.dataTransfer.items]);
+		});
+	}
+	async open(items) {
+		try {
+			const entries = items.map((item) => ({
+				entry: item.webkitGetAsEntry(),
+				file: item.getAsFile()
+			}));
+			const found = (await Promise.all(entries.map(({ entry, file }) => entry ? filesOf(entry) : file ? [{
+				file,
+				path: file.name
+			}] : []))).flat();
+			if (found.length === 0) return;
+			const form = new FormData();
+			for (const { file, path } of found) form.append("file", file, path);
+			this.tell({
+				severity: "note",
+				text: `opening ${found.length === 1 ? found[0].path : `${found.length} files`}`
+			});
+			const response = await fetch("./api/open", {
+				method: "POST",
+				body: form
+			});
+			const answer = await response.json().catch(() => ({}));
+			for (const message of answer.messages ?? []) this.tell(typeof message === "string" ? {
+				severity: response.ok ? "warning" : "error",
+				text: message
+			} : message);
+			if (answer.environment) this.tell({
+				severity: "note",
+				text: `${answer.environment} is the environment map now`
+			});
+			if (!response.ok && !answer.messages?.length) this.tell({
+				severity: "error",
+				text: answer.error ?? response.statusText
+			});
+		} catch (error) {
+			this.tell({
+				severity: "error",
+				text: `not opened: ${String(error)}`
+			});
+		}
+	}
+};
+/** All files below an entry, with their paths from what was dropped. */
+async function filesOf(entry, folder = "") {
+	const path = folder + entry.name;
+	if (entry.isFile) return [{
+		file: await new Promise((resolve, reject) => entry.file(resolve, reject)),
+		path
+	}];
+	const reader = entry.createReader();
+	const all = [];
+	for (;;) {
+		const some = await new Promise((resolve, reject) => reader.readEntries(resolve, reject));
+		if (some.length === 0) return all;
+		for (const child of some) all.push(...await filesOf(child, `${path}/`));
+	}
+}
 // src/divider.ts
 /** The line between the picture and B: dragged, or moved by keys. */
 var Divider = class {
@@ -311,34 +609,6 @@ var Divider = class {
 		this.set(part);
 	}
 };
-// src/tile.ts
-var MAGIC = 1414681683;
-var HEADER = 24;
-/** The tile in a binary message, or `null` where it isn't one. */
-function parseTile(buffer) {
-	if (buffer.byteLength < HEADER) return null;
-	const view = new DataView(buffer);
-	if (view.getUint32(0, true) !== MAGIC) return null;
-	const short = (at) => view.getUint16(at, true);
-	const tile = {
-		generation: view.getUint32(4, true),
-		layer: short(8),
-		components: short(10),
-		frameWidth: short(12),
-		frameHeight: short(14),
-		x: short(16),
-		y: short(18),
-		width: short(20),
-		height: short(22)
-	};
-	const count = tile.width * tile.height * tile.components;
-	const whole = buffer.byteLength === HEADER + 2 * count && (tile.components === 1 || tile.components === 3);
-	const inside = tile.x + tile.width <= tile.frameWidth && tile.y + tile.height <= tile.frameHeight;
-	return whole && inside && count > 0 ? {
-		...tile,
-		halves: new Uint16Array(buffer, HEADER, count)
-	} : null;
-}
 // src/reference.ts
 /** An answer of JSON and tiles, each after its length. */
 function parsePieces(buffer) {
@@ -789,86 +1059,6 @@ var Compare = class {
 		setText(this.figures, typeof figures === "string" ? figures : `FLIP: mean ${number(figures.mean)}, 95 % below ${number(figures.quantile95)}; relMSE ${number(figures.relmse)}; PSNR ${number(figures.psnr)} dB`);
 	}
 };
-// src/drop.ts
-/** Files dropped on the page are opened: models or scenes with what belongs to them, folders too; a picture becomes the environment map. */
-var Drop = class {
-	tell;
-	hint = h("div", {
-		class: "drop",
-		hidden: true
-	}, "Drop a model or a scene with what belongs to it, or an environment map");
-	constructor(tell) {
-		this.tell = tell;
-		let depth = 0;
-		const isFiles = (event) => event.dataTransfer?.types.includes("Files") ?? false;
-		const show = (on) => this.hint.hidden = !on;
-		addEventListener("dragenter", (event) => isFiles(event) && show(++depth > 0));
-		addEventListener("dragleave", (event) => isFiles(event) && show(--depth > 0));
-		addEventListener("dragover", (event) => isFiles(event) && event.preventDefault());
-		addEventListener("drop", (event) => {
-			if (!isFiles(event)) return;
-			event.preventDefault();
-			show((depth = 0) > 0);
-			this.open([...event.dataTransfer.items]);
-		});
-	}
-	async open(items) {
-		try {
-			const entries = items.map((item) => ({
-				entry: item.webkitGetAsEntry(),
-				file: item.getAsFile()
-			}));
-			const found = (await Promise.all(entries.map(({ entry, file }) => entry ? filesOf(entry) : file ? [{
-				file,
-				path: file.name
-			}] : []))).flat();
-			if (found.length === 0) return;
-			const form = new FormData();
-			for (const { file, path } of found) form.append("file", file, path);
-			this.tell({
-				severity: "note",
-				text: `opening ${found.length === 1 ? found[0].path : `${found.length} files`}`
-			});
-			const response = await fetch("./api/open", {
-				method: "POST",
-				body: form
-			});
-			const answer = await response.json().catch(() => ({}));
-			for (const message of answer.messages ?? []) this.tell(typeof message === "string" ? {
-				severity: response.ok ? "warning" : "error",
-				text: message
-			} : message);
-			if (answer.environment) this.tell({
-				severity: "note",
-				text: `${answer.environment} is the environment map now`
-			});
-			if (!response.ok && !answer.messages?.length) this.tell({
-				severity: "error",
-				text: answer.error ?? response.statusText
-			});
-		} catch (error) {
-			this.tell({
-				severity: "error",
-				text: `not opened: ${String(error)}`
-			});
-		}
-	}
-};
-/** All files below an entry, with their paths from what was dropped. */
-async function filesOf(entry, folder = "") {
-	const path = folder + entry.name;
-	if (entry.isFile) return [{
-		file: await new Promise((resolve, reject) => entry.file(resolve, reject)),
-		path
-	}];
-	const reader = entry.createReader();
-	const all = [];
-	for (;;) {
-		const some = await new Promise((resolve, reject) => reader.readEntries(resolve, reject));
-		if (some.length === 0) return all;
-		for (const child of some) all.push(...await filesOf(child, `${path}/`));
-	}
-}
 // src/half.ts
 /** IEEE half floats, and what a picture of them is like. */
 /** The value of every half. */
@@ -1249,207 +1439,257 @@ var Errors = class {
 		this.table.replaceChildren(this.table.firstElementChild, table);
 	}
 };
-// src/falsecolor.ts
-/** False colour of luminance, as crates/image/src/false_color has it: viridis on a logarithmic scale, and its legend. */
-/** Every fifth of viridis' 256 colours (N. Smith and S. van der Walt 2015, CC0), sRGB. */
-var COLORS$1 = [
-	4456788,
-	4589660,
-	4657251,
-	4724585,
-	4726127,
-	4727925,
-	4663930,
-	4599934,
-	4536193,
-	4406660,
-	4276871,
-	4147337,
-	4017802,
-	3822475,
-	3692940,
-	3497613,
-	3367821,
-	3238030,
-	3042702,
-	2912654,
-	2782862,
-	2718606,
-	2588814,
-	2458766,
-	2328974,
-	2199181,
-	2134668,
-	2070411,
-	2006153,
-	2072968,
-	2205061,
-	2402947,
-	2666112,
-	3060604,
-	3520377,
-	4045940,
-	4636783,
-	5293162,
-	5949540,
-	6671198,
-	7393111,
-	8180304,
-	9033032,
-	9820224,
-	10672695,
-	11590959,
-	12443430,
-	13295903,
-	14213657,
-	15066137,
-	15852829,
-	16639781
-];
-/** Red, green and blue of a colour. */
-var bytes = (c) => [
-	c >> 16,
-	c >> 8 & 255,
-	c & 255
-];
-/** `falseColor(luminance)`: between the ends of the scale. */
-var FALSE_COLOR_GLSL = `
-uniform vec2 scaleEnds;
-const vec3 viridis[52] = vec3[52](${COLORS$1.map((c) => `vec3(${bytes(c).map((v) => `${v}.0`).join(", ")})`).join(", ")});
-
-vec3 falseColor(float l) {
-  float t = l > 0.0 ? clamp(log(l / scaleEnds.x) / log(scaleEnds.y / scaleEnds.x), 0.0, 1.0) : 0.0;
-  int i = min(int(t * 51.0), 50);
-  return floor(mix(viridis[i], viridis[i + 1], t * 51.0 - float(i)) + 0.5) / 255.0;
-}
-`;
-/** The scale's ends: 1 % and 99.9 % of the pixels above zero, or a decade where those are the same. */
-function scaleEnds(of) {
-	const low = percentile(of, .01) ?? 1;
-	const high = percentile(of, .999) ?? 1;
-	return low < high ? [low, high] : [low, 10 * low];
-}
-/** The scale of false colour: powers of ten (with 2 and 5 where few). */
-function falseScale(ends, white, unit) {
-	const [low, high] = [ends[0] * white, ends[1] * white];
-	const place = (v) => Math.log(v / low) / Math.log(high / low);
-	const ticks = ticksOf(low, high).map((v) => [place(v), show(v)]);
-	return {
-		label: `False colour from ${show(low)} to ${show(high)} ${unit}`,
-		unit: unit || "value",
-		colors: COLORS$1,
-		ticks
-	};
-}
-var Legend = class {
-	element = h("div", {
-		class: "legend",
-		hidden: true,
-		role: "img"
+// src/histogram.ts
+/** Panel "Histogram": luminance by powers of two, the share that is clipped, and what isn't finite. */
+var LOW = -14;
+var HIGH = 10;
+var STEPS = 4;
+var WIDTH = 280;
+var HEIGHT = 72;
+var Histogram = class {
+	element;
+	canvas = h("canvas", {
+		width: 2 * WIDTH,
+		height: 144,
+		role: "img",
+		"aria-label": "Histogram of luminance"
 	});
-	update(scale) {
-		this.element.hidden = scale === null;
-		if (!scale || this.element.getAttribute("aria-label") === scale.label) return;
-		this.element.setAttribute("aria-label", scale.label);
-		const bar = h("div", {
-			class: "bar",
-			style: `background: linear-gradient(to top, ${scale.colors.map((c) => `rgb(${bytes(c).join(" ")})`).join(", ")})`
-		});
-		const ticks = scale.ticks.map(([place, text]) => h("span", { style: `bottom: ${100 * place}%` }, text));
-		this.element.replaceChildren(h("div", { class: "unit" }, scale.unit), h("div", { class: "scale" }, bar, h("div", { class: "ticks" }, ...ticks)));
-	}
-};
-function ticksOf(low, high) {
-	const decades = Math.log10(high / low);
-	const step = Math.max(1, Math.ceil(decades / 8));
-	const factors = decades > 3 ? [1] : decades > 1.5 ? [1, 3] : [
-		1,
-		2,
-		5
-	];
-	const ticks = [];
-	for (let e = Math.floor(Math.log10(low)); e <= Math.log10(high); e += step) for (const f of factors) if (f * 10 ** e >= low && f * 10 ** e <= high) ticks.push(f * 10 ** e);
-	return ticks.length > 1 ? ticks : [low, high];
-}
-// src/fly.ts
-/** Distances to the target for each second. */
-var SPEED = .7;
-var Fly = class {
-	canvas;
-	camera;
-	moving;
-	/** Called when flying begins or ends. */
-	changed = () => {};
-	isOn = false;
-	held = /* @__PURE__ */ new Set();
+	facts = h("p", { class: "facts" });
 	last = 0;
-	speed = 1;
-	constructor(canvas, camera, moving) {
-		this.canvas = canvas;
-		this.camera = camera;
-		this.moving = moving;
-		addEventListener("keydown", (event) => this.key(event, true), { capture: true });
-		addEventListener("keyup", (event) => this.key(event, false), { capture: true });
-		addEventListener("blur", () => this.held.clear());
-		document.addEventListener("pointerlockchange", () => document.pointerLockElement === null && this.stop());
+	timer = 0;
+	constructor() {
+		this.element = section("Histogram", true, this.canvas, this.facts);
 	}
-	get on() {
-		return this.isOn;
-	}
-	start() {
-		if (this.isOn) return;
-		this.isOn = true;
-		this.speed = SPEED * this.camera.distance;
-		this.last = performance.now();
-		Promise.resolve(this.canvas.requestPointerLock?.()).catch(() => {});
-		this.changed(true);
-		requestAnimationFrame((time) => this.step(time));
-	}
-	stop() {
-		if (!this.isOn) return;
-		this.isOn = false;
-		this.held.clear();
-		if (document.pointerLockElement) document.exitPointerLock();
-		this.moving.stop();
-		this.changed(false);
-	}
-	look(dx, dy) {
-		this.camera.look(dx, dy);
-		this.moving.moved();
-		this.moving.stop(250);
-	}
-	wheel(delta) {
-		this.speed *= Math.exp(-.002 * delta);
-	}
-	key(event, down) {
-		if (!this.isOn) return;
-		if (event.code === "Escape") this.stop();
-		else if (/^(Key[WASDQE]|Shift(Left|Right))$/.test(event.code)) down ? this.held.add(event.code) : this.held.delete(event.code);
-		else return;
-		event.preventDefault();
-		event.stopPropagation();
-	}
-	step(time) {
-		if (!this.isOn) return;
-		const seconds = Math.min(Math.max((time - this.last) / 1e3, 0), .1);
-		this.last = time;
-		const along = (plus, minus) => Number(this.held.has(plus)) - Number(this.held.has(minus));
-		const { camera } = this;
-		const parts = [
-			[camera.forward, along("KeyW", "KeyS")],
-			[camera.right, along("KeyD", "KeyA")],
-			[camera.axis, along("KeyE", "KeyQ")]
-		];
-		const fast = this.held.has("ShiftLeft") || this.held.has("ShiftRight") ? 4 : 1;
-		if (parts.some(([, s]) => s !== 0)) {
-			const by = parts.map(([v, s]) => scale(v, s * fast * this.speed * seconds)).reduce(add);
-			camera.move(by);
-			this.moving.moved();
-			this.moving.stop(250);
+	/** Shows statistics, at most a few times a second; `exposure` in EV. */
+	update(of, exposure) {
+		if (!this.element.open) return;
+		clearTimeout(this.timer);
+		const wait = this.last + 200 - performance.now();
+		if (wait > 0) {
+			this.timer = window.setTimeout(() => this.update(of, exposure), wait);
+			return;
 		}
-		requestAnimationFrame((next) => this.step(next));
+		const found = of();
+		if (found) this.draw(found, exposure);
+		this.last = performance.now();
+	}
+	draw(found, exposure) {
+		const bins = octaves(found, LOW, HIGH, STEPS);
+		const most = Math.max(...bins, 1);
+		const context = this.canvas.getContext("2d");
+		const style = getComputedStyle(this.canvas);
+		const color = (name) => style.getPropertyValue(name);
+		context.setTransform(2, 0, 0, 2, 0, 0);
+		context.clearRect(0, 0, WIDTH, HEIGHT);
+		const at = (ev) => (ev - LOW) / 24 * WIDTH;
+		const bottom = 58;
+		context.fillStyle = color("--muted");
+		context.font = "10px system-ui, sans-serif";
+		context.textAlign = "center";
+		for (let ev = -12; ev < HIGH; ev += 4) {
+			context.fillRect(at(ev), bottom, 1, 3);
+			context.fillText(String(ev).replace("-", "−"), at(ev), 70);
+		}
+		const white = -exposure;
+		let clipped = 0;
+		bins.forEach((count, i) => {
+			const ev = LOW + i / STEPS;
+			if (ev >= white) clipped += count;
+			if (count === 0) return;
+			context.fillStyle = ev >= white ? color("--warn") : color("--accent");
+			const height = Math.max(1, 56 * Math.sqrt(count / most));
+			context.fillRect(at(ev), bottom - height, WIDTH / bins.length - .5, height);
+		});
+		context.fillStyle = color("--text");
+		if (white > LOW && white < HIGH) context.fillRect(at(white), 0, 1, bottom);
+		const share = (count) => `${(100 * count / found.pixels).toFixed(count === 0 ? 0 : 2)} %`;
+		const odd = found.nonfinite > 0 ? `; not finite: ${found.nonfinite}` : "";
+		setText(this.facts, `EV of luminance; above 1: ${share(clipped)}; zero or below: ${share(found.dark)}; largest ${show(found.maximum)}${odd}`);
 	}
 };
+// src/look.ts
+/** Panel "View": exposure, tone curve with its parameters, layer, false colour. Nothing here asks for a render. */
+var Look = class {
+	view;
+	askLayers;
+	changed;
+	element;
+	exposure;
+	tone = h("select", {
+		"aria-label": "Tone curve",
+		onchange: () => this.choose(this.tone.value)
+	});
+	parameters = h("div");
+	layer = h("select", {
+		"aria-label": "Layer",
+		onchange: () => this.chooseLayer(this.layer.value)
+	});
+	falseColor = h("input", {
+		type: "checkbox",
+		onchange: () => this.setFalse(this.falseColor.checked)
+	});
+	mark = h("input", {
+		type: "checkbox",
+		checked: true,
+		onchange: () => this.set(() => this.view.isMarked = this.mark.checked)
+	});
+	state = null;
+	constructor(view, askLayers, changed) {
+		this.view = view;
+		this.askLayers = askLayers;
+		this.changed = changed;
+		this.exposure = numberField({
+			label: "Exposure in EV",
+			value: 0,
+			range: [-64, 64],
+			slider: [-10, 10],
+			step: .1,
+			unit: "EV",
+			change: (v) => this.expose(v)
+		});
+		this.element = section("View", true, row("Exposure", this.exposure.element, "Powers of two; keys [ and ]"), row("Tone", this.tone), this.parameters, row("Layer", this.layer), row("False colour", this.falseColor, "Luminance as a colour of viridis, on a logarithmic scale"), row("Mark NaN", this.mark, "Pixels that are NaN or infinite become magenta"));
+	}
+	update(state) {
+		const isFirst = this.state === null;
+		this.state = state;
+		const known = state.choices.tones.filter((t) => CURVES.includes(t.name));
+		setOptions(this.tone, known.map((t) => ({
+			value: t.name,
+			title: t.doc
+		})));
+		const layers = state.choices.layers.filter((l) => l.name !== "picture");
+		setOptions(this.layer, [{ value: "picture" }, ...layers.map((l) => ({
+			value: l.name,
+			title: l.doc
+		}))]);
+		setValue(this.layer, this.view.layer);
+		if (isFirst) {
+			this.view.tone = parseTone(state.tone, state.choices.tones);
+			this.exposure.set(this.view.tone.exposure);
+			this.tone.value = this.view.tone.name;
+			this.showParameters();
+		}
+		this.view.layers.keep([
+			"picture",
+			...state.layers,
+			this.view.layer
+		]);
+	}
+	expose(ev) {
+		const exposure = Math.min(Math.max(ev, -64), 64);
+		this.exposure.set(exposure);
+		this.set(() => this.view.tone.exposure = exposure);
+	}
+	setFalse(on) {
+		this.falseColor.checked = on;
+		this.set(() => this.view.isFalse = on);
+	}
+	/** The next or previous layer. */
+	stepLayer(by) {
+		const count = this.layer.options.length;
+		if (count === 0) return;
+		this.layer.selectedIndex = (this.layer.selectedIndex + by + count) % count;
+		this.chooseLayer(this.layer.value);
+	}
+	choose(name) {
+		const tone = parseTone(name, this.state?.choices.tones ?? []);
+		this.set(() => this.view.tone = {
+			...tone,
+			exposure: this.view.tone.exposure
+		});
+		this.showParameters();
+	}
+	chooseLayer(name) {
+		this.set(() => this.view.layer = name);
+		if (this.state) this.askLayers(name === "picture" ? [] : [name]);
+	}
+	showParameters() {
+		const choice = this.state?.choices.tones.find((t) => t.name === this.view.tone.name);
+		this.parameters.replaceChildren(...(choice?.parameters ?? []).map((p, i) => {
+			const field = numberField({
+				label: `${choice.name}: ${p.name}`,
+				value: this.view.tone.values[i] ?? p.default,
+				range: p.range,
+				slider: [Math.max(p.range[0], p.default / 100), Math.min(p.range[1], p.default * 100)],
+				change: (v) => this.set(() => this.view.tone.values[i] = v)
+			});
+			return row(p.name, field.element, `${p.doc} (${show(p.range[0])} to ${show(p.range[1])}; ${show(p.default)} when not given)`);
+		}));
+	}
+	set(change) {
+		change();
+		this.view.redraw();
+		this.changed();
+	}
+};
+// src/messages.ts
+/** Panel "Messages", and the newest one over the picture for some seconds. */
+var SHOWN = 8e3;
+var KEPT$1 = 100;
+var Messages = class {
+	element;
+	toast = h("div", {
+		class: "toast",
+		role: "status",
+		hidden: true
+	});
+	list = h("ul", { class: "messages" });
+	none = h("p", { class: "facts" }, "No messages.");
+	clear = h("button", {
+		hidden: true,
+		onclick: () => this.empty()
+	}, "Clear");
+	own = [];
+	ofScene = [];
+	timer = 0;
+	constructor() {
+		this.element = section("Messages", false, this.none, this.list, this.clear);
+	}
+	/** The scene's own messages. */
+	scene(messages) {
+		if (JSON.stringify(messages) === JSON.stringify(this.ofScene)) return;
+		this.ofScene = messages;
+		this.fill();
+	}
+	add(message) {
+		this.own = [message, ...this.own].slice(0, KEPT$1);
+		this.fill();
+		this.toast.className = `toast ${message.severity}`;
+		this.toast.setAttribute("role", message.severity === "error" ? "alert" : "status");
+		this.toast.hidden = false;
+		setText(this.toast, message.text);
+		clearTimeout(this.timer);
+		this.timer = window.setTimeout(() => this.toast.hidden = true, SHOWN);
+	}
+	empty() {
+		this.own = [];
+		this.fill();
+	}
+	fill() {
+		const all = [...this.own, ...this.ofScene];
+		this.none.hidden = all.length > 0;
+		this.clear.hidden = this.own.length === 0;
+		const items = all.map(({ severity, text }) => h("li", { class: severity }, h("span", { class: "severity" }, severity), text));
+		this.list.replaceChildren(...items);
+		setText(this.element.querySelector("h2"), all.length > 0 ? `Messages (${all.length})` : "Messages");
+	}
+};
+// src/color.ts
+/** Linear Rec.709 colours in the browser's picker, which is of sRGB in 8 bits. */
+var encode = (v) => v <= .0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - .055;
+var decode = (v) => v <= .04045 ? v / 12.92 : ((v + .055) / 1.055) ** 2.4;
+/** `#rrggbb` of a linear colour, cut to [0, 1]. */
+function hexOf(rgb) {
+	return "#" + rgb.map((v) => Math.round(255 * encode(Math.min(Math.max(v, 0), 1))).toString(16).padStart(2, "0")).join("");
+}
+/** The linear colour of `#rrggbb`, to four digits. */
+function linearOf(hex) {
+	return [
+		1,
+		3,
+		5
+	].map((at) => Number(decode(parseInt(hex.slice(at, at + 2), 16) / 255).toPrecision(4)));
+}
 // src/layers.ts
 /** Puts a tile's halves among those of its frame. */
 function put(halves, tile) {
@@ -1651,626 +1891,11 @@ vec3 mixedAt(vec2 at) {
   return sum;
 }
 `;
-// src/histogram.ts
-/** Panel "Histogram": luminance by powers of two, the share that is clipped, and what isn't finite. */
-var LOW = -14;
-var HIGH = 10;
-var STEPS = 4;
-var WIDTH = 280;
-var HEIGHT = 72;
-var Histogram = class {
-	element;
-	canvas = h("canvas", {
-		width: 2 * WIDTH,
-		height: 144,
-		role: "img",
-		"aria-label": "Histogram of luminance"
-	});
-	facts = h("p", { class: "facts" });
-	last = 0;
-	timer = 0;
-	constructor() {
-		this.element = section("Histogram", true, this.canvas, this.facts);
-	}
-	/** Shows statistics, at most a few times a second; `exposure` in EV. */
-	update(of, exposure) {
-		if (!this.element.open) return;
-		clearTimeout(this.timer);
-		const wait = this.last + 200 - performance.now();
-		if (wait > 0) {
-			this.timer = window.setTimeout(() => this.update(of, exposure), wait);
-			return;
-		}
-		const found = of();
-		if (found) this.draw(found, exposure);
-		this.last = performance.now();
-	}
-	draw(found, exposure) {
-		const bins = octaves(found, LOW, HIGH, STEPS);
-		const most = Math.max(...bins, 1);
-		const context = this.canvas.getContext("2d");
-		const style = getComputedStyle(this.canvas);
-		const color = (name) => style.getPropertyValue(name);
-		context.setTransform(2, 0, 0, 2, 0, 0);
-		context.clearRect(0, 0, WIDTH, HEIGHT);
-		const at = (ev) => (ev - LOW) / 24 * WIDTH;
-		const bottom = 58;
-		context.fillStyle = color("--muted");
-		context.font = "10px system-ui, sans-serif";
-		context.textAlign = "center";
-		for (let ev = -12; ev < HIGH; ev += 4) {
-			context.fillRect(at(ev), bottom, 1, 3);
-			context.fillText(String(ev).replace("-", "−"), at(ev), 70);
-		}
-		const white = -exposure;
-		let clipped = 0;
-		bins.forEach((count, i) => {
-			const ev = LOW + i / STEPS;
-			if (ev >= white) clipped += count;
-			if (count === 0) return;
-			context.fillStyle = ev >= white ? color("--warn") : color("--accent");
-			const height = Math.max(1, 56 * Math.sqrt(count / most));
-			context.fillRect(at(ev), bottom - height, WIDTH / bins.length - .5, height);
-		});
-		context.fillStyle = color("--text");
-		if (white > LOW && white < HIGH) context.fillRect(at(white), 0, 1, bottom);
-		const share = (count) => `${(100 * count / found.pixels).toFixed(count === 0 ? 0 : 2)} %`;
-		const odd = found.nonfinite > 0 ? `; not finite: ${found.nonfinite}` : "";
-		setText(this.facts, `EV of luminance; above 1: ${share(clipped)}; zero or below: ${share(found.dark)}; largest ${show(found.maximum)}${odd}`);
-	}
-};
-// src/inspector.ts
-/** Panel "Pixel": the values under the pointer, and all that the server knows of a pixel that was clicked. */
-/** Milliseconds between two questions about a pixel while it changes. */
-var PAUSE = 1e3;
-var Inspector = class {
-	path;
-	changed;
-	element;
-	/** The pixel that's pinned. */
-	pinned = null;
-	hover = h("p", { class: "values" }, "Point at the picture; click to pin a pixel.");
-	pin = h("div", {
-		class: "pin",
-		"aria-live": "polite"
-	});
-	asked = 0;
-	timer = 0;
-	/** `path` shows the path of a sample of the pinned pixel. */
-	constructor(path, changed) {
-		this.path = path;
-		this.changed = changed;
-		this.element = section("Pixel", true, this.hover, path.element, this.pin);
-	}
-	/** Values under the pointer. */
-	show(pixel, values, isMixed) {
-		if (!pixel || !values) return setText(this.hover, "Point at the picture; click to pin a pixel.");
-		setText(this.hover, `${pixel[0]}, ${pixel[1]}:  ${values.map(show).join("  ")}${isMixed ? "  (mixed)" : ""}`);
-	}
-	set(pixel) {
-		this.pinned = pixel;
-		this.pin.replaceChildren();
-		this.changed();
-		this.path.set(pixel);
-		if (pixel) this.ask();
-	}
-	/** The picture has changed. */
-	refresh() {
-		if (!this.pinned || this.timer) return;
-		this.timer = window.setTimeout(() => void this.ask(), Math.max(0, this.asked + PAUSE - performance.now()));
-	}
-	async ask() {
-		clearTimeout(this.timer);
-		this.timer = 0;
-		this.asked = performance.now();
-		const pixel = this.pinned;
-		if (!pixel) return;
-		try {
-			const response = await fetch(`./api/pixel?x=${pixel[0]}&y=${pixel[1]}`);
-			const body = await response.json();
-			if (this.pinned !== pixel) return;
-			if ("channels" in body) this.fill(body);
-			else this.pin.replaceChildren(this.head(pixel), h("p", { class: "facts" }, body.error ?? response.statusText));
-		} catch {
-			if (this.pinned === pixel && this.pin.childElementCount === 0) this.pin.replaceChildren(this.head(pixel), h("p", { class: "facts" }, "no answer"));
-		}
-	}
-	head([x, y]) {
-		const unpin = h("button", {
-			class: "small",
-			title: "Unpin the pixel",
-			"aria-label": "Unpin the pixel",
-			onclick: () => this.set(null)
-		}, "×");
-		return h("div", { class: "pin-head" }, h("strong", {}, `Pixel ${x}, ${y}`), unpin);
-	}
-	fill(pixel) {
-		const facts = [
-			["samples", show(pixel.samples)],
-			["error", pixel.error === null ? null : `${show(100 * pixel.error)} %`],
-			["object", pixel.object],
-			["material", pixel.material]
-		].filter((f) => f[1] !== null);
-		const rows = /* @__PURE__ */ new Map();
-		for (const [name, value] of Object.entries(pixel.channels)) {
-			const dot = name.lastIndexOf(".");
-			const layer = dot < 0 ? /^[RGB]$/.test(name) ? "picture" : name : name.slice(0, dot);
-			rows.set(layer, [...rows.get(layer) ?? [], text$1(value)]);
-		}
-		const line = (name, values) => h("tr", {}, h("th", { scope: "row" }, name), h("td", {}, values.join("  ")));
-		const table = h("table", {}, h("tbody", {}, ...[...rows].map(([n, v]) => line(n, v)), ...facts.map(([n, v]) => line(n, [v]))));
-		this.pin.replaceChildren(this.head([pixel.x, pixel.y]), table);
-	}
-};
-/** A float's shortest digits. */
-function text$1(value) {
-	if (typeof value !== "number") return value;
-	const short = Number(value.toPrecision(7));
-	return Math.abs(short) < 1e-4 && short !== 0 ? short.toExponential() : String(short);
-}
-// src/keys.ts
-/** Keys, and the page that lists them. */
-/** What the pointer does, for the list. */
-var POINTER = [
-	["Drag, middle drag", "orbit"],
-	["Shift + drag", "pan the camera"],
-	["Wheel", "dolly"],
-	["Ctrl + wheel", "zoom the picture"],
-	["Ctrl + drag", "move the picture"],
-	["Click", "pin a pixel"],
-	["One finger", "orbit"],
-	["Two fingers", "pan and dolly"],
-	["W A S D Q E, mouse", "fly, once started; Shift is faster, the wheel changes the speed, Escape ends"]
-];
-/** A plain key, by the character it writes. */
-var character = (...keys) => (event) => !event.ctrlKey && !event.metaKey && !event.altKey && keys.includes(event.key);
-/** A key by its place, whatever else is held but Alt. */
-var place$1 = (...codes) => (event) => !event.altKey && codes.includes(event.code);
-/** Whether what has the focus wants the keys for itself. */
-function isTyping(target) {
-	if (target instanceof HTMLInputElement) return ![
-		"checkbox",
-		"range",
-		"color"
-	].includes(target.type);
-	return target instanceof HTMLSelectElement || target instanceof HTMLTextAreaElement;
-}
-var Keys = class {
-	keys;
-	help;
-	constructor(keys) {
-		this.keys = keys;
-		const rows = (list) => list.map(([key, doc]) => h("div", {}, h("dt", {}, h("kbd", {}, key)), h("dd", {}, doc)));
-		const groups = [
-			"Picture",
-			"Camera",
-			"Render"
-		].map((group) => {
-			const list = keys.filter((k) => k.group === group).map((k) => [k.shown, k.doc]);
-			return h("section", {}, h("h3", {}, group), h("dl", {}, ...rows(list)));
-		});
-		const close = h("button", {
-			onclick: () => this.help.close(),
-			"aria-label": "Close"
-		}, "Close");
-		this.help = h("dialog", {
-			class: "help",
-			"aria-labelledby": "help-title"
-		}, h("header", {}, h("h2", { id: "help-title" }, "Keys and pointer"), close), h("div", { class: "columns" }, h("section", {}, h("h3", {}, "Pointer"), h("dl", {}, ...rows(POINTER))), ...groups));
-		this.help.addEventListener("click", (event) => event.target === this.help && this.help.close());
-		addEventListener("keydown", (event) => this.press(event));
-	}
-	toggle() {
-		if (this.help.open) this.help.close();
-		else this.help.showModal();
-	}
-	press(event) {
-		if (event.defaultPrevented || isTyping(event.target) || this.help.open && event.key !== "?") return;
-		if (event.target instanceof HTMLInputElement && /^(Arrow|Page|Home|End)/.test(event.key)) return;
-		const key = this.keys.find((k) => k.is(event));
-		if (!key) return;
-		event.preventDefault();
-		key.act(event);
-	}
-};
-// src/bindings.ts
-/** CSS pixels of a drag that an arrow key stands for. */
-var STEP = 20;
-function bindings({ view, camera, toolbar, look, compare, inspector, pick, path, focus, move, from, fly, send, help }) {
-	const zoom = (factor) => {
-		view.placement.zoom(factor);
-		view.redraw();
-	};
-	const side = (code, shown, of) => ({
-		shown,
-		doc: `from the ${of}; with Ctrl from the opposite side`,
-		group: "Camera",
-		is: place$1(code),
-		act: (e) => from(of, e.ctrlKey)
-	});
-	const history = (shown, type, is) => ({
-		shown,
-		doc: type,
-		group: "Render",
-		is,
-		act: () => send({ type })
-	});
-	const isZ = (event) => (event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z";
-	return [
-		side("Numpad1", "Numpad 1", "front"),
-		side("Numpad3", "Numpad 3", "right"),
-		side("Numpad7", "Numpad 7", "top"),
-		{
-			shown: "[  ]",
-			doc: "exposure by half an EV",
-			group: "Picture",
-			is: character("[", "]"),
-			act: (e) => look.expose(view.tone.exposure + (e.key === "[" ? -.5 : .5))
-		},
-		{
-			shown: "\\",
-			doc: "exposure 0",
-			group: "Picture",
-			is: character("\\"),
-			act: () => look.expose(0)
-		},
-		{
-			shown: "+  −",
-			doc: "zoom",
-			group: "Picture",
-			is: character("+", "=", "-"),
-			act: (e) => zoom(e.key === "-" ? 1 / 1.5 : 1.5)
-		},
-		{
-			shown: "F",
-			doc: "fit the picture into the window",
-			group: "Picture",
-			is: character("f"),
-			act: () => (view.placement.fit(), view.redraw())
-		},
-		{
-			shown: "1",
-			doc: "one pixel for each pixel",
-			group: "Picture",
-			is: character("1"),
-			act: () => (view.placement.actual(), view.redraw())
-		},
-		{
-			shown: "C",
-			doc: "false colour",
-			group: "Picture",
-			is: character("c"),
-			act: () => look.setFalse(!view.isFalse)
-		},
-		{
-			shown: "L",
-			doc: "next layer; with Shift the one before",
-			group: "Picture",
-			is: character("l", "L"),
-			act: (e) => look.stepLayer(e.shiftKey ? -1 : 1)
-		},
-		{
-			shown: "B",
-			doc: "picture A or B, the one it is compared with",
-			group: "Picture",
-			is: character("b"),
-			act: () => compare.alternate()
-		},
-		{
-			shown: "T",
-			doc: "draw the path of a sample of the pinned pixel",
-			group: "Picture",
-			is: character("t"),
-			act: () => path.toggle()
-		},
-		{
-			shown: "N",
-			doc: "show or hide the panel",
-			group: "Picture",
-			is: character("n"),
-			act: () => toolbar.press("panel")
-		},
-		{
-			shown: "?",
-			doc: "this list",
-			group: "Picture",
-			is: character("?"),
-			act: help
-		},
-		{
-			shown: "Arrows",
-			doc: "orbit; with Shift pan",
-			group: "Camera",
-			is: place$1("ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown"),
-			act: ({ code, shiftKey }) => {
-				const [dx, dy] = {
-					ArrowLeft: [-20, 0],
-					ArrowRight: [STEP, 0],
-					ArrowUp: [0, -20],
-					ArrowDown: [0, STEP]
-				}[code];
-				move(() => shiftKey ? camera.pan(dx, dy, view.canvas.clientHeight) : camera.orbit(dx, dy));
-			}
-		},
-		{
-			shown: "Page up, down",
-			doc: "dolly",
-			group: "Camera",
-			is: place$1("PageUp", "PageDown"),
-			act: (e) => move(() => camera.dolly(e.code === "PageUp" ? .9 : 1 / .9))
-		},
-		{
-			shown: ".",
-			doc: "turn to the point under the pointer, and about it; with Shift focus there",
-			group: "Camera",
-			is: place$1("Period", "NumpadDecimal"),
-			act: (e) => e.shiftKey ? focus() : void pick.center()
-		},
-		{
-			shown: "Shift + `",
-			doc: "fly",
-			group: "Camera",
-			is: (e) => e.shiftKey && e.code === "Backquote",
-			act: fly
-		},
-		{
-			shown: "Home",
-			doc: "back to the scene’s camera",
-			group: "Camera",
-			is: place$1("Home"),
-			act: () => send({ type: "camera-reset" })
-		},
-		{
-			shown: "R",
-			doc: "frame a region to render",
-			group: "Render",
-			is: character("r"),
-			act: () => toolbar.setRegion(!toolbar.region)
-		},
-		{
-			shown: "P",
-			doc: "pause, go on",
-			group: "Render",
-			is: character("p"),
-			act: () => toolbar.press("pause")
-		},
-		history("Ctrl + Z", "undo", (e) => isZ(e) && !e.shiftKey),
-		history("Ctrl + Shift + Z", "redo", (e) => isZ(e) && e.shiftKey || e.ctrlKey && e.key === "y"),
-		{
-			shown: "Escape",
-			doc: "put the tool down, unpin the pixel",
-			group: "Render",
-			is: place$1("Escape"),
-			act: () => toolbar.region ? toolbar.setRegion(false) : inspector.set(null)
-		}
-	];
-}
-// src/look.ts
-/** Panel "View": exposure, tone curve with its parameters, layer, false colour. Nothing here asks for a render. */
-var Look = class {
-	view;
-	askLayers;
-	changed;
-	element;
-	exposure;
-	tone = h("select", {
-		"aria-label": "Tone curve",
-		onchange: () => this.choose(this.tone.value)
-	});
-	parameters = h("div");
-	layer = h("select", {
-		"aria-label": "Layer",
-		onchange: () => this.chooseLayer(this.layer.value)
-	});
-	falseColor = h("input", {
-		type: "checkbox",
-		onchange: () => this.setFalse(this.falseColor.checked)
-	});
-	mark = h("input", {
-		type: "checkbox",
-		checked: true,
-		onchange: () => this.set(() => this.view.isMarked = this.mark.checked)
-	});
-	state = null;
-	constructor(view, askLayers, changed) {
-		this.view = view;
-		this.askLayers = askLayers;
-		this.changed = changed;
-		this.exposure = numberField({
-			label: "Exposure in EV",
-			value: 0,
-			range: [-64, 64],
-			slider: [-10, 10],
-			step: .1,
-			unit: "EV",
-			change: (v) => this.expose(v)
-		});
-		this.element = section("View", true, row("Exposure", this.exposure.element, "Powers of two; keys [ and ]"), row("Tone", this.tone), this.parameters, row("Layer", this.layer), row("False colour", this.falseColor, "Luminance as a colour of viridis, on a logarithmic scale"), row("Mark NaN", this.mark, "Pixels that are NaN or infinite become magenta"));
-	}
-	update(state) {
-		const isFirst = this.state === null;
-		this.state = state;
-		const known = state.choices.tones.filter((t) => CURVES.includes(t.name));
-		setOptions(this.tone, known.map((t) => ({
-			value: t.name,
-			title: t.doc
-		})));
-		const layers = state.choices.layers.filter((l) => l.name !== "picture");
-		setOptions(this.layer, [{ value: "picture" }, ...layers.map((l) => ({
-			value: l.name,
-			title: l.doc
-		}))]);
-		setValue(this.layer, this.view.layer);
-		if (isFirst) {
-			this.view.tone = parseTone(state.tone, state.choices.tones);
-			this.exposure.set(this.view.tone.exposure);
-			this.tone.value = this.view.tone.name;
-			this.showParameters();
-		}
-		this.view.layers.keep([
-			"picture",
-			...state.layers,
-			this.view.layer
-		]);
-	}
-	expose(ev) {
-		const exposure = Math.min(Math.max(ev, -64), 64);
-		this.exposure.set(exposure);
-		this.set(() => this.view.tone.exposure = exposure);
-	}
-	setFalse(on) {
-		this.falseColor.checked = on;
-		this.set(() => this.view.isFalse = on);
-	}
-	/** The next or previous layer. */
-	stepLayer(by) {
-		const count = this.layer.options.length;
-		if (count === 0) return;
-		this.layer.selectedIndex = (this.layer.selectedIndex + by + count) % count;
-		this.chooseLayer(this.layer.value);
-	}
-	choose(name) {
-		const tone = parseTone(name, this.state?.choices.tones ?? []);
-		this.set(() => this.view.tone = {
-			...tone,
-			exposure: this.view.tone.exposure
-		});
-		this.showParameters();
-	}
-	chooseLayer(name) {
-		this.set(() => this.view.layer = name);
-		if (this.state) this.askLayers(name === "picture" ? [] : [name]);
-	}
-	showParameters() {
-		const choice = this.state?.choices.tones.find((t) => t.name === this.view.tone.name);
-		this.parameters.replaceChildren(...(choice?.parameters ?? []).map((p, i) => {
-			const field = numberField({
-				label: `${choice.name}: ${p.name}`,
-				value: this.view.tone.values[i] ?? p.default,
-				range: p.range,
-				slider: [Math.max(p.range[0], p.default / 100), Math.min(p.range[1], p.default * 100)],
-				change: (v) => this.set(() => this.view.tone.values[i] = v)
-			});
-			return row(p.name, field.element, `${p.doc} (${show(p.range[0])} to ${show(p.range[1])}; ${show(p.default)} when not given)`);
-		}));
-	}
-	set(change) {
-		change();
-		this.view.redraw();
-		this.changed();
-	}
-};
-// src/magma.ts
-/** Errors as colours, as crates/image/src/metrics/difference.rs has them, and their scale. */
-/** Nine evenly spaced colours of the map "magma" (S. van der Walt, N. Smith 2015, CC0), sRGB. */
-var COLORS = [
-	4,
-	1839172,
-	5182075,
-	8463745,
-	11875962,
-	15030628,
-	16484193,
-	16695943,
-	16580031
-];
-/** `magma(x)`: the colour of a number from 0 to 1. */
-var MAGMA_GLSL = `
-const vec3 magmaColors[9] = vec3[9](${COLORS.map((c) => `vec3(${bytes(c).map((v) => v.toFixed(1)).join(", ")})`).join(", ")});
-
-vec3 magma(float x) {
-  float t = clamp(x, 0.0, 1.0) * 8.0;
-  int i = min(int(t), 7);
-  return floor(mix(magmaColors[i], magmaColors[i + 1], t - float(i)) + 0.5) / 255.0;
-}
-`;
-/** The scale of FLIP errors. */
-var FLIP_SCALE = {
-	label: "FLIP error from 0, the same, to 1",
-	unit: "FLIP",
-	colors: COLORS,
-	ticks: [
-		0,
-		.2,
-		.4,
-		.6,
-		.8,
-		1
-	].map((v) => [v, String(v)])
-};
-// src/messages.ts
-/** Panel "Messages", and the newest one over the picture for some seconds. */
-var SHOWN = 8e3;
-var KEPT$1 = 100;
-var Messages = class {
-	element;
-	toast = h("div", {
-		class: "toast",
-		role: "status",
-		hidden: true
-	});
-	list = h("ul", { class: "messages" });
-	none = h("p", { class: "facts" }, "No messages.");
-	clear = h("button", {
-		hidden: true,
-		onclick: () => this.empty()
-	}, "Clear");
-	own = [];
-	ofScene = [];
-	timer = 0;
-	constructor() {
-		this.element = section("Messages", false, this.none, this.list, this.clear);
-	}
-	/** The scene's own messages. */
-	scene(messages) {
-		if (JSON.stringify(messages) === JSON.stringify(this.ofScene)) return;
-		this.ofScene = messages;
-		this.fill();
-	}
-	add(message) {
-		this.own = [message, ...this.own].slice(0, KEPT$1);
-		this.fill();
-		this.toast.className = `toast ${message.severity}`;
-		this.toast.setAttribute("role", message.severity === "error" ? "alert" : "status");
-		this.toast.hidden = false;
-		setText(this.toast, message.text);
-		clearTimeout(this.timer);
-		this.timer = window.setTimeout(() => this.toast.hidden = true, SHOWN);
-	}
-	empty() {
-		this.own = [];
-		this.fill();
-	}
-	fill() {
-		const all = [...this.own, ...this.ofScene];
-		this.none.hidden = all.length > 0;
-		this.clear.hidden = this.own.length === 0;
-		const items = all.map(({ severity, text }) => h("li", { class: severity }, h("span", { class: "severity" }, severity), text));
-		this.list.replaceChildren(...items);
-		setText(this.element.querySelector("h2"), all.length > 0 ? `Messages (${all.length})` : "Messages");
-	}
-};
-// src/color.ts
-/** Linear Rec.709 colours in the browser's picker, which is of sRGB in 8 bits. */
-var encode = (v) => v <= .0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - .055;
-var decode = (v) => v <= .04045 ? v / 12.92 : ((v + .055) / 1.055) ** 2.4;
-/** `#rrggbb` of a linear colour, cut to [0, 1]. */
-function hexOf(rgb) {
-	return "#" + rgb.map((v) => Math.round(255 * encode(Math.min(Math.max(v, 0), 1))).toString(16).padStart(2, "0")).join("");
-}
-/** The linear colour of `#rrggbb`, to four digits. */
-function linearOf(hex) {
-	return [
-		1,
-		3,
-		5
-	].map((at) => Number(decode(parseInt(hex.slice(at, at + 2), 16) / 255).toPrecision(4)));
-}
 // src/mixer.ts
 /** Panel "Light groups": how bright, and of which colour, each group of lights is shown. Only the switch asks for a render. */
 /** Stops by which a group is brightened or dimmed at most. */
 var STOPS = 6;
-var WHITE = "#ffffff";
+var WHITE$1 = "#ffffff";
 var ABOUT = "Renders the light of each lamp, or of lamps of the same name, apart. What they add up to is then mixed without a render.";
 var KEPT = "The mix is of this page: previews, B and saved files are without it; an EXR has a layer for each group.";
 /** A group in the mixer. */
@@ -2312,7 +1937,7 @@ var Strip = class {
 		this.solo = toggle("S", "solo", "Solo: put all groups out that are not solo");
 		this.color = h("input", {
 			type: "color",
-			value: WHITE,
+			value: WHITE$1,
 			title: "Colour that the light is multiplied by",
 			"aria-label": `${name}: colour`,
 			oninput: changed
@@ -2326,7 +1951,7 @@ var Strip = class {
 	reset() {
 		this.stops = 0;
 		this.field.set(0);
-		this.color.value = WHITE;
+		this.color.value = WHITE$1;
 		for (const button of [this.mute, this.solo]) setPressed(button, false);
 	}
 };
@@ -2406,210 +2031,37 @@ var Mixer = class {
 		this.changed();
 	}
 };
-// src/moving.ts
-/** Milliseconds after which a picture that didn't come is no longer waited for. */
-var PATIENCE$1 = 4e3;
-var Moving = class {
-	camera;
-	send;
-	isDirty = false;
-	queued = 0;
-	sentAt = null;
-	sentGeneration = 0;
-	generation = 0;
-	stopTimer = 0;
-	isMoving = false;
-	nextFov = null;
-	constructor(camera, send) {
-		this.camera = camera;
-		this.send = send;
-	}
-	/** The camera has been moved. */
-	moved() {
-		this.isMoving = true;
-		this.isDirty = true;
-		clearTimeout(this.stopTimer);
-		this.schedule();
-	}
-	/** The movement has ended, now or when nothing moves for some milliseconds. */
-	stop(after = 0) {
-		clearTimeout(this.stopTimer);
-		if (after > 0) this.stopTimer = window.setTimeout(() => this.stop(), after);
-		else if (this.isMoving) {
-			this.isMoving = this.isDirty = false;
-			this.sentAt = null;
-			this.post(false);
-		}
-	}
-	/** The server is asked for another camera: this one's movement is over, and the next state counts. */
-	release() {
-		clearTimeout(this.stopTimer);
-		this.isMoving = this.isDirty = false;
-		this.sentAt = this.nextFov = null;
-	}
-	/** A picture came. */
-	frame(generation) {
-		this.generation = Math.max(this.generation, generation);
-		if (this.sentAt !== null && generation > this.sentGeneration) {
-			this.sentAt = null;
-			if (this.isDirty) this.schedule();
-		}
-	}
-	/** What holds now: takes its camera, unless this page is moving it. */
-	state(generation, state, isNew) {
-		if (isNew) this.generation = generation;
-		const { camera } = this;
-		const isOther = length(sub(state.eye, camera.eye)) + length(sub(state.target, camera.target)) > 1e-4 * camera.distance;
-		if (isNew || !this.isMoving && (!state.moved || isOther)) camera.adopt(state);
-	}
-	/** Another angle of view, in degrees. */
-	fov(degrees) {
-		this.nextFov = degrees;
-		this.moved();
-		this.stop(250);
-	}
-	schedule() {
-		this.queued ||= requestAnimationFrame(() => {
-			this.queued = 0;
-			if (this.sentAt !== null && performance.now() - this.sentAt < PATIENCE$1) window.setTimeout(() => this.isDirty && this.schedule(), PATIENCE$1);
-			else if (this.isDirty) this.post(true);
-		});
-	}
-	post(moving) {
-		const { eye, target, up } = this.camera;
-		if (moving) {
-			this.isDirty = false;
-			this.sentAt = performance.now();
-			this.sentGeneration = this.generation;
-		}
-		this.send({
-			type: "camera",
-			eye,
-			target,
-			up,
-			...this.nextFov === null ? {} : { fov: this.nextFov },
-			moving
-		});
-		if (!moving) this.nextFov = null;
-	}
-};
-// src/navigate.ts
-/** CSS pixels that a click may move. */
-var STILL = 4;
-var Navigate = class {
-	view;
-	camera;
-	moving;
-	fly;
-	actions;
-	drag = null;
-	start = [0, 0];
-	last = [0, 0];
-	isClick = false;
-	touches = /* @__PURE__ */ new Map();
-	constructor(view, camera, moving, fly, actions) {
-		this.view = view;
-		this.camera = camera;
-		this.moving = moving;
-		this.fly = fly;
-		this.actions = actions;
-		const { canvas } = view;
-		canvas.addEventListener("pointerdown", (event) => this.down(event));
-		canvas.addEventListener("pointermove", (event) => this.move(event));
-		canvas.addEventListener("pointerup", (event) => this.up(event));
-		canvas.addEventListener("pointercancel", (event) => this.up(event));
-		canvas.addEventListener("pointerleave", () => actions.hover(null));
-		canvas.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
-		canvas.addEventListener("contextmenu", (event) => event.preventDefault());
-		canvas.addEventListener("mousedown", (event) => event.button === 1 && event.preventDefault());
-	}
-	down(event) {
-		if (this.fly.on) return this.fly.stop();
-		if (event.button > 1) return;
-		this.view.canvas.focus({ preventScroll: true });
-		this.view.canvas.setPointerCapture(event.pointerId);
-		const at = [event.clientX, event.clientY];
-		if (event.pointerType === "touch") this.touches.set(event.pointerId, at);
-		this.isClick = event.button === 0 && this.touches.size < 2;
-		this.start = this.last = at;
-		if (this.actions.drawsRegion() && event.button === 0) this.drag = "region";
-		else if (event.ctrlKey || event.metaKey || !this.actions.isMovable()) this.drag = "picture";
-		else this.drag = event.shiftKey ? "pan" : "orbit";
-	}
-	move(event) {
-		const at = [event.clientX, event.clientY];
-		if (this.fly.on) return this.fly.look(event.movementX, event.movementY);
-		if (event.pointerType !== "touch") this.actions.hover(this.view.pixelAt(...at));
-		if (!this.drag) return;
-		if (Math.hypot(at[0] - this.start[0], at[1] - this.start[1]) > STILL) this.isClick = false;
-		if (this.touches.size === 2) return this.pinch(event.pointerId, at);
-		if (this.touches.has(event.pointerId)) this.touches.set(event.pointerId, at);
-		if (this.isClick) return;
-		const [dx, dy] = [at[0] - this.last[0], at[1] - this.last[1]];
-		this.last = at;
-		if (this.drag === "region") return this.actions.region(this.view.pixelAt(...this.start), this.view.pixelAt(...at), false);
-		if (this.drag === "picture") {
-			this.view.placement.pan(Math.round(dx * devicePixelRatio), Math.round(dy * devicePixelRatio));
-			return this.view.redraw();
-		}
-		if (this.drag === "orbit") this.camera.orbit(dx, dy);
-		else this.camera.pan(dx, dy, this.pictureSize());
-		this.moving.moved();
-	}
-	up(event) {
-		const wasPinch = this.touches.size > 1;
-		this.touches.delete(event.pointerId);
-		if (wasPinch) {
-			for (const at of this.touches.values()) this.last = this.start = at;
-			return;
-		}
-		const { drag } = this;
-		this.drag = null;
-		if (!drag) return;
-		const at = [event.clientX, event.clientY];
-		if (event.type === "pointercancel") this.moving.stop();
-		else if (drag === "region") this.actions.region(this.view.pixelAt(...this.start), this.view.pixelAt(...at), true);
-		else if (this.isClick) this.actions.click(this.view.pixelAt(...at));
-		else this.moving.stop();
-	}
-	/** Two fingers: their middle pans, their distance dollies. */
-	pinch(id, at) {
-		const other = [...this.touches].find(([key]) => key !== id)?.[1];
-		const before = this.touches.get(id);
-		this.touches.set(id, at);
-		if (!other || !before) return;
-		const apart = (a) => Math.max(Math.hypot(a[0] - other[0], a[1] - other[1]), 1);
-		const [dx, dy] = [(at[0] - before[0]) / 2, (at[1] - before[1]) / 2];
-		if (this.actions.isMovable()) {
-			this.camera.pan(dx, dy, this.pictureSize());
-			this.camera.dolly(apart(before) / apart(at));
-			this.moving.moved();
-		} else {
-			this.view.placement.pan(dx * devicePixelRatio, dy * devicePixelRatio);
-			const middle = this.view.devicePixel((at[0] + other[0]) / 2, (at[1] + other[1]) / 2);
-			this.view.placement.zoom(apart(at) / apart(before), ...middle);
-			this.view.redraw();
-		}
-	}
-	wheel(event) {
-		event.preventDefault();
-		const delta = event.deltaY * (event.deltaMode === 1 ? 16 : event.deltaMode === 2 ? 400 : 1);
-		if (this.fly.on) return this.fly.wheel(delta);
-		if (event.ctrlKey || event.metaKey || !this.actions.isMovable()) {
-			const factor = Math.exp(-Math.max(-100, Math.min(100, delta)) * .003);
-			this.view.placement.zoom(factor, ...this.view.devicePixel(event.clientX, event.clientY));
-			return this.view.redraw();
-		}
-		this.camera.dolly(Math.exp(delta * .001));
-		this.moving.moved();
-		this.moving.stop(250);
-	}
-	/** The picture's smaller side, CSS pixels. */
-	pictureSize() {
-		const { film, placement } = this.view;
-		return Math.min(film.width, film.height) * placement.scale / devicePixelRatio;
-	}
-};
+// src/vector.ts
+var add = (a, b) => [
+	a[0] + b[0],
+	a[1] + b[1],
+	a[2] + b[2]
+];
+var sub = (a, b) => [
+	a[0] - b[0],
+	a[1] - b[1],
+	a[2] - b[2]
+];
+var scale = (a, s) => [
+	a[0] * s,
+	a[1] * s,
+	a[2] * s
+];
+var dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+var cross = (a, b) => [
+	a[1] * b[2] - a[2] * b[1],
+	a[2] * b[0] - a[0] * b[2],
+	a[0] * b[1] - a[1] * b[0]
+];
+var length = (a) => Math.hypot(...a);
+var normalize = (a) => scale(a, 1 / (length(a) || 1));
+/** `a` without its part along the unit vector `axis`. */
+var across = (a, axis) => sub(a, scale(axis, dot(a, axis)));
+/** `a`, turned about the unit vector `axis` (right-handed, radians; Rodrigues' formula). */
+function turn(a, axis, angle) {
+	const [c, s] = [Math.cos(angle), Math.sin(angle)];
+	return add(add(scale(a, c), scale(cross(axis, a), s)), scale(axis, dot(axis, a) * (1 - c)));
+}
 // src/place.ts
 /** Transforms as location, rotation and scale. */
 /** More than this part of shear is told from rounding. */
@@ -2819,7 +2271,7 @@ function parameterField(p, label, edit) {
 		color,
 		number: number$1,
 		place,
-		text
+		text: text$1
 	}[kind];
 	return {
 		kind,
@@ -2935,7 +2387,7 @@ function place(p, label, edit) {
 		set: (p) => field.set(current(p))
 	};
 }
-function text(p, label, edit) {
+function text$1(p, label, edit) {
 	const field = h("input", {
 		type: "text",
 		spellcheck: "false",
@@ -2955,7 +2407,7 @@ function text(p, label, edit) {
 // src/nodes.ts
 /** Panel "Scene": its nodes by family, and their parameters to be edited. */
 /** Milliseconds after which a picture that did not come is no longer waited for. */
-var PATIENCE = 2e3;
+var PATIENCE$1 = 2e3;
 var ParameterRow = class {
 	edit;
 	element = h("div", { class: "row parameter" });
@@ -3117,7 +2569,7 @@ var Nodes = class {
 		});
 	}
 	sendHeld() {
-		if (this.held === null || performance.now() - this.sentAt < PATIENCE) return;
+		if (this.held === null || performance.now() - this.sentAt < PATIENCE$1) return;
 		this.edits++;
 		this.send(this.held);
 		this.held = null;
@@ -3238,6 +2690,925 @@ var Output = class {
 				text: "the browser does not let the page copy; the command is selected instead"
 			});
 		}
+	}
+};
+// src/panel.ts
+/** Panels "Render" and "Camera": what the server is asked to render. */
+/** A field for a whole number of the settings; empty for none where `optional`. */
+function whole(label, low, optional, change) {
+	const field = h("input", {
+		type: "number",
+		class: "number",
+		min: low,
+		step: 1,
+		required: !optional,
+		"aria-label": label,
+		placeholder: optional ? "default" : null,
+		onchange: () => {
+			if (field.checkValidity()) change(field.value === "" ? null : field.valueAsNumber);
+			else field.reportValidity();
+		}
+	});
+	return field;
+}
+var RenderPanel = class {
+	send;
+	element;
+	choices;
+	spp;
+	seed;
+	depth;
+	width;
+	height;
+	constructor(send) {
+		this.send = send;
+		const set = (change) => this.send({
+			type: "settings",
+			...change
+		});
+		const choice = (key, label) => {
+			const select = h("select", {
+				"aria-label": label,
+				onchange: () => set({ [key]: select.value || null })
+			});
+			return select;
+		};
+		this.choices = {
+			integrator: choice("integrator", "Integrator"),
+			sampler: choice("sampler", "Sampler"),
+			color: choice("color", "Colour"),
+			denoise: choice("denoise", "Denoise")
+		};
+		this.spp = whole("Samples per pixel", 1, false, (v) => set({ spp: v }));
+		this.seed = whole("Seed", 0, true, (v) => set({ seed: v }));
+		this.depth = whole("Most bounces", 0, true, (v) => set({ maxDepth: v }));
+		this.width = whole("Width in pixels", 1, false, () => set(this.size()));
+		this.height = whole("Height in pixels", 1, false, () => set(this.size()));
+		const size = h("span", { class: "plain" }, this.width, "×", this.height);
+		this.element = section("Render", true, row("Integrator", this.choices.integrator), row("Samples", this.spp, "Samples for each pixel"), row("Sampler", this.choices.sampler), row("Colour", this.choices.color), h("div", { class: "row" }, h("span", {}, "Size"), size), row("Seed", this.seed), row("Max depth", this.depth, "Bounces at most"), row("Denoise", this.choices.denoise));
+	}
+	update({ settings, choices, film }) {
+		const named = (list) => list.map((c) => ({
+			value: c.name,
+			title: c.doc
+		}));
+		const { integrator } = settings;
+		const own = choices.integrators.some((c) => c.name === integrator) ? [] : [{
+			value: integrator,
+			text: integrator || "the scene’s"
+		}];
+		setOptions(this.choices.integrator, [...own, ...named(choices.integrators)]);
+		setOptions(this.choices.sampler, [{
+			value: "",
+			text: "automatic"
+		}, ...named(choices.samplers)]);
+		setOptions(this.choices.color, choices.colors.map((value) => ({ value })));
+		setOptions(this.choices.denoise, [{
+			value: "",
+			text: "no"
+		}, ...named(choices.denoisers)]);
+		for (const key of [
+			"integrator",
+			"sampler",
+			"color",
+			"denoise"
+		]) {
+			const select = this.choices[key];
+			setValue(select, settings[key] ?? "");
+			select.title = select.selectedOptions[0]?.title ?? "";
+		}
+		setValue(this.spp, String(settings.spp));
+		setValue(this.seed, settings.seed === null ? "" : String(settings.seed));
+		setValue(this.depth, settings.maxDepth === null ? "" : String(settings.maxDepth));
+		setValue(this.width, String(film.width));
+		setValue(this.height, String(film.height));
+	}
+	size() {
+		return {
+			width: this.width.valueAsNumber,
+			height: this.height.valueAsNumber
+		};
+	}
+};
+var CameraPanel = class {
+	send;
+	element;
+	names = h("select", {
+		"aria-label": "Camera",
+		onchange: () => this.send({
+			type: "camera-name",
+			name: this.names.value
+		})
+	});
+	nameRow = row("Camera", this.names);
+	facts = h("p", { class: "facts" });
+	buttons;
+	fovRow;
+	fov;
+	constructor(send, actions) {
+		this.send = send;
+		const button = (text, title, act) => h("button", {
+			title,
+			onclick: act
+		}, text);
+		this.buttons = [
+			button("Reset", "Back to the scene’s camera (Home)", () => this.send({ type: "camera-reset" })),
+			button("Front", "From the front (Numpad 1)", () => actions.from("front")),
+			button("Right", "From the right (Numpad 3)", () => actions.from("right")),
+			button("Top", "From above (Numpad 7)", () => actions.from("top")),
+			button("Fly", "Fly with W A S D Q E and the mouse (Shift+`)", () => actions.fly())
+		];
+		this.fov = numberField({
+			label: "Angle of view",
+			value: 50,
+			range: [.01, 179],
+			slider: [5, 150],
+			step: .5,
+			unit: "°",
+			change: actions.fov
+		});
+		this.fovRow = row("Angle of view", this.fov.element);
+		this.element = section("Camera", false, this.nameRow, this.fovRow, h("div", { class: "buttons" }, ...this.buttons), this.facts);
+	}
+	update({ camera }) {
+		this.nameRow.hidden = camera.names.length < 2;
+		setOptions(this.names, camera.names.map((value) => ({ value })));
+		if (camera.name !== null) setValue(this.names, camera.name);
+		for (const button of this.buttons) button.disabled = !camera.movable;
+		this.buttons[0].disabled = !camera.moved;
+		this.fovRow.hidden = camera.fov === null || !camera.movable;
+		if (camera.fov !== null) this.fov.set(camera.fov);
+		const place = (v) => v.map(show).join(", ");
+		const fixed = camera.movable ? "" : "; it cannot be moved here";
+		this.facts.textContent = `${camera.kind}, from ${place(camera.eye)} to ${place(camera.target)}${fixed}`;
+	}
+};
+// src/panels.ts
+/** The panels beside the picture. */
+var Panels = class {
+	stage;
+	element;
+	look;
+	compare;
+	messages = new Messages();
+	errors;
+	histogram = new Histogram();
+	render;
+	mixer;
+	camera;
+	nodes;
+	output;
+	constructor(stage) {
+		this.stage = stage;
+		const { view, send } = stage;
+		this.output = new Output(view, this.tell);
+		this.compare = new Compare(view, this.tell);
+		this.errors = new Errors(view);
+		this.compare.changed = () => this.errors.changeReference();
+		this.look = new Look(view, (names) => send({
+			type: "layers",
+			names
+		}), () => {
+			this.output.update();
+			this.showHistogram();
+			this.compare.refresh();
+		});
+		this.histogram.element.addEventListener("toggle", this.showHistogram);
+		this.render = new RenderPanel(send);
+		this.mixer = new Mixer(view, send, this.showHistogram);
+		this.camera = new CameraPanel(send, {
+			from: stage.from,
+			fly: stage.fly,
+			fov: (degrees) => stage.moving.fov(degrees)
+		});
+		this.nodes = new Nodes(send);
+		this.element = h("aside", {
+			class: "panel",
+			"aria-label": "Panels"
+		}, this.look.element, this.compare.element, this.errors.element, this.histogram.element, stage.inspector.element, this.render.element, this.mixer.element, this.camera.element, this.nodes.element, this.output.element, this.messages.element);
+		stage.themed = this.showHistogram;
+		this.showHistogram();
+	}
+	tell = (message) => this.messages.add(message);
+	showHistogram = () => this.histogram.update(() => this.stage.view.statistics(), this.stage.view.tone.exposure);
+	takeState(state) {
+		this.look.update(state);
+		this.compare.takeState(state);
+		this.errors.takeState(state);
+		this.output.update(state);
+		this.messages.scene(state.scene.messages);
+	}
+	takeFields(state, isNew) {
+		this.render.update(state);
+		this.mixer.update(state);
+		this.camera.update(state);
+		this.nodes.update(state, isNew);
+	}
+	takeFrame(frame) {
+		this.mixer.takeFrame(frame);
+		this.nodes.frame();
+		this.compare.takeFrame(frame);
+		this.errors.takeFrame(frame);
+		this.showHistogram();
+	}
+};
+// src/camera.ts
+var RADIANS_PER_PIXEL = .007;
+var Camera = class {
+	eye = [
+		0,
+		0,
+		1
+	];
+	target = [
+		0,
+		0,
+		0
+	];
+	/** What is up in the scene, a unit vector. */
+	axis = [
+		0,
+		1,
+		0
+	];
+	handedness = 1;
+	fov = 50;
+	/** Where the camera looks, level. */
+	heading = [
+		0,
+		0,
+		-1
+	];
+	/** Where it looks after `aim`. */
+	direction = [
+		0,
+		0,
+		-1
+	];
+	/** Takes the server's camera. The axis stays where that camera's horizon is level about it. */
+	adopt(state) {
+		this.eye = [...state.eye];
+		this.target = [...state.target];
+		this.handedness = state.handedness;
+		this.fov = state.fov ?? 50;
+		const up = normalize(state.up);
+		const right = normalize(cross(this.forward, up));
+		const isLevel = (axis) => Math.abs(dot(right, axis)) < .001 && dot(up, axis) > -.001;
+		if (!isLevel(this.axis) || Math.abs(dot(up, this.axis)) < .001) {
+			const level = [
+				[
+					0,
+					1,
+					0
+				],
+				[
+					0,
+					0,
+					1
+				],
+				[
+					1,
+					0,
+					0
+				],
+				[
+					0,
+					-1,
+					0
+				],
+				[
+					0,
+					0,
+					-1
+				],
+				[
+					-1,
+					0,
+					0
+				]
+			].filter(isLevel).sort((a, b) => dot(up, b) - dot(up, a));
+			const isAcross = Math.abs(dot(up, this.forward)) < 1e-4;
+			this.axis = isAcross && level[0] && dot(up, level[0]) > .1 ? level[0] : up;
+		}
+		const level = across(this.forward, this.axis);
+		this.heading = length(level) > 1e-4 ? normalize(level) : normalize(across(scale(up, -Math.sign(dot(this.forward, this.axis))), this.axis));
+	}
+	get forward() {
+		return normalize(sub(this.target, this.eye));
+	}
+	get distance() {
+		return length(sub(this.target, this.eye)) || 1;
+	}
+	/** The picture's up direction; the axis, unless the camera looks nearly along it. */
+	get up() {
+		const sine = dot(this.forward, this.axis);
+		if (Math.abs(sine) < .999) return this.axis;
+		return add(scale(this.heading, -sine), scale(this.axis, Math.sqrt(Math.max(0, 1 - sine * sine))));
+	}
+	/** The picture's right direction. */
+	get right() {
+		return scale(normalize(cross(this.forward, this.up)), this.handedness);
+	}
+	/** Turns about the target: what is in front follows the pointer. Lengths in CSS pixels. */
+	orbit(dx, dy) {
+		const { distance } = this;
+		this.aim(-this.handedness * dx * RADIANS_PER_PIXEL, -dy * RADIANS_PER_PIXEL);
+		this.eye = sub(this.target, scale(this.direction, distance));
+	}
+	/** Turns about the eye: the view follows the pointer. */
+	look(dx, dy) {
+		const { distance } = this;
+		this.aim(-this.handedness * dx * .5 * RADIANS_PER_PIXEL, -dy * .5 * RADIANS_PER_PIXEL);
+		this.target = add(this.eye, scale(this.direction, distance));
+	}
+	/** Moves across the view; `size` is the picture's smaller side in the pixels that `dx` and `dy` are in. */
+	pan(dx, dy, size) {
+		const perPixel = 2 * this.distance * Math.tan(this.fov * Math.PI / 360) / Math.max(size, 1);
+		const pictureUp = scale(cross(this.right, this.forward), this.handedness);
+		this.move(add(scale(this.right, -dx * perPixel), scale(pictureUp, dy * perPixel)));
+	}
+	/** Changes the distance by a factor. */
+	dolly(factor) {
+		const distance = Math.min(Math.max(this.distance * factor, 1e-6), 1e9);
+		this.eye = sub(this.target, scale(this.forward, distance));
+	}
+	/** Looks at a point, and turns about it from then on. */
+	center(point) {
+		const level = across(this.forward, this.axis);
+		if (length(level) > 1e-4) this.heading = normalize(level);
+		this.target = [...point];
+	}
+	move(by) {
+		this.eye = add(this.eye, by);
+		this.target = add(this.target, by);
+	}
+	/** Looks at the target from the front, the right or the top, or opposite. With Z up the front is at −Y, else at +Z. */
+	from(side, opposite) {
+		const { distance, axis } = this;
+		const s = opposite ? -1 : 1;
+		const isZ = Math.abs(axis[2]) > .9;
+		const level = (v) => normalize(across(length(across(v, axis)) > .1 ? v : [
+			0,
+			0,
+			1
+		], axis));
+		const front = level(isZ ? [
+			0,
+			-1,
+			0
+		] : [
+			0,
+			0,
+			1
+		]);
+		const away = side === "top" ? axis : side === "front" ? front : level([
+			1,
+			0,
+			0
+		]);
+		this.heading = side === "top" ? scale(front, -1) : scale(away, -s);
+		this.eye = add(this.target, scale(away, s * distance));
+	}
+	/** Turns the direction by angles about the axis and towards it, and keeps it from passing the axis. */
+	aim(around, upwards) {
+		const sine = Math.min(Math.max(dot(this.forward, this.axis), -1), 1);
+		const level = across(this.forward, this.axis);
+		if (length(level) > 1e-4) this.heading = normalize(level);
+		this.heading = normalize(turn(this.heading, this.axis, around));
+		const tilt = Math.min(Math.max(Math.asin(sine) + upwards, -Math.PI / 2), Math.PI / 2);
+		this.direction = add(scale(this.heading, Math.cos(tilt)), scale(this.axis, Math.sin(tilt)));
+	}
+};
+// src/falsecolor.ts
+/** False colour of luminance, as crates/image/src/false_color has it: viridis on a logarithmic scale, and its legend. */
+/** Every fifth of viridis' 256 colours (N. Smith and S. van der Walt 2015, CC0), sRGB. */
+var COLORS$1 = [
+	4456788,
+	4589660,
+	4657251,
+	4724585,
+	4726127,
+	4727925,
+	4663930,
+	4599934,
+	4536193,
+	4406660,
+	4276871,
+	4147337,
+	4017802,
+	3822475,
+	3692940,
+	3497613,
+	3367821,
+	3238030,
+	3042702,
+	2912654,
+	2782862,
+	2718606,
+	2588814,
+	2458766,
+	2328974,
+	2199181,
+	2134668,
+	2070411,
+	2006153,
+	2072968,
+	2205061,
+	2402947,
+	2666112,
+	3060604,
+	3520377,
+	4045940,
+	4636783,
+	5293162,
+	5949540,
+	6671198,
+	7393111,
+	8180304,
+	9033032,
+	9820224,
+	10672695,
+	11590959,
+	12443430,
+	13295903,
+	14213657,
+	15066137,
+	15852829,
+	16639781
+];
+/** Red, green and blue of a colour. */
+var bytes = (c) => [
+	c >> 16,
+	c >> 8 & 255,
+	c & 255
+];
+/** `falseColor(luminance)`: between the ends of the scale. */
+var FALSE_COLOR_GLSL = `
+uniform vec2 scaleEnds;
+const vec3 viridis[52] = vec3[52](${COLORS$1.map((c) => `vec3(${bytes(c).map((v) => `${v}.0`).join(", ")})`).join(", ")});
+
+vec3 falseColor(float l) {
+  float t = l > 0.0 ? clamp(log(l / scaleEnds.x) / log(scaleEnds.y / scaleEnds.x), 0.0, 1.0) : 0.0;
+  int i = min(int(t * 51.0), 50);
+  return floor(mix(viridis[i], viridis[i + 1], t * 51.0 - float(i)) + 0.5) / 255.0;
+}
+`;
+/** The scale's ends: 1 % and 99.9 % of the pixels above zero, or a decade where those are the same. */
+function scaleEnds(of) {
+	const low = percentile(of, .01) ?? 1;
+	const high = percentile(of, .999) ?? 1;
+	return low < high ? [low, high] : [low, 10 * low];
+}
+/** The scale of false colour: powers of ten (with 2 and 5 where few). */
+function falseScale(ends, white, unit) {
+	const [low, high] = [ends[0] * white, ends[1] * white];
+	const place = (v) => Math.log(v / low) / Math.log(high / low);
+	const ticks = ticksOf(low, high).map((v) => [place(v), show(v)]);
+	return {
+		label: `False colour from ${show(low)} to ${show(high)} ${unit}`,
+		unit: unit || "value",
+		colors: COLORS$1,
+		ticks
+	};
+}
+var Legend = class {
+	element = h("div", {
+		class: "legend",
+		hidden: true,
+		role: "img"
+	});
+	update(scale) {
+		this.element.hidden = scale === null;
+		if (!scale || this.element.getAttribute("aria-label") === scale.label) return;
+		this.element.setAttribute("aria-label", scale.label);
+		const bar = h("div", {
+			class: "bar",
+			style: `background: linear-gradient(to top, ${scale.colors.map((c) => `rgb(${bytes(c).join(" ")})`).join(", ")})`
+		});
+		const ticks = scale.ticks.map(([place, text]) => h("span", { style: `bottom: ${100 * place}%` }, text));
+		this.element.replaceChildren(h("div", { class: "unit" }, scale.unit), h("div", { class: "scale" }, bar, h("div", { class: "ticks" }, ...ticks)));
+	}
+};
+function ticksOf(low, high) {
+	const decades = Math.log10(high / low);
+	const step = Math.max(1, Math.ceil(decades / 8));
+	const factors = decades > 3 ? [1] : decades > 1.5 ? [1, 3] : [
+		1,
+		2,
+		5
+	];
+	const ticks = [];
+	for (let e = Math.floor(Math.log10(low)); e <= Math.log10(high); e += step) for (const f of factors) if (f * 10 ** e >= low && f * 10 ** e <= high) ticks.push(f * 10 ** e);
+	return ticks.length > 1 ? ticks : [low, high];
+}
+// src/fly.ts
+/** Distances to the target for each second. */
+var SPEED = .7;
+var Fly = class {
+	canvas;
+	camera;
+	moving;
+	/** Called when flying begins or ends. */
+	changed = () => {};
+	isOn = false;
+	held = /* @__PURE__ */ new Set();
+	last = 0;
+	speed = 1;
+	constructor(canvas, camera, moving) {
+		this.canvas = canvas;
+		this.camera = camera;
+		this.moving = moving;
+		addEventListener("keydown", (event) => this.key(event, true), { capture: true });
+		addEventListener("keyup", (event) => this.key(event, false), { capture: true });
+		addEventListener("blur", () => this.held.clear());
+		document.addEventListener("pointerlockchange", () => document.pointerLockElement === null && this.stop());
+	}
+	get on() {
+		return this.isOn;
+	}
+	start() {
+		if (this.isOn) return;
+		this.isOn = true;
+		this.speed = SPEED * this.camera.distance;
+		this.last = performance.now();
+		Promise.resolve(this.canvas.requestPointerLock?.()).catch(() => {});
+		this.changed(true);
+		requestAnimationFrame((time) => this.step(time));
+	}
+	stop() {
+		if (!this.isOn) return;
+		this.isOn = false;
+		this.held.clear();
+		if (document.pointerLockElement) document.exitPointerLock();
+		this.moving.stop();
+		this.changed(false);
+	}
+	look(dx, dy) {
+		this.camera.look(dx, dy);
+		this.moving.moved();
+		this.moving.stop(250);
+	}
+	wheel(delta) {
+		this.speed *= Math.exp(-.002 * delta);
+	}
+	key(event, down) {
+		if (!this.isOn) return;
+		if (event.code === "Escape") this.stop();
+		else if (/^(Key[WASDQE]|Shift(Left|Right))$/.test(event.code)) down ? this.held.add(event.code) : this.held.delete(event.code);
+		else return;
+		event.preventDefault();
+		event.stopPropagation();
+	}
+	step(time) {
+		if (!this.isOn) return;
+		const seconds = Math.min(Math.max((time - this.last) / 1e3, 0), .1);
+		this.last = time;
+		const along = (plus, minus) => Number(this.held.has(plus)) - Number(this.held.has(minus));
+		const { camera } = this;
+		const parts = [
+			[camera.forward, along("KeyW", "KeyS")],
+			[camera.right, along("KeyD", "KeyA")],
+			[camera.axis, along("KeyE", "KeyQ")]
+		];
+		const fast = this.held.has("ShiftLeft") || this.held.has("ShiftRight") ? 4 : 1;
+		if (parts.some(([, s]) => s !== 0)) {
+			const by = parts.map(([v, s]) => scale(v, s * fast * this.speed * seconds)).reduce(add);
+			camera.move(by);
+			this.moving.moved();
+			this.moving.stop(250);
+		}
+		requestAnimationFrame((next) => this.step(next));
+	}
+};
+// src/inspector.ts
+/** Panel "Pixel": the values under the pointer, and all that the server knows of a pixel that was clicked. */
+/** Milliseconds between two questions about a pixel while it changes. */
+var PAUSE = 1e3;
+var Inspector = class {
+	path;
+	changed;
+	element;
+	/** The pixel that's pinned. */
+	pinned = null;
+	hover = h("p", { class: "values" }, "Point at the picture; click to pin a pixel.");
+	pin = h("div", {
+		class: "pin",
+		"aria-live": "polite"
+	});
+	asked = 0;
+	timer = 0;
+	/** `path` shows the path of a sample of the pinned pixel. */
+	constructor(path, changed) {
+		this.path = path;
+		this.changed = changed;
+		this.element = section("Pixel", true, this.hover, path.element, this.pin);
+	}
+	/** Values under the pointer. */
+	show(pixel, values, isMixed) {
+		if (!pixel || !values) return setText(this.hover, "Point at the picture; click to pin a pixel.");
+		setText(this.hover, `${pixel[0]}, ${pixel[1]}:  ${values.map(show).join("  ")}${isMixed ? "  (mixed)" : ""}`);
+	}
+	set(pixel) {
+		this.pinned = pixel;
+		this.pin.replaceChildren();
+		this.changed();
+		this.path.set(pixel);
+		if (pixel) this.ask();
+	}
+	/** The picture has changed. */
+	refresh() {
+		if (!this.pinned || this.timer) return;
+		this.timer = window.setTimeout(() => void this.ask(), Math.max(0, this.asked + PAUSE - performance.now()));
+	}
+	async ask() {
+		clearTimeout(this.timer);
+		this.timer = 0;
+		this.asked = performance.now();
+		const pixel = this.pinned;
+		if (!pixel) return;
+		try {
+			const response = await fetch(`./api/pixel?x=${pixel[0]}&y=${pixel[1]}`);
+			const body = await response.json();
+			if (this.pinned !== pixel) return;
+			if ("channels" in body) this.fill(body);
+			else this.pin.replaceChildren(this.head(pixel), h("p", { class: "facts" }, body.error ?? response.statusText));
+		} catch {
+			if (this.pinned === pixel && this.pin.childElementCount === 0) this.pin.replaceChildren(this.head(pixel), h("p", { class: "facts" }, "no answer"));
+		}
+	}
+	head([x, y]) {
+		const unpin = h("button", {
+			class: "small",
+			title: "Unpin the pixel",
+			"aria-label": "Unpin the pixel",
+			onclick: () => this.set(null)
+		}, "×");
+		return h("div", { class: "pin-head" }, h("strong", {}, `Pixel ${x}, ${y}`), unpin);
+	}
+	fill(pixel) {
+		const facts = [
+			["samples", show(pixel.samples)],
+			["error", pixel.error === null ? null : `${show(100 * pixel.error)} %`],
+			["object", pixel.object],
+			["material", pixel.material]
+		].filter((f) => f[1] !== null);
+		const rows = /* @__PURE__ */ new Map();
+		for (const [name, value] of Object.entries(pixel.channels)) {
+			const dot = name.lastIndexOf(".");
+			const layer = dot < 0 ? /^[RGB]$/.test(name) ? "picture" : name : name.slice(0, dot);
+			rows.set(layer, [...rows.get(layer) ?? [], text(value)]);
+		}
+		const line = (name, values) => h("tr", {}, h("th", { scope: "row" }, name), h("td", {}, values.join("  ")));
+		const table = h("table", {}, h("tbody", {}, ...[...rows].map(([n, v]) => line(n, v)), ...facts.map(([n, v]) => line(n, [v]))));
+		this.pin.replaceChildren(this.head([pixel.x, pixel.y]), table);
+	}
+};
+/** A float's shortest digits. */
+function text(value) {
+	if (typeof value !== "number") return value;
+	const short = Number(value.toPrecision(7));
+	return Math.abs(short) < 1e-4 && short !== 0 ? short.toExponential() : String(short);
+}
+// src/magma.ts
+/** Errors as colours, as crates/image/src/metrics/difference.rs has them, and their scale. */
+/** Nine evenly spaced colours of the map "magma" (S. van der Walt, N. Smith 2015, CC0), sRGB. */
+var COLORS = [
+	4,
+	1839172,
+	5182075,
+	8463745,
+	11875962,
+	15030628,
+	16484193,
+	16695943,
+	16580031
+];
+/** `magma(x)`: the colour of a number from 0 to 1. */
+var MAGMA_GLSL = `
+const vec3 magmaColors[9] = vec3[9](${COLORS.map((c) => `vec3(${bytes(c).map((v) => v.toFixed(1)).join(", ")})`).join(", ")});
+
+vec3 magma(float x) {
+  float t = clamp(x, 0.0, 1.0) * 8.0;
+  int i = min(int(t), 7);
+  return floor(mix(magmaColors[i], magmaColors[i + 1], t - float(i)) + 0.5) / 255.0;
+}
+`;
+/** The scale of FLIP errors. */
+var FLIP_SCALE = {
+	label: "FLIP error from 0, the same, to 1",
+	unit: "FLIP",
+	colors: COLORS,
+	ticks: [
+		0,
+		.2,
+		.4,
+		.6,
+		.8,
+		1
+	].map((v) => [v, String(v)])
+};
+// src/moving.ts
+/** Milliseconds after which a picture that didn't come is no longer waited for. */
+var PATIENCE = 4e3;
+var Moving = class {
+	camera;
+	send;
+	isDirty = false;
+	queued = 0;
+	sentAt = null;
+	sentGeneration = 0;
+	generation = 0;
+	stopTimer = 0;
+	isMoving = false;
+	nextFov = null;
+	constructor(camera, send) {
+		this.camera = camera;
+		this.send = send;
+	}
+	/** The camera has been moved. */
+	moved() {
+		this.isMoving = true;
+		this.isDirty = true;
+		clearTimeout(this.stopTimer);
+		this.schedule();
+	}
+	/** The movement has ended, now or when nothing moves for some milliseconds. */
+	stop(after = 0) {
+		clearTimeout(this.stopTimer);
+		if (after > 0) this.stopTimer = window.setTimeout(() => this.stop(), after);
+		else if (this.isMoving) {
+			this.isMoving = this.isDirty = false;
+			this.sentAt = null;
+			this.post(false);
+		}
+	}
+	/** The server is asked for another camera: this one's movement is over, and the next state counts. */
+	release() {
+		clearTimeout(this.stopTimer);
+		this.isMoving = this.isDirty = false;
+		this.sentAt = this.nextFov = null;
+	}
+	/** A picture came. */
+	frame(generation) {
+		this.generation = Math.max(this.generation, generation);
+		if (this.sentAt !== null && generation > this.sentGeneration) {
+			this.sentAt = null;
+			if (this.isDirty) this.schedule();
+		}
+	}
+	/** What holds now: takes its camera, unless this page is moving it. */
+	state(generation, state, isNew) {
+		if (isNew) this.generation = generation;
+		const { camera } = this;
+		const isOther = length(sub(state.eye, camera.eye)) + length(sub(state.target, camera.target)) > 1e-4 * camera.distance;
+		if (isNew || !this.isMoving && (!state.moved || isOther)) camera.adopt(state);
+	}
+	/** Another angle of view, in degrees. */
+	fov(degrees) {
+		this.nextFov = degrees;
+		this.moved();
+		this.stop(250);
+	}
+	schedule() {
+		this.queued ||= requestAnimationFrame(() => {
+			this.queued = 0;
+			if (this.sentAt !== null && performance.now() - this.sentAt < PATIENCE) window.setTimeout(() => this.isDirty && this.schedule(), PATIENCE);
+			else if (this.isDirty) this.post(true);
+		});
+	}
+	post(moving) {
+		const { eye, target, up } = this.camera;
+		if (moving) {
+			this.isDirty = false;
+			this.sentAt = performance.now();
+			this.sentGeneration = this.generation;
+		}
+		this.send({
+			type: "camera",
+			eye,
+			target,
+			up,
+			...this.nextFov === null ? {} : { fov: this.nextFov },
+			moving
+		});
+		if (!moving) this.nextFov = null;
+	}
+};
+// src/navigate.ts
+/** CSS pixels that a click may move. */
+var STILL = 4;
+var Navigate = class {
+	view;
+	camera;
+	moving;
+	fly;
+	actions;
+	drag = null;
+	start = [0, 0];
+	last = [0, 0];
+	isClick = false;
+	touches = /* @__PURE__ */ new Map();
+	constructor(view, camera, moving, fly, actions) {
+		this.view = view;
+		this.camera = camera;
+		this.moving = moving;
+		this.fly = fly;
+		this.actions = actions;
+		const { canvas } = view;
+		canvas.addEventListener("pointerdown", (event) => this.down(event));
+		canvas.addEventListener("pointermove", (event) => this.move(event));
+		canvas.addEventListener("pointerup", (event) => this.up(event));
+		canvas.addEventListener("pointercancel", (event) => this.up(event));
+		canvas.addEventListener("pointerleave", () => actions.hover(null));
+		canvas.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
+		canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+		canvas.addEventListener("mousedown", (event) => event.button === 1 && event.preventDefault());
+	}
+	down(event) {
+		if (this.fly.on) return this.fly.stop();
+		if (event.button > 1) return;
+		this.view.canvas.focus({ preventScroll: true });
+		this.view.canvas.setPointerCapture(event.pointerId);
+		const at = [event.clientX, event.clientY];
+		if (event.pointerType === "touch") this.touches.set(event.pointerId, at);
+		this.isClick = event.button === 0 && this.touches.size < 2;
+		this.start = this.last = at;
+		if (this.actions.drawsRegion() && event.button === 0) this.drag = "region";
+		else if (event.ctrlKey || event.metaKey || !this.actions.isMovable()) this.drag = "picture";
+		else this.drag = event.shiftKey ? "pan" : "orbit";
+	}
+	move(event) {
+		const at = [event.clientX, event.clientY];
+		if (this.fly.on) return this.fly.look(event.movementX, event.movementY);
+		if (event.pointerType !== "touch") this.actions.hover(this.view.pixelAt(...at));
+		if (!this.drag) return;
+		if (Math.hypot(at[0] - this.start[0], at[1] - this.start[1]) > STILL) this.isClick = false;
+		if (this.touches.size === 2) return this.pinch(event.pointerId, at);
+		if (this.touches.has(event.pointerId)) this.touches.set(event.pointerId, at);
+		if (this.isClick) return;
+		const [dx, dy] = [at[0] - this.last[0], at[1] - this.last[1]];
+		this.last = at;
+		if (this.drag === "region") return this.actions.region(this.view.pixelAt(...this.start), this.view.pixelAt(...at), false);
+		if (this.drag === "picture") {
+			this.view.placement.pan(Math.round(dx * devicePixelRatio), Math.round(dy * devicePixelRatio));
+			return this.view.redraw();
+		}
+		if (this.drag === "orbit") this.camera.orbit(dx, dy);
+		else this.camera.pan(dx, dy, this.pictureSize());
+		this.moving.moved();
+	}
+	up(event) {
+		const wasPinch = this.touches.size > 1;
+		this.touches.delete(event.pointerId);
+		if (wasPinch) {
+			for (const at of this.touches.values()) this.last = this.start = at;
+			return;
+		}
+		const { drag } = this;
+		this.drag = null;
+		if (!drag) return;
+		const at = [event.clientX, event.clientY];
+		if (event.type === "pointercancel") this.moving.stop();
+		else if (drag === "region") this.actions.region(this.view.pixelAt(...this.start), this.view.pixelAt(...at), true);
+		else if (this.isClick) this.actions.click(this.view.pixelAt(...at));
+		else this.moving.stop();
+	}
+	/** Two fingers: their middle pans, their distance dollies. */
+	pinch(id, at) {
+		const other = [...this.touches].find(([key]) => key !== id)?.[1];
+		const before = this.touches.get(id);
+		this.touches.set(id, at);
+		if (!other || !before) return;
+		const apart = (a) => Math.max(Math.hypot(a[0] - other[0], a[1] - other[1]), 1);
+		const [dx, dy] = [(at[0] - before[0]) / 2, (at[1] - before[1]) / 2];
+		if (this.actions.isMovable()) {
+			this.camera.pan(dx, dy, this.pictureSize());
+			this.camera.dolly(apart(before) / apart(at));
+			this.moving.moved();
+		} else {
+			this.view.placement.pan(dx * devicePixelRatio, dy * devicePixelRatio);
+			const middle = this.view.devicePixel((at[0] + other[0]) / 2, (at[1] + other[1]) / 2);
+			this.view.placement.zoom(apart(at) / apart(before), ...middle);
+			this.view.redraw();
+		}
+	}
+	wheel(event) {
+		event.preventDefault();
+		const delta = event.deltaY * (event.deltaMode === 1 ? 16 : event.deltaMode === 2 ? 400 : 1);
+		if (this.fly.on) return this.fly.wheel(delta);
+		if (event.ctrlKey || event.metaKey || !this.actions.isMovable()) {
+			const factor = Math.exp(-Math.max(-100, Math.min(100, delta)) * .003);
+			this.view.placement.zoom(factor, ...this.view.devicePixel(event.clientX, event.clientY));
+			return this.view.redraw();
+		}
+		this.camera.dolly(Math.exp(delta * .001));
+		this.moving.moved();
+		this.moving.stop(250);
+	}
+	/** The picture's smaller side, CSS pixels. */
+	pictureSize() {
+		const { film, placement } = this.view;
+		return Math.min(film.width, film.height) * placement.scale / devicePixelRatio;
 	}
 };
 /** Lengths in CSS pixels: of arrows, and of a vertex' radius. */
@@ -3403,228 +3774,6 @@ function regionOf([ax, ay], [bx, by], film) {
 		y1
 	] : null;
 }
-// src/pick.ts
-var Pick = class {
-	camera;
-	move;
-	send;
-	tell;
-	/** The pixel under the pointer. */
-	pixel = null;
-	constructor(camera, move, send, tell) {
-		this.camera = camera;
-		this.move = move;
-		this.send = send;
-		this.tell = tell;
-	}
-	/** Turns the camera to the point, about which it turns from then on. */
-	async center() {
-		const point = await this.point();
-		if (point) this.move(() => this.camera.center(point));
-	}
-	/** Makes sharp what is as far along the axis as the point. */
-	async focus({ id, unit, lens }) {
-		if (lens === null) return this.tell({
-			severity: "note",
-			text: "this kind of camera has no focal distance"
-		});
-		const point = await this.point();
-		if (!point) return;
-		const far = dot(sub(point, this.camera.eye), this.camera.forward) / unit;
-		if (!(far > 0)) return this.tell({
-			severity: "note",
-			text: "the point is not in front of the camera"
-		});
-		this.send({
-			type: "edit",
-			node: id,
-			parameter: "focal_distance",
-			value: String(Number(far.toPrecision(7))),
-			moving: false
-		});
-		if (lens <= 0) this.tell({
-			severity: "note",
-			text: `all is sharp through a pinhole: 'lens_radius' of ${id} above 0 shows where the focus is`
-		});
-	}
-	async point() {
-		const none = (text) => (this.tell({
-			severity: "note",
-			text
-		}), null);
-		if (!this.pixel) return none("there is no point under the pointer");
-		const [x, y] = this.pixel;
-		try {
-			const pixel = await (await fetch(`./api/pixel?x=${x}&y=${y}`)).json();
-			if (!("channels" in pixel)) return none(pixel.error);
-			const { "P.X": px, "P.Y": py, "P.Z": pz, Z: depth } = pixel.channels;
-			if (px === void 0) return none("points are not known of a preview: try again in a moment");
-			return [
-				px,
-				py,
-				pz,
-				depth
-			].every((v) => typeof v === "number") ? [
-				px,
-				py,
-				pz
-			] : none("there is no surface under the pointer");
-		} catch {
-			return none("no answer");
-		}
-	}
-};
-// src/panel.ts
-/** Panels "Render" and "Camera": what the server is asked to render. */
-/** A field for a whole number of the settings; empty for none where `optional`. */
-function whole(label, low, optional, change) {
-	const field = h("input", {
-		type: "number",
-		class: "number",
-		min: low,
-		step: 1,
-		required: !optional,
-		"aria-label": label,
-		placeholder: optional ? "default" : null,
-		onchange: () => {
-			if (field.checkValidity()) change(field.value === "" ? null : field.valueAsNumber);
-			else field.reportValidity();
-		}
-	});
-	return field;
-}
-var RenderPanel = class {
-	send;
-	element;
-	choices;
-	spp;
-	seed;
-	depth;
-	width;
-	height;
-	constructor(send) {
-		this.send = send;
-		const set = (change) => this.send({
-			type: "settings",
-			...change
-		});
-		const choice = (key, label) => {
-			const select = h("select", {
-				"aria-label": label,
-				onchange: () => set({ [key]: select.value || null })
-			});
-			return select;
-		};
-		this.choices = {
-			integrator: choice("integrator", "Integrator"),
-			sampler: choice("sampler", "Sampler"),
-			color: choice("color", "Colour"),
-			denoise: choice("denoise", "Denoise")
-		};
-		this.spp = whole("Samples per pixel", 1, false, (v) => set({ spp: v }));
-		this.seed = whole("Seed", 0, true, (v) => set({ seed: v }));
-		this.depth = whole("Most bounces", 0, true, (v) => set({ maxDepth: v }));
-		this.width = whole("Width in pixels", 1, false, () => set(this.size()));
-		this.height = whole("Height in pixels", 1, false, () => set(this.size()));
-		const size = h("span", { class: "plain" }, this.width, "×", this.height);
-		this.element = section("Render", true, row("Integrator", this.choices.integrator), row("Samples", this.spp, "Samples for each pixel"), row("Sampler", this.choices.sampler), row("Colour", this.choices.color), h("div", { class: "row" }, h("span", {}, "Size"), size), row("Seed", this.seed), row("Max depth", this.depth, "Bounces at most"), row("Denoise", this.choices.denoise));
-	}
-	update({ settings, choices, film }) {
-		const named = (list) => list.map((c) => ({
-			value: c.name,
-			title: c.doc
-		}));
-		const { integrator } = settings;
-		const own = choices.integrators.some((c) => c.name === integrator) ? [] : [{
-			value: integrator,
-			text: integrator || "the scene’s"
-		}];
-		setOptions(this.choices.integrator, [...own, ...named(choices.integrators)]);
-		setOptions(this.choices.sampler, [{
-			value: "",
-			text: "automatic"
-		}, ...named(choices.samplers)]);
-		setOptions(this.choices.color, choices.colors.map((value) => ({ value })));
-		setOptions(this.choices.denoise, [{
-			value: "",
-			text: "no"
-		}, ...named(choices.denoisers)]);
-		for (const key of [
-			"integrator",
-			"sampler",
-			"color",
-			"denoise"
-		]) {
-			const select = this.choices[key];
-			setValue(select, settings[key] ?? "");
-			select.title = select.selectedOptions[0]?.title ?? "";
-		}
-		setValue(this.spp, String(settings.spp));
-		setValue(this.seed, settings.seed === null ? "" : String(settings.seed));
-		setValue(this.depth, settings.maxDepth === null ? "" : String(settings.maxDepth));
-		setValue(this.width, String(film.width));
-		setValue(this.height, String(film.height));
-	}
-	size() {
-		return {
-			width: this.width.valueAsNumber,
-			height: this.height.valueAsNumber
-		};
-	}
-};
-var CameraPanel = class {
-	send;
-	element;
-	names = h("select", {
-		"aria-label": "Camera",
-		onchange: () => this.send({
-			type: "camera-name",
-			name: this.names.value
-		})
-	});
-	nameRow = row("Camera", this.names);
-	facts = h("p", { class: "facts" });
-	buttons;
-	fovRow;
-	fov;
-	constructor(send, actions) {
-		this.send = send;
-		const button = (text, title, act) => h("button", {
-			title,
-			onclick: act
-		}, text);
-		this.buttons = [
-			button("Reset", "Back to the scene’s camera (Home)", () => this.send({ type: "camera-reset" })),
-			button("Front", "From the front (Numpad 1)", () => actions.from("front")),
-			button("Right", "From the right (Numpad 3)", () => actions.from("right")),
-			button("Top", "From above (Numpad 7)", () => actions.from("top")),
-			button("Fly", "Fly with W A S D Q E and the mouse (Shift+`)", () => actions.fly())
-		];
-		this.fov = numberField({
-			label: "Angle of view",
-			value: 50,
-			range: [.01, 179],
-			slider: [5, 150],
-			step: .5,
-			unit: "°",
-			change: actions.fov
-		});
-		this.fovRow = row("Angle of view", this.fov.element);
-		this.element = section("Camera", false, this.nameRow, this.fovRow, h("div", { class: "buttons" }, ...this.buttons), this.facts);
-	}
-	update({ camera }) {
-		this.nameRow.hidden = camera.names.length < 2;
-		setOptions(this.names, camera.names.map((value) => ({ value })));
-		if (camera.name !== null) setValue(this.names, camera.name);
-		for (const button of this.buttons) button.disabled = !camera.movable;
-		this.buttons[0].disabled = !camera.moved;
-		this.fovRow.hidden = camera.fov === null || !camera.movable;
-		if (camera.fov !== null) this.fov.set(camera.fov);
-		const place = (v) => v.map(show).join(", ");
-		const fixed = camera.movable ? "" : "; it cannot be moved here";
-		this.facts.textContent = `${camera.kind}, from ${place(camera.eye)} to ${place(camera.target)}${fixed}`;
-	}
-};
 // src/path.ts
 /** The path of one sample of the pinned pixel: what is asked for, and the table of its vertices. */
 var ENDS = {
@@ -3787,118 +3936,75 @@ function values(rgb) {
 /** JSON has no number that is not finite. */
 var number = (v) => v === null ? "NaN" : show(Number(v.toPrecision(3)));
 var triple = (rgb) => rgb.map(number).join("  ");
-// src/socket.ts
-var FIRST_PAUSE = .5;
-var LONGEST_PAUSE = 10;
-var Socket = class {
-	listeners;
-	socket = null;
-	pause = FIRST_PAUSE;
-	timer = 0;
-	/** Requests without an answer yet. */
-	asked = 0;
-	constructor(listeners) {
-		this.listeners = listeners;
-		this.connect();
-		addEventListener("online", () => this.retry());
+// src/pick.ts
+var Pick = class {
+	camera;
+	move;
+	send;
+	tell;
+	/** The pixel under the pointer. */
+	pixel = null;
+	constructor(camera, move, send, tell) {
+		this.camera = camera;
+		this.move = move;
+		this.send = send;
+		this.tell = tell;
 	}
-	/** Whether the last state knows of all that was asked for. */
-	get isSettled() {
-		return this.asked === 0;
+	/** Turns the camera to the point, about which it turns from then on. */
+	async center() {
+		const point = await this.point();
+		if (point) this.move(() => this.camera.center(point));
 	}
-	/** Sends, or forgets it when there is no connection: the state that comes after connecting tells what holds. */
-	send(message) {
-		if (this.socket?.readyState !== WebSocket.OPEN) return false;
-		this.asked++;
-		this.socket.send(JSON.stringify(message));
-		return true;
+	/** Makes sharp what is as far along the axis as the point. */
+	async focus({ id, unit, lens }) {
+		if (lens === null) return this.tell({
+			severity: "note",
+			text: "this kind of camera has no focal distance"
+		});
+		const point = await this.point();
+		if (!point) return;
+		const far = dot(sub(point, this.camera.eye), this.camera.forward) / unit;
+		if (!(far > 0)) return this.tell({
+			severity: "note",
+			text: "the point is not in front of the camera"
+		});
+		this.send({
+			type: "edit",
+			node: id,
+			parameter: "focal_distance",
+			value: String(Number(far.toPrecision(7))),
+			moving: false
+		});
+		if (lens <= 0) this.tell({
+			severity: "note",
+			text: `all is sharp through a pinhole: 'lens_radius' of ${id} above 0 shows where the focus is`
+		});
 	}
-	/** Tries now, when waiting. */
-	retry() {
-		if (this.timer === 0) return;
-		clearTimeout(this.timer);
-		this.connect();
-	}
-	take(message) {
-		if (message.type !== "answered") this.listeners.message(message);
-		else if (--this.asked === 0) this.listeners.settled();
-	}
-	connect() {
-		this.timer = 0;
-		const url = new URL("./api/socket", location.href);
-		url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
-		const socket = new WebSocket(url);
-		socket.binaryType = "arraybuffer";
-		socket.onopen = () => {
-			this.pause = FIRST_PAUSE;
-			this.asked = 0;
-			this.listeners.status(true, null);
-		};
-		socket.onmessage = ({ data }) => {
-			if (data instanceof ArrayBuffer) {
-				const tile = parseTile(data);
-				if (tile) this.listeners.tile(tile);
-			} else this.take(JSON.parse(data));
-		};
-		socket.onclose = () => {
-			this.listeners.status(false, this.pause);
-			this.timer = window.setTimeout(() => this.connect(), 1e3 * this.pause);
-			this.pause = Math.min(2 * this.pause, LONGEST_PAUSE);
-		};
-		this.socket = socket;
-	}
-};
-// src/status.ts
-/** The line below the picture: how far the render is, and whether the server is there. */
-var Status = class {
-	element = h("footer", { class: "status" });
-	dot = h("span", {
-		class: "dot",
-		"aria-hidden": "true"
-	});
-	connection = h("span", { role: "status" }, "connecting");
-	facts = h("span", { class: "status-facts" });
-	progress = h("progress", {
-		max: 1,
-		value: 0,
-		"aria-label": "Samples taken"
-	});
-	retry;
-	state = null;
-	frame = null;
-	constructor(retry) {
-		this.retry = h("button", {
-			class: "small",
-			hidden: true,
-			onclick: retry
-		}, "Try now");
-		this.element.append(this.dot, this.connection, this.retry, this.facts, this.progress);
-	}
-	connected(on, seconds) {
-		this.element.classList.toggle("lost", !on);
-		this.retry.hidden = on;
-		setText(this.connection, on ? "" : `connection lost; next try in ${seconds} s`);
-	}
-	update(state, frame) {
-		this.state = state ?? this.state;
-		this.frame = frame ?? this.frame;
-		const { settings, paused } = this.state ?? {};
-		const f = this.frame;
-		const what = f === null ? "no picture yet" : paused ? "paused" : f.kind === "preview" ? "preview" : f.done ? "done" : "rendering";
-		this.element.dataset.what = what;
-		const parts = [what, settings?.integrator];
-		if (f) {
-			parts.push(f.kind === "preview" ? null : `${show(f.samples)} / ${f.target} spp`);
-			if (f.error !== null) parts.push(`error ${show(100 * f.error)} %`);
-			parts.push(`${f.seconds < 10 ? f.seconds.toFixed(2) : f.seconds.toFixed(0)} s`);
-			if (f.denoised) parts.push("denoised");
-			if (f.nonfinite > 0) parts.push(`${f.nonfinite} not finite`);
-			parts.push(`${f.width} × ${f.height}`);
-			this.progress.value = Math.min(1, f.samples / Math.max(f.target, 1));
+	async point() {
+		const none = (text) => (this.tell({
+			severity: "note",
+			text
+		}), null);
+		if (!this.pixel) return none("there is no point under the pointer");
+		const [x, y] = this.pixel;
+		try {
+			const pixel = await (await fetch(`./api/pixel?x=${x}&y=${y}`)).json();
+			if (!("channels" in pixel)) return none(pixel.error);
+			const { "P.X": px, "P.Y": py, "P.Z": pz, Z: depth } = pixel.channels;
+			if (px === void 0) return none("points are not known of a preview: try again in a moment");
+			return [
+				px,
+				py,
+				pz,
+				depth
+			].every((v) => typeof v === "number") ? [
+				px,
+				py,
+				pz
+			] : none("there is no surface under the pointer");
+		} catch {
+			return none("no answer");
 		}
-		const text = parts.filter(Boolean).join(" · ");
-		setText(this.facts, text);
-		this.facts.title = text;
 	}
 };
 // src/theme.ts
@@ -4358,210 +4464,199 @@ var View = class {
 		return this.uniforms.get(name);
 	}
 };
-// src/main.ts
-function start() {
-	trackEditing();
-	const canvas = h("canvas", {
+// src/stage.ts
+/** The picture with what lies over it, the camera that it is seen by, and the pointer on it. */
+/** Milliseconds without a movement by a key after which it has ended. */
+var STOP = 150;
+var Stage = class {
+	connection;
+	canvas = h("canvas", {
 		class: "picture",
 		tabindex: 0,
 		role: "img",
 		"aria-label": "Rendered picture; arrow keys orbit the camera"
 	});
-	const view = new View(canvas);
-	const camera = new Camera();
-	const link = { socket: null };
-	const moving = new Moving(camera, (message) => link.socket?.send(message) ?? false);
-	const send = (message) => {
+	view = new View(this.canvas);
+	camera = new Camera();
+	moving;
+	overlay = new Overlay(this.view);
+	legend = new Legend();
+	path;
+	inspector;
+	pick;
+	toolbar;
+	flying = h("div", {
+		class: "hint",
+		hidden: true
+	}, "Flying: W A S D Q E and the mouse; Escape ends");
+	/** Called when there is another theme. */
+	themed = () => {};
+	flight;
+	constructor(connection, actions) {
+		this.connection = connection;
+		const { view, overlay } = this;
+		this.moving = new Moving(this.camera, (message) => connection.send(message));
+		this.flight = new Fly(this.canvas, this.camera, this.moving);
+		this.flight.changed = (on) => this.flying.hidden = !on;
+		this.path = new Path(overlay.drawing, () => this.inspector.set([view.film.width >> 1, view.film.height >> 1]));
+		this.inspector = new Inspector(this.path, () => {
+			overlay.pin = this.inspector.pinned;
+			overlay.place();
+		});
+		this.pick = new Pick(this.camera, this.move, this.send, actions.tell);
+		this.toolbar = new Toolbar({
+			fit: () => (view.placement.fit(), view.redraw()),
+			actual: () => (view.placement.actual(), view.redraw()),
+			pause: (on) => this.send({
+				type: "pause",
+				on
+			}) && this.toolbar.setPaused(on),
+			clearRegion: () => this.send({
+				type: "region",
+				pixels: null
+			}),
+			help: actions.help,
+			panel: () => this.toolbar.setPanel(document.body.classList.toggle("no-panel")),
+			themed: () => this.themed()
+		});
+		view.drawn = () => this.drawn();
+		this.navigate();
+	}
+	/** Sends; what asks for another camera ends the movement of this one. */
+	send = (message) => {
 		if ([
 			"camera-name",
 			"camera-reset",
 			"undo",
 			"redo"
-		].includes(message.type)) moving.release();
-		return link.socket?.send(message) ?? false;
+		].includes(message.type)) this.moving.release();
+		return this.connection.send(message);
 	};
-	const fly = new Fly(canvas, camera, moving);
-	const messages = new Messages();
-	const overlay = new Overlay(view);
-	const legend = new Legend();
-	const histogram = new Histogram();
-	const path = new Path(overlay.drawing, () => pinMiddle());
-	const inspector = new Inspector(path, () => {
-		overlay.pin = inspector.pinned;
-		overlay.place();
-	});
-	const pinMiddle = () => inspector.set([view.film.width >> 1, view.film.height >> 1]);
-	const output = new Output(view, (message) => messages.add(message));
-	const compare = new Compare(view, (message) => messages.add(message));
-	const errors = new Errors(view);
-	compare.changed = () => errors.changeReference();
-	const showHistogram = () => histogram.update(() => view.statistics(), view.tone.exposure);
-	const look = new Look(view, (names) => send({
-		type: "layers",
-		names
-	}), () => {
-		output.update();
-		showHistogram();
-		compare.refresh();
-	});
-	histogram.element.addEventListener("toggle", showHistogram);
-	const render = new RenderPanel(send);
-	const mixer = new Mixer(view, send, showHistogram);
-	const move = (change) => {
-		if (state === null || !state.camera.movable) return;
+	/** Moves the camera, if it may be moved. */
+	move = (change) => {
+		if (!this.isMovable) return;
 		change();
-		moving.moved();
-		moving.stop(150);
+		this.moving.moved();
+		this.moving.stop(STOP);
 	};
-	const pick = new Pick(camera, move, send, (message) => messages.add(message));
-	const focus = () => state && void pick.focus(state.camera);
-	const from = (side, opposite = false) => move(() => camera.from(side, opposite));
-	const startFly = () => state?.camera.movable && fly.start();
-	const cameraPanel = new CameraPanel(send, {
-		from,
-		fly: startFly,
-		fov: (degrees) => moving.fov(degrees)
-	});
-	const nodes = new Nodes(send);
-	const drop = new Drop((message) => messages.add(message));
-	const panel = h("aside", {
-		class: "panel",
-		"aria-label": "Panels"
-	}, look.element, compare.element, errors.element, histogram.element, inspector.element, render.element, mixer.element, cameraPanel.element, nodes.element, output.element, messages.element);
-	const toolbar = new Toolbar({
-		fit: () => (view.placement.fit(), view.redraw()),
-		actual: () => (view.placement.actual(), view.redraw()),
-		pause: (on) => send({
-			type: "pause",
-			on
-		}) && toolbar.setPaused(on),
-		clearRegion: () => send({
-			type: "region",
-			pixels: null
-		}),
-		help: () => keys.toggle(),
-		panel: () => toolbar.setPanel(document.body.classList.toggle("no-panel")),
-		themed: showHistogram
-	});
-	let state = null;
-	let isNew = true;
-	view.drawn = () => {
-		overlay.place();
+	from = (side, opposite = false) => this.move(() => this.camera.from(side, opposite));
+	fly = () => {
+		if (this.isMovable) this.flight.start();
+	};
+	focus = () => {
+		const { state } = this.connection;
+		if (state) this.pick.focus(state.camera);
+	};
+	get isMovable() {
+		return this.connection.state?.camera.movable ?? false;
+	}
+	navigate() {
+		const { view, overlay, inspector, pick, toolbar } = this;
+		new Navigate(view, this.camera, this.moving, this.flight, {
+			hover: (pixel) => {
+				pick.pixel = pixel;
+				inspector.show(pixel, pixel && view.values(...pixel), view.isMixed);
+			},
+			click: (pixel) => {
+				const inside = view.values(...pixel) !== null;
+				inspector.set(inside ? pixel : null);
+				if (inside) inspector.show(pixel, view.values(...pixel), view.isMixed);
+			},
+			region: (a, b, done) => {
+				overlay.region = regionOf(a, b, view.film);
+				overlay.place();
+				if (!done) return;
+				toolbar.setRegion(false);
+				if (overlay.region) this.send({
+					type: "region",
+					pixels: overlay.region
+				});
+				else overlay.region = this.connection.state?.region ?? null;
+			},
+			drawsRegion: () => toolbar.region,
+			isMovable: () => this.isMovable
+		});
+	}
+	drawn() {
+		const { view } = this;
+		this.overlay.place();
 		const isPicture = view.layer === "picture";
 		const ends = view.scale();
-		if (view.showsMap) legend.update(FLIP_SCALE);
-		else legend.update(ends && falseScale(ends, isPicture ? 72983.26 : 1, isPicture ? "cd/m²" : ""));
-	};
-	const flying = h("div", {
-		class: "hint",
-		hidden: true
-	}, "Flying: W A S D Q E and the mouse; Escape ends");
-	fly.changed = (on) => flying.hidden = !on;
-	new Navigate(view, camera, moving, fly, {
-		hover: (pixel) => {
-			pick.pixel = pixel;
-			inspector.show(pixel, pixel && view.values(...pixel), view.isMixed);
-		},
-		click: (pixel) => {
-			const inside = view.values(...pixel) !== null;
-			inspector.set(inside ? pixel : null);
-			if (inside) inspector.show(pixel, view.values(...pixel), view.isMixed);
-		},
-		region: (a, b, done) => {
-			overlay.region = regionOf(a, b, view.film);
-			overlay.place();
-			if (!done) return;
-			toolbar.setRegion(false);
-			if (overlay.region) send({
-				type: "region",
-				pixels: overlay.region
-			});
-			else overlay.region = state?.region ?? null;
-		},
-		drawsRegion: () => toolbar.region,
-		isMovable: () => state?.camera.movable ?? false
-	});
-	const keys = new Keys(bindings({
-		view,
-		camera,
-		toolbar,
-		look,
-		compare,
-		inspector,
-		pick,
-		path,
-		focus,
-		move,
-		from,
-		fly: startFly,
-		send,
+		if (view.showsMap) this.legend.update(FLIP_SCALE);
+		else this.legend.update(ends && falseScale(ends, isPicture ? 72983.26 : 1, isPicture ? "cd/m²" : ""));
+	}
+	takeState(state) {
+		this.view.film = { ...state.film };
+		this.view.region = state.region;
+		this.path.update(state);
+	}
+	takeFields(state, isNew) {
+		if (!this.toolbar.region) this.overlay.region = state.region;
+		this.moving.state(state.generation, state.camera, isNew);
+		this.toolbar.update(state);
+		this.overlay.place();
+	}
+	takeTile(tile) {
+		const { view } = this;
+		if (tile.layer >= 256) return view.groups.tile(tile.layer - 256, tile);
+		const layer = tile.layer === 0 ? "picture" : this.connection.state?.layers[tile.layer - 1];
+		if (layer !== void 0) view.tile(layer, tile);
+	}
+	takeFrame(frame) {
+		this.view.frame(frame);
+		this.moving.frame(frame.generation);
+	}
+};
+// src/main.ts
+function start() {
+	trackEditing();
+	const connection = new Connection();
+	const stage = new Stage(connection, {
+		tell: (message) => panels.tell(message),
 		help: () => keys.toggle()
-	}));
-	const socket = new Socket({
-		message(message) {
-			if (message.type === "state") takeState(message);
-			else if (message.type === "frame") takeFrame(message);
-			else if (message.type === "message") messages.add(message);
-			else if (message.type === "reference") compare.changedElsewhere();
-		},
-		tile(tile) {
-			if (tile.layer >= 256) return view.groups.tile(tile.layer - 256, tile);
-			const layer = tile.layer === 0 ? "picture" : state?.layers[tile.layer - 1];
-			if (layer !== void 0) view.tile(layer, tile);
-		},
-		status(connected, seconds) {
-			isNew ||= connected;
-			status.connected(connected, seconds);
-		},
-		settled: () => state && takeFields(state)
 	});
-	const status = new Status(() => socket.retry());
-	link.socket = socket;
-	function takeState(next) {
-		const first = state === null;
-		state = next;
-		document.title = `${next.scene.name} – Steradian`;
-		view.film = { ...next.film };
-		view.region = next.region;
-		look.update(next);
-		compare.takeState(next);
-		errors.takeState(next);
-		if (isNew || socket.isSettled) takeFields(next);
-		output.update(next);
-		messages.scene(next.scene.messages);
-		path.update(next);
-		status.update(next, null);
-		if (isNew && !first && view.layer !== "picture" && !next.layers.includes(view.layer)) send({
+	const panels = new Panels(stage);
+	const drop = new Drop(panels.tell);
+	const help = () => keys.toggle();
+	const keys = new Keys(bindings({
+		...stage,
+		look: panels.look,
+		compare: panels.compare,
+		help
+	}));
+	let isFirst = true;
+	const takeState = (state, isNew) => {
+		const { view } = stage;
+		document.title = `${state.scene.name} – Steradian`;
+		stage.takeState(state);
+		panels.takeState(state);
+		const isForgotten = view.layer !== "picture" && !state.layers.includes(view.layer);
+		if (isNew && !isFirst && isForgotten) stage.send({
 			type: "layers",
 			names: [view.layer]
 		});
-		isNew = false;
+		isFirst = false;
 		view.redraw();
-	}
-	/** Shows what holds where it can be changed. A state that doesn't know yet of what was changed here would undo it. */
-	function takeFields(state) {
-		if (!toolbar.region) overlay.region = state.region;
-		render.update(state);
-		mixer.update(state);
-		cameraPanel.update(state);
-		moving.state(state.generation, state.camera, isNew);
-		nodes.update(state, isNew);
-		toolbar.update(state);
-		overlay.place();
-	}
-	function takeFrame(frame) {
-		view.frame(frame);
-		mixer.takeFrame(frame);
-		moving.frame(frame.generation);
-		nodes.frame();
-		status.update(null, frame);
-		compare.takeFrame(frame);
-		errors.takeFrame(frame);
-		showHistogram();
-		inspector.refresh();
-	}
-	document.body.append(h("main", { class: "stage" }, h("h1", { class: "hidden" }, "Steradian"), canvas, overlay.element, compare.divider.element, compare.tag, toolbar.element, legend.element, flying, messages.toast, drop.hint), status.element, panel, keys.help);
-	toolbar.setPanel(document.body.classList.toggle("no-panel", innerWidth < 720));
+	};
+	connection.open({
+		state: takeState,
+		fields: (state, isNew) => {
+			stage.takeFields(state, isNew);
+			panels.takeFields(state, isNew);
+		},
+		frame: (frame) => {
+			stage.takeFrame(frame);
+			panels.takeFrame(frame);
+			stage.inspector.refresh();
+		},
+		tile: (tile) => stage.takeTile(tile),
+		other: (message) => {
+			if (message.type === "message") panels.tell(message);
+			else if (message.type === "reference") panels.compare.changedElsewhere();
+		}
+	});
+	document.body.append(h("main", { class: "stage" }, h("h1", { class: "hidden" }, "Steradian"), stage.canvas, stage.overlay.element, panels.compare.divider.element, panels.compare.tag, stage.toolbar.element, stage.legend.element, stage.flying, panels.messages.toast, drop.hint), connection.status.element, panels.element, keys.help);
+	stage.toolbar.setPanel(document.body.classList.toggle("no-panel", innerWidth < 720));
 }
 try {
 	start();
