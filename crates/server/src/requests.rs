@@ -17,10 +17,12 @@ use serde::{Deserialize, Serialize, Serializer};
 use steradian::{develop, film::FirstHit};
 use tokio::sync::oneshot;
 
-/// State for pages.
-pub async fn state(State(app): State<App>) -> Response {
-    let state = app.viewer.states.borrow().to_string();
-    ([(header::CONTENT_TYPE, "application/json")], state).into_response()
+/// State for pages, once the first one is told.
+pub async fn state(State(app): State<App>) -> Result<Response, Refused> {
+    let mut states = app.viewer.states.clone();
+    let state = states.wait_for(|state| !state.is_empty()).await.map(|state| state.to_string());
+    let state = state.map_err(|_| Refused(StatusCode::SERVICE_UNAVAILABLE, "the view has ended".into()))?;
+    Ok(([(header::CONTENT_TYPE, "application/json")], state).into_response())
 }
 
 /// All nodes with what can be set of them.
