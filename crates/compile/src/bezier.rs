@@ -11,7 +11,7 @@ impl Compiler<'_> {
     /// The triangles of Bézier patches; nothing where they are refused.
     pub(super) fn bezier_patches(&mut self, node: &Node) -> Option<Mesh> {
         let span = node.param("points").and_then(|p| p.span).or(node.span);
-        let level = self.int(node, "level").unwrap_or(0).clamp(0, i64::from(MOST_SEGMENTS)) as u32;
+        let level = self.int(node, "level").clamp(0, i64::from(MOST_SEGMENTS)) as u32;
         let list = self.list(node, "points");
         if list.is_none() && node.get("points").is_some() {
             return None;

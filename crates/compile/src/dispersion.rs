@@ -13,10 +13,10 @@ impl Compiler<'_> {
     /// The index of a material with `abbe_number`, `cauchy` (two or three numbers, λ in µm) or `sellmeier` (six
     /// numbers: B₁, B₂, B₃, then C₁, C₂, C₃ in µm²). In RGB it is the one at the sodium line. `None` where none of them
     /// is there.
-    pub(super) fn dispersion(&mut self, node: &Node, default: f64) -> Option<Eta> {
+    pub(super) fn dispersion(&mut self, node: &Node) -> Option<Eta> {
         let formula = if node.param("abbe_number").is_some() {
-            let abbe = self.float(node, "abbe_number", 0.0);
-            Dispersion::from_abbe(f64::from(self.at_sodium_line(node, "eta", default)), f64::from(abbe))
+            let abbe = self.float_or(node, "abbe_number", 0.0);
+            Dispersion::from_abbe(f64::from(self.at_sodium_line(node, "eta")), f64::from(abbe))
         } else if node.param("cauchy").is_some() {
             let c = self.list(node, "cauchy")?;
             if !(2..=3).contains(&c.len()) {

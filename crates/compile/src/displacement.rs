@@ -14,13 +14,13 @@ impl Compiler<'_> {
             self.error(node.span, format!("malformed mesh: {e}"));
             return None;
         }
-        let is_vector = self.bool(node, "displacement_vector", false);
-        let scale = self.float(node, "displacement_scale", 1.0);
-        let middle = self.float(node, "displacement_middle", 0.0);
+        let is_vector = self.bool(node, "displacement_vector");
+        let scale = self.float(node, "displacement_scale");
+        let middle = self.float(node, "displacement_middle");
         let length = self.if_positive(node, "edge_length");
         let pixels = self.if_positive(node, "edge_pixels");
         let height =
-            if is_vector { FloatTexture::Constant(0.0) } else { self.float_texture(node, "displacement", 0.0) };
+            if is_vector { FloatTexture::Constant(0.0) } else { self.float_texture_or(node, "displacement", 0.0) };
         let vector = match (is_vector, self.reference(node, "displacement")) {
             (true, Some(id)) => match self.texture(id, Role::Unbounded) {
                 SpectrumTexture::Texture(id, _) => Some(id),

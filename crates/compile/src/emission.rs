@@ -178,8 +178,8 @@ impl Compiler<'_> {
     }
 
     fn emitter(&mut self, light: &Node, area: f32) -> Option<Emitter> {
-        let two_sided = self.bool(light, "two_sided", false);
-        let mut scale = self.float(light, "scale", 1.0);
+        let two_sided = self.bool(light, "two_sided");
+        let mut scale = self.float(light, "scale");
         let (radiance, mean) = if light.get("file").is_some() {
             let texels = (*self.image(light)?).clone();
             let texels = Arc::new(self.emitted_texels(light, texels));

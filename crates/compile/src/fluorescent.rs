@@ -17,7 +17,7 @@ use steradian_math::{
     },
     warp,
 };
-use steradian_scene::{Node, SpectrumValue};
+use steradian_scene::Node;
 use steradian_texture::SpectrumTexture;
 
 /// Largest table.
@@ -28,9 +28,9 @@ const SLACK: f32 = 2e-3;
 impl Compiler<'_> {
     /// A fluorescent surface; a diffuse one in RGB mode, and where an error is reported.
     pub(super) fn fluorescent(&mut self, node: &Node) -> Model {
-        let reflectance = self.spectrum(node, "reflectance", Role::Albedo, SpectrumValue::Constant(0.5));
+        let reflectance = self.spectrum(node, "reflectance", Role::Albedo);
         let plain = Model::Diffuse(reflectance.clone());
-        let lifetime = self.float(node, "lifetime", 0.0);
+        let lifetime = self.float(node, "lifetime");
         let Some(reradiation) = self.reradiation(node) else { return plain };
         if self.mode == ColorMode::Rgb {
             self.approximated(
@@ -66,9 +66,9 @@ impl Compiler<'_> {
                 }
             };
         }
-        let absorption = self.constant_color(node, "absorption", Role::Unbounded, SpectrumValue::Constant(0.0));
-        let emission = self.constant_color(node, "emission", Role::Unbounded, SpectrumValue::Constant(1.0));
-        let quantum_yield = self.float(node, "quantum_yield", 1.0);
+        let absorption = self.constant_color(node, "absorption", Role::Unbounded);
+        let emission = self.constant_color(node, "emission", Role::Unbounded);
+        let quantum_yield = self.float(node, "quantum_yield");
         Some(Reradiation::of_pigment(|l| at(&absorption, l), quantum_yield, |l| at(&emission, l)))
     }
 }

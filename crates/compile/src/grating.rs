@@ -1,24 +1,30 @@
 //! Compiling diffraction gratings.
 
 use super::Compiler;
-use steradian_bsdf::{Grooves, Profile};
-use steradian_core::material::{Eta, GratingMaterial, Metal, Model};
+use steradian_bsdf::{Grooves, NormalDistribution, Profile, Shadowing};
+use steradian_core::material::{Eta, GratingMaterial, Metal, Model, Roughness};
 use steradian_math::spectra::{
     ColorMode, LAMBDA_MIN,
     role::{Color, Role},
 };
-use steradian_scene::{Node, SpectrumValue};
+use steradian_scene::Node;
 use steradian_texture::SpectrumTexture;
-
-const ONE: SpectrumValue = SpectrumValue::Constant(1.0);
 
 impl Compiler<'_> {
     /// A grating; the zeroth order alone in RGB mode.
     pub(super) fn grating(&mut self, node: &Node) -> Model {
-        let surface = self.conductor(node, ["eta", "k", "reflectance"]);
-        let transmittance = self.spectrum(node, "specular_transmittance", Role::Albedo, ONE);
-        let index = self.float(node, "index", 1.5);
-        let transmits = self.bool(node, "transmission", false).then_some(index);
+        let [u, v] = self.alphas(node, ["alpha_u", "alpha_v"]);
+        let roughness = Roughness {
+            u,
+            v,
+            remap: false,
+            distribution: NormalDistribution::Ggx,
+            shadowing: Shadowing::HeightCorrelated,
+        };
+        let surface = self.metal(node, roughness);
+        let transmittance = self.spectrum(node, "specular_transmittance", Role::Albedo);
+        let index = self.float(node, "index");
+        let transmits = self.bool(node, "transmission").then_some(index);
         let grooves = self.grooves(node, transmits);
         let Some(mut metal) = as_metal(&surface) else { return surface };
         if transmits.is_some() {
@@ -40,16 +46,16 @@ impl Compiler<'_> {
     }
 
     fn grooves(&mut self, node: &Node, transmits: Option<f32>) -> Grooves {
-        let mut period = self.positive(node, "period", 1600.0);
+        let mut period = self.positive(node, "period");
         if node.param("lines").is_some() {
             self.superseded(node, "lines", &["period"]);
-            period = 1e6 / self.positive(node, "lines", 625.0);
+            period = 1e6 / self.positive_or(node, "lines", 625.0);
         }
-        let depth = self.float(node, "depth", 120.0);
-        let duty = self.float(node, "duty", 0.5);
-        let orders = self.int(node, "orders").map_or(10, |m| m.clamp(0, 100) as u16);
+        let depth = self.float(node, "depth");
+        let duty = self.float(node, "duty");
+        let orders = self.int(node, "orders").clamp(0, 100) as u16;
         let shapes = [("sinusoidal", 0), ("rectangular", 1), ("blazed", 2)];
-        let mut profile = match self.choice(node, "profile", 0, &shapes) {
+        let mut profile = match self.choice(node, "profile", &shapes) {
             0 => Profile::sinusoidal(orders, depth / LAMBDA_MIN * transmits.unwrap_or(2.0).max(2.0)),
             1 => Profile::Rectangular(duty),
             _ => Profile::Blazed,

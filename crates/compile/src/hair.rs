@@ -17,28 +17,28 @@ impl Compiler<'_> {
         let color = if node.get("reflectance").is_some() { "reflectance" } else { "color" };
         let absorption = if node.get("sigma_a").is_some() {
             self.superseded(node, "sigma_a", &["reflectance", "color", "eumelanin", "pheomelanin"]);
-            Absorption::Coefficient(self.spectrum(node, "sigma_a", Role::Unbounded, one))
+            Absorption::Coefficient(self.spectrum_or(node, "sigma_a", Role::Unbounded, one))
         } else if node.get(color).is_some() {
             self.superseded(node, color, &["eumelanin", "pheomelanin"]);
-            Absorption::Color(self.spectrum(node, color, Role::Albedo, one))
+            Absorption::Color(self.spectrum_or(node, color, Role::Albedo, one))
         } else {
             self.pigments(node)
         };
         Model::Hair(Box::new(HairMaterial {
             absorption,
-            eta: self.float_texture(node, "eta", 1.55),
-            beta_m: self.float_texture(node, "beta_m", 0.3),
-            beta_n: self.float_texture(node, "beta_n", 0.3),
-            alpha: self.float_texture(node, "alpha", 2.0),
-            is_round: self.bool(node, "round", false),
+            eta: self.float_texture(node, "eta"),
+            beta_m: self.float_texture(node, "beta_m"),
+            beta_n: self.float_texture(node, "beta_n"),
+            alpha: self.float_texture(node, "alpha"),
+            is_round: self.bool(node, "round"),
         }))
     }
 
     fn pigments(&mut self, node: &Node) -> Absorption {
         let neither = node.get("eumelanin").is_none() && node.get("pheomelanin").is_none();
         let concentrations = [
-            self.float_texture(node, "eumelanin", if neither { 1.3 } else { 0.0 }),
-            self.float_texture(node, "pheomelanin", 0.0),
+            self.float_texture_or(node, "eumelanin", if neither { 1.3 } else { 0.0 }),
+            self.float_texture(node, "pheomelanin"),
         ];
         let units = [EUMELANIN, PHEOMELANIN].map(Vec3::from);
         let mode = self.mode;

@@ -30,9 +30,9 @@ impl Compiler<'_> {
         most: i64,
     ) -> Option<Field> {
         let span = |name: &str| node.param(name).and_then(|p| p.span).or(node.span);
-        let (nu, nv) = (self.int(node, "nu"), self.int(node, "nv"));
-        let scale = self.float(node, "scale", 1.0);
-        let smooth = self.bool(node, "smooth", false);
+        let (nu, nv) = (self.given_int(node, "nu"), self.given_int(node, "nv"));
+        let scale = self.float(node, "scale");
+        let smooth = self.bool(node, "smooth");
         let (width, height, data) = if node.get("file").is_some() {
             let texels = self.image(node)?;
             let (w, h, n) = (texels.width, texels.height, texels.channels);
@@ -49,7 +49,7 @@ impl Compiler<'_> {
             };
             (nu, nv, self.list(node, "heights")?)
         } else if node.get("heights").is_some() {
-            let texture = self.float_texture(node, "heights", 0.0);
+            let texture = self.float_texture_or(node, "heights", 0.0);
             let side = if matches!(texture, FloatTexture::Constant(_)) { 2 } else { SIDE };
             let (nu, nv) = (nu.unwrap_or(side), nv.unwrap_or(side));
             if nu < 2 || nv < 2 || nu.saturating_mul(nv) > most {

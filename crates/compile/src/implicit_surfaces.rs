@@ -53,7 +53,7 @@ impl Compiler<'_> {
         if node.get("expression").is_none() {
             self.error(span, "shape 'implicit' needs an 'expression' in x, y and z");
         }
-        let text = self.word(node, "expression")?;
+        let text = self.given_word(node, "expression")?;
         match Expression::new(text) {
             Ok(e) => Some((Function::Expression(e), self.corners(placed), false)),
             Err(fault) => {
@@ -65,25 +65,25 @@ impl Compiler<'_> {
 
     /// The box that a surface is cut by.
     fn corners(&mut self, placed: &Placed<'_>) -> [DVec3; 2] {
-        [self.vec3(placed.node, "min", Vec3::NEG_ONE), self.vec3(placed.node, "max", Vec3::ONE)].map(Vec3::as_dvec3)
+        [self.vec3(placed.node, "min"), self.vec3(placed.node, "max")].map(Vec3::as_dvec3)
     }
 
     fn revolution(&mut self, kind: &str, placed: &Placed<'_>) -> Option<(Function, [DVec3; 2], bool)> {
         let node = placed.node;
-        let phi = f64::from(self.float(node, "phi_max", 360.0).clamp(0.0, 360.0)).to_radians();
+        let phi = f64::from(self.float(node, "phi_max").clamp(0.0, 360.0)).to_radians();
         let (surface, flip) = match kind {
             "cone" => {
-                let radius = f64::from(self.positive(node, "radius", 1.0));
-                let height = f64::from(self.positive(node, "height", 1.0));
+                let radius = f64::from(self.positive(node, "radius"));
+                let height = f64::from(self.positive(node, "height"));
                 (Revolution::line(DVec3::X * radius, DVec3::Z * height, phi), false)
             }
             "hyperboloid" => {
-                let [a, b] = [self.vec3(node, "p1", Vec3::ZERO), self.vec3(node, "p2", Vec3::ONE)].map(Vec3::as_dvec3);
+                let [a, b] = [self.vec3(node, "p1"), self.vec3(node, "p2")].map(Vec3::as_dvec3);
                 (Revolution::line(a, b, phi), b.z < a.z)
             }
             _ => {
-                let radius = f64::from(self.positive(node, "radius", 1.0));
-                let z = [self.float(node, "z_min", 0.0), self.float(node, "z_max", 1.0)].map(f64::from);
+                let radius = f64::from(self.positive(node, "radius"));
+                let z = [self.float(node, "z_min"), self.float(node, "z_max")].map(f64::from);
                 (Revolution::parabola(radius, [z[0].min(z[1]).max(0.0), z[0].max(z[1])], phi), false)
             }
         };

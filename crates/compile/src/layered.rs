@@ -6,20 +6,18 @@ use steradian_math::spectra::role::Role;
 use steradian_scene::{Node, SpectrumValue, Value};
 use steradian_texture::SpectrumTexture;
 
-const ZERO: SpectrumValue = SpectrumValue::Constant(0.0);
-
 impl Compiler<'_> {
     /// pbrt's `coatedconductor`.
     pub(super) fn coated_conductor(&mut self, node: &Node) -> Model {
         let metal = self.roughness(node, "conductor.uroughness", "conductor.vroughness");
         let base = if node.get("reflectance").is_some() {
-            let reflectance = self.spectrum(node, "reflectance", Role::Albedo, SpectrumValue::Constant(1.0));
+            let reflectance = self.spectrum_or(node, "reflectance", Role::Albedo, SpectrumValue::Constant(1.0));
             LayeredBase::ConductorReflectance(reflectance, metal)
         } else {
             let copper = |part: &str| SpectrumValue::Named(format!("metal-Cu-{part}"));
             LayeredBase::Conductor(
-                self.spectrum(node, "conductor.eta", Role::Index, copper("eta")),
-                self.spectrum(node, "conductor.k", Role::Index, copper("k")),
+                self.spectrum_or(node, "conductor.eta", Role::Index, copper("eta")),
+                self.spectrum_or(node, "conductor.k", Role::Index, copper("k")),
                 metal,
             )
         };
@@ -28,23 +26,23 @@ impl Compiler<'_> {
 
     /// A coat over `base`.
     pub(super) fn layered(&mut self, node: &Node, eta: &str, [u, v]: [&str; 2], base: LayeredBase) -> Model {
-        let thickness = self.float_texture(node, "thickness", 0.01);
-        let g = self.float_texture(node, "g", 0.0);
+        let thickness = self.float_texture(node, "thickness");
+        let g = self.float_texture(node, "g");
         Model::Layered(Box::new(LayeredMaterial {
-            eta: self.eta_named(node, eta, 1.5),
+            eta: self.eta_named(node, eta),
             coat: self.roughness(node, u, v),
             base,
             thickness,
-            albedo: self.spectrum(node, "albedo", Role::Albedo, ZERO),
+            albedo: self.spectrum(node, "albedo", Role::Albedo),
             g,
-            max_depth: self.count(node, "max_depth", 10),
-            samples: self.count(node, "samples", 1).max(1),
+            max_depth: self.count(node, "max_depth"),
+            samples: self.count(node, "samples").max(1),
         }))
     }
 
     /// A whole number that a loop runs to, held below a thousand.
-    fn count(&mut self, node: &Node, name: &str, default: u16) -> u16 {
-        let Some(v) = self.int(node, name) else { return default };
+    fn count(&mut self, node: &Node, name: &str) -> u16 {
+        let v = self.int(node, name);
         let span = node.param(name).and_then(|p| p.span).or(node.span);
         if v > 1000 {
             self.approximated(span, format!("'{name}' is {v}; at most 1000 is used"));
@@ -66,8 +64,7 @@ impl Compiler<'_> {
 
     /// A coat over a diffuse base whose medium scatters, or whose thickness varies.
     pub(super) fn layered_diffuse(&mut self, node: &Node) -> Model {
-        let half = SpectrumValue::Constant(0.5);
-        let base: SpectrumTexture = self.spectrum(node, "reflectance", Role::Albedo, half);
+        let base: SpectrumTexture = self.spectrum(node, "reflectance", Role::Albedo);
         if let Some(p) = node.param("specular_reflectance") {
             let what = "'specular_reflectance' has no meaning for a coat with a medium in it; it is left out";
             self.approximated(p.span.or(node.span), what);

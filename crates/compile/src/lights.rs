@@ -16,10 +16,8 @@ use steradian_math::{
     },
     transform::Affine,
 };
-use steradian_scene::{ColorSpace, Family, Format, Node, NodeId, SpectrumValue, Value, names};
+use steradian_scene::{Family, Format, Node, NodeId, SpectrumValue, Value, names};
 use steradian_texture::SpectrumTexture;
-
-const WHITE: SpectrumValue = SpectrumValue::Rgb([1.0; 3], ColorSpace::Srgb);
 
 /// Mean luminance of an image.
 pub(super) fn mean_luminance(t: &Texels) -> f32 {
@@ -48,13 +46,13 @@ impl Compiler<'_> {
     /// The factor that brings a spectrum to luminance one where the light asks for it (`normalize`). RGB values are
     /// relative to a white of luminance one already.
     pub(super) fn normalization(&mut self, light: &Node, name: &str) -> f32 {
-        if !self.bool(light, "normalize", false) {
+        if !self.bool(light, "normalize") {
             return 1.0;
         }
         match light.get(name) {
             Some(Value::Spectrum(SpectrumValue::Rgb(..)) | Value::Node(_)) | None => 1.0,
             _ => {
-                let y = self.constant_color(light, name, Role::Illuminant, WHITE).luminance(self.mode);
+                let y = self.constant_color(light, name, Role::Illuminant).luminance(self.mode);
                 if y > 0.0 { 1.0 / y } else { 1.0 }
             }
         }
@@ -62,9 +60,12 @@ impl Compiler<'_> {
 
     /// A guess at the mean luminance of a textured parameter.
     pub(super) fn texture_luminance(&mut self, light: &Node, name: &str) -> f32 {
-        let image = light.node(name).map(|id| self.node(id)).filter(|n| n.kind == "image");
+        let image = light
+            .node(name)
+            .map(|id| self.node(id))
+            .filter(|n| (n.family, n.kind.as_str()) == (Family::Texture, "image"));
         match image.and_then(|n| self.image(n).map(|t| (n, t))) {
-            Some((n, t)) => (mean_luminance(&t) * self.float(n, "scale", 1.0)).max(1e-6),
+            Some((n, t)) => (mean_luminance(&t) * self.float(n, "scale")).max(1e-6),
             None => 1.0,
         }
     }
@@ -78,13 +79,14 @@ impl Compiler<'_> {
             Some(n) if n.kind == "image" && self.image(n).is_some_and(|t| exceeds_one(&t)) => Role::Unbounded,
             Some(_) => Role::Albedo,
         };
-        self.spectrum(light, name, role, WHITE)
+        let default = self.default_spectrum(light, "radiance");
+        self.spectrum_or(light, name, role, default)
     }
 
     /// A constant emission spectrum with scale and normalisation applied.
     fn emission_color(&mut self, light: &Node, name: &str) -> (Color, f32) {
-        let color = self.constant_color(light, name, Role::Illuminant, WHITE);
-        let scale = self.float(light, "scale", 1.0) * self.normalization(light, name);
+        let color = self.constant_color(light, name, Role::Illuminant);
+        let scale = self.float(light, "scale") * self.normalization(light, name);
         (color, scale)
     }
 
@@ -101,7 +103,7 @@ impl Compiler<'_> {
     /// colour then takes its part away.
     pub(super) fn luminous_target(&mut self, node: &Node, name: &str, luminance: f32) -> Option<f32> {
         let units = f64::from(self.if_positive(node, name)?) / self.unit_luminance();
-        let of = if self.bool(node, "normalize", false) { 1.0 } else { f64::from(luminance) };
+        let of = if self.bool(node, "normalize") { 1.0 } else { f64::from(luminance) };
         (of > 0.0).then_some((units / of) as f32)
     }
 
@@ -163,7 +165,7 @@ impl Compiler<'_> {
         if let Some(power) = self.luminous_target(node, "power", color.luminance(self.mode)) {
             scale *= power / (4.0 * PI);
         }
-        let p = self.vec3(node, "position", Vec3::ZERO);
+        let p = self.vec3(node, "position");
         let p = place.point(p);
         if !p.is_finite() {
             self.error(node.span, "the position of this light is not finite");
@@ -175,12 +177,11 @@ impl Compiler<'_> {
     fn spot(&mut self, node: &Node) -> Option<Light> {
         let place = self.light_place(node)?;
         let (color, mut scale) = self.emission_color(node, "intensity");
-        let total = self.positive(node, "cone_angle", 30.0).clamp(1e-3, 180.0).to_radians();
-        let start = self.float(node, "falloff_start", 25.0).clamp(0.0, 180.0).to_radians().min(total);
+        let total = self.positive(node, "cone_angle").clamp(1e-3, 180.0).to_radians();
+        let start = self.float(node, "falloff_start").clamp(0.0, 180.0).to_radians().min(total);
         let falloff = self.choice(
             node,
             "falloff",
-            Falloff::Smoothstep,
             &[("smoothstep", Falloff::Smoothstep), ("linear", Falloff::Linear), ("quadratic", Falloff::Quadratic)],
         );
         let texture = self.reference(node, "texture").map(|id| self.texture(id, Role::Albedo));
@@ -205,7 +206,7 @@ impl Compiler<'_> {
         if let Some(e) = self.luminous_target(node, "illuminance", color.luminance(self.mode)) {
             scale *= e;
         }
-        let d = self.vec3(node, "direction", Vec3::Z);
+        let d = self.vec3(node, "direction");
         match (-d).try_normalize() {
             Some(wi) => Some(Light::Distant(wi, color.scaled(scale))),
             None => {
@@ -224,13 +225,13 @@ impl Compiler<'_> {
         let image = if node.get("file").is_some() {
             let texels = (*self.image(node)?).clone();
             let octahedral = texels.width == texels.height;
-            let poles = self.choice(node, "rows", false, &[("centers", false), ("poles", true)]);
+            let poles = self.choice(node, "rows", &[("centers", false), ("poles", true)]);
             let latlong = match self.desc.format {
                 Format::Pbrt => Parametrization::LatLongZ,
                 _ => Parametrization::LatLongY { poles },
             };
             let auto = if octahedral { Parametrization::Octahedral } else { latlong };
-            let parametrization = self.choice(
+            let parametrization = self.choice_or(
                 node,
                 "parametrization",
                 auto,
@@ -322,9 +323,9 @@ impl Compiler<'_> {
 
     fn projection(&mut self, node: &Node) -> Option<Light> {
         let place = self.light_place(node)?;
-        let scale = self.float(node, "scale", 1.0);
-        let fov = self.positive(node, "fov", 90.0).clamp(1e-3, 179.9).to_radians();
-        let axis_name = self.word(node, "fov_axis").unwrap_or("smaller");
+        let scale = self.float(node, "scale");
+        let fov = self.positive(node, "fov").clamp(1e-3, 179.9).to_radians();
+        let axis_name = self.word(node, "fov_axis");
         let Some(axis) = steradian_core::camera::FovAxis::named(axis_name) else {
             self.error(node.span, format!("'{axis_name}' is not an axis of view"));
             return None;

@@ -20,12 +20,17 @@ enum Kind {
 }
 
 impl Compiler<'_> {
-    /// The mapping that a texture node asks for.
-    pub(super) fn mapping(&mut self, node: &Node) -> Mapping {
-        let local = self.transform(node, "texture_from_world").affine().unwrap_or_else(|| {
+    /// From the world to the space of a texture.
+    pub(super) fn texture_space(&mut self, node: &Node) -> Affine {
+        self.transform(node, "texture_from_world").affine().unwrap_or_else(|| {
             self.error(node.span, "the texture's transform is singular or not finite");
             Affine::IDENTITY
-        });
+        })
+    }
+
+    /// The mapping that a texture node asks for.
+    pub(super) fn mapping(&mut self, node: &Node) -> Mapping {
+        let local = self.texture_space(node);
         let kinds = [
             ("uv", Kind::Uv),
             ("spherical", Kind::Spherical),
@@ -35,16 +40,14 @@ impl Compiler<'_> {
             ("triangle", Kind::Triangle),
             ("two_part", Kind::TwoPart),
         ];
-        let projector = match self.choice(node, "mapping", Kind::Uv, &kinds) {
-            Kind::Uv => match self.word(node, "uv_set") {
+        let projector = match self.choice(node, "mapping", &kinds) {
+            Kind::Uv => match self.given_word(node, "uv_set") {
                 Some(name) => Projector::Attribute(name.into()),
                 None => Projector::Uv,
             },
             Kind::Spherical => Projector::Spherical,
             Kind::Cylindrical => Projector::Cylindrical,
-            Kind::Planar => {
-                Projector::Planar(self.vec3(node, "v1", Vec3::X), self.vec3(node, "v2", Vec3::Y), Vec2::ZERO)
-            }
+            Kind::Planar => Projector::Planar(self.vec3(node, "v1"), self.vec3(node, "v2"), Vec2::ZERO),
             Kind::Cube => Projector::Cube,
             Kind::Triangle => self.triangle(node),
             Kind::TwoPart => self.two_part(node),
@@ -52,8 +55,8 @@ impl Compiler<'_> {
         Mapping {
             projector,
             local,
-            scale: Vec2::new(self.float(node, "scale_u", 1.0), self.float(node, "scale_v", 1.0)),
-            delta: Vec2::new(self.float(node, "delta_u", 0.0), self.float(node, "delta_v", 0.0)),
+            scale: Vec2::new(self.float(node, "scale_u"), self.float(node, "scale_v")),
+            delta: Vec2::new(self.float(node, "delta_u"), self.float(node, "delta_v")),
             matrix: self.corresponder(node),
         }
     }
@@ -85,7 +88,7 @@ impl Compiler<'_> {
             }
         };
         let (offset, scale) = (pair("khr_offset", Vec2::ZERO), pair("khr_scale", Vec2::ONE));
-        Mapping::khr_texture_transform(offset, self.float(node, "khr_rotation", 0.0).to_radians(), scale)
+        Mapping::khr_texture_transform(offset, self.float(node, "khr_rotation").to_radians(), scale)
     }
 
     /// The affine map of three points of texture space, `corners`, to three pairs of coordinates, `corner_uvs`.
@@ -120,9 +123,6 @@ impl Compiler<'_> {
             ("sphere", Intermediary::Sphere),
             ("cube", Intermediary::Cube),
         ];
-        Projector::TwoPart(
-            self.choice(node, "object_map", ObjectMap::Centroid, &objects),
-            self.choice(node, "surface", Intermediary::Sphere, &surfaces),
-        )
+        Projector::TwoPart(self.choice(node, "object_map", &objects), self.choice(node, "surface", &surfaces))
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use steradian_bsdf::{CoatSeries, NormalDistribution, Shadowing, Tail, recipes};
 use steradian_core::material::{
     Eta, Facing, FilteredNormals, Material, Model, NormalFilter, NormalMap, Roughness, SurfaceDetail,
-    normal_code::{NORMAL_CODES, NormalCode},
+    normal_code::NORMAL_CODES,
 };
 use steradian_math::spectra::{
     ColorMode,
@@ -79,8 +79,8 @@ impl Compiler<'_> {
             ("as_it_is", Facing::AsItIs),
         ];
         let mut detail = SurfaceDetail {
-            facing: self.choice(node, "detail_facing", Facing::Bent, &facings),
-            shadows: self.bool(node, "detail_shadowing", false),
+            facing: self.choice(node, "detail_facing", &facings),
+            shadows: self.bool(node, "detail_shadowing"),
             ..SurfaceDetail::default()
         };
         if let Some(id) = self.reference(node, "normal_map") {
@@ -88,9 +88,9 @@ impl Compiler<'_> {
             let mirrors = !matches!(self.desc.format, Format::Pbrt | Format::Mitsuba);
             let mut map = NormalMap {
                 texture: self.as_texture(texture),
-                code: self.choice(node, "normal_map_code", NormalCode::Xyz, &NORMAL_CODES),
-                mirrors: self.bool(node, "normal_map_mirrors", mirrors),
-                strength: self.float(node, "normal_map_strength", 1.0),
+                code: self.choice(node, "normal_map_code", &NORMAL_CODES),
+                mirrors: self.bool_or(node, "normal_map_mirrors", mirrors),
+                strength: self.float(node, "normal_map_strength"),
                 filtered: None,
             };
             map.filtered = self.filtered_normals(node, &map);
@@ -99,7 +99,7 @@ impl Compiler<'_> {
         for name in ["bump", "displacement"] {
             let shadowed = self.desc.format == Format::Pbrt && detail.normal_map.is_some();
             if node.get(name).is_some() && !shadowed {
-                let height = self.float_texture(node, name, 0.0);
+                let height = self.float_texture_or(node, name, 0.0);
                 // The same height everywhere changes nothing.
                 if let FloatTexture::Texture(_) = height {
                     detail.bump = Some(height);
@@ -107,7 +107,7 @@ impl Compiler<'_> {
             }
         }
         if node.get("anisotropy_rotation").is_some() {
-            let rotation = self.float_texture(node, "anisotropy_rotation", 0.0);
+            let rotation = self.float_texture_or(node, "anisotropy_rotation", 0.0);
             detail.rotation = (!matches!(rotation, FloatTexture::Constant(0.0))).then_some(rotation);
         }
         (detail.normal_map.is_some() || detail.bump.is_some() || detail.rotation.is_some()).then_some(detail)
@@ -116,7 +116,7 @@ impl Compiler<'_> {
     /// A normal map whose spread counts as roughness, where the node asks for it.
     fn filtered_normals(&mut self, node: &Node, map: &NormalMap) -> Option<Arc<FilteredNormals>> {
         let kinds = [("none", None), ("toksvig", Some(NormalFilter::Toksvig)), ("lean", Some(NormalFilter::Lean))];
-        let kind = self.choice(node, "normal_map_filter", None, &kinds)?;
+        let kind = self.choice(node, "normal_map_filter", &kinds)?;
         let Texture::Image(image) = self.textures.get(map.texture) else {
             self.error(node.span, "'normal_map_filter' needs a normal map that is a picture");
             return None;
@@ -142,43 +142,40 @@ impl Compiler<'_> {
 
     fn new_material(&mut self, node: &Node, depth: usize) -> ResolvedMaterial {
         let model = match node.kind.as_str() {
-            "diffuse" => Model::Diffuse(self.spectrum(node, "reflectance", Role::Albedo, HALF)),
-            "diffuse_transmission" => {
-                let quarter = SpectrumValue::Constant(0.25);
-                Model::DiffuseTransmission(
-                    self.spectrum(node, "reflectance", Role::Albedo, quarter.clone()),
-                    self.spectrum(node, "transmittance", Role::Albedo, quarter),
-                )
-            }
-            "conductor" => self.conductor(node, ["eta", "k", "reflectance"]),
+            "diffuse" => Model::Diffuse(self.spectrum(node, "reflectance", Role::Albedo)),
+            "diffuse_transmission" => Model::DiffuseTransmission(
+                self.spectrum(node, "reflectance", Role::Albedo),
+                self.spectrum(node, "transmittance", Role::Albedo),
+            ),
+            "conductor" => self.conductor(node),
             "dielectric" => Model::Dielectric {
-                eta: self.eta(node, 1.5),
-                reflectance: self.spectrum(node, "specular_reflectance", Role::Albedo, ONE),
-                transmittance: self.spectrum(node, "specular_transmittance", Role::Albedo, ONE),
+                eta: self.eta(node),
+                reflectance: self.spectrum(node, "specular_reflectance", Role::Albedo),
+                transmittance: self.spectrum(node, "specular_transmittance", Role::Albedo),
                 roughness: self.roughness(node, "alpha_u", "alpha_v"),
             },
             "thin_dielectric" => Model::ThinDielectric {
-                eta: self.eta(node, 1.5),
-                reflectance: self.spectrum(node, "specular_reflectance", Role::Albedo, ONE),
-                transmittance: self.spectrum(node, "specular_transmittance", Role::Albedo, ONE),
+                eta: self.eta(node),
+                reflectance: self.spectrum(node, "specular_reflectance", Role::Albedo),
+                transmittance: self.spectrum(node, "specular_transmittance", Role::Albedo),
             },
             "coated_diffuse" => {
                 // They count for random walks alone, but are checked for both.
-                self.float_texture(node, "g", 0.0);
+                self.float_texture(node, "g");
                 self.int(node, "samples");
                 let is_textured = matches!(node.get("thickness"), Some(Value::Node(_)));
                 if Self::coat_scatters(node) || is_textured {
                     self.layered_diffuse(node)
                 } else {
-                    let thickness = self.float(node, "thickness", 0.01);
-                    let max_depth = u32::try_from(self.int(node, "max_depth").unwrap_or(10)).unwrap_or(10);
-                    self.coated(node, "reflectance", 1.5, CoatSeries::Layered { thickness, max_depth })
+                    let thickness = self.float(node, "thickness");
+                    let max_depth = u32::try_from(self.int(node, "max_depth")).unwrap_or(10);
+                    self.coated(node, "reflectance", CoatSeries::Layered { thickness, max_depth })
                 }
             }
             "coated_conductor" => self.coated_conductor(node),
             "plastic" => {
-                let nonlinear = self.bool(node, "nonlinear", false);
-                self.coated(node, "diffuse_reflectance", 1.49, CoatSeries::Plastic { nonlinear })
+                let nonlinear = self.bool(node, "nonlinear");
+                self.coated(node, "diffuse_reflectance", CoatSeries::Plastic { nonlinear })
             }
             "cook_torrance" => Model::Facets(self.cook_torrance(node)),
             "measured" => self.measured(node),
@@ -194,7 +191,7 @@ impl Compiler<'_> {
             "interface" => Model::Interface,
             "mask" => {
                 let inner = self.nested(node, "material", depth);
-                let opacity = self.float_texture(node, "opacity", 0.5);
+                let opacity = self.float_texture(node, "opacity");
                 return ResolvedMaterial { id: inner.id, alpha: Some(self.product(node, inner.alpha, opacity)) };
             }
             "two_sided" => {
@@ -213,7 +210,7 @@ impl Compiler<'_> {
                     if a.alpha.is_some() || b.alpha.is_some() {
                         self.approximated(node.span, "masks of the parts of a mix are ignored");
                     }
-                    let amount = self.float_texture(node, "amount", 0.5);
+                    let amount = self.float_texture(node, "amount");
                     match (&self.materials[a.id as usize].model, &self.materials[b.id as usize].model) {
                         // Lambertian parts mix exactly: their reflectances do.
                         (Model::Diffuse(a), Model::Diffuse(b)) => {
@@ -281,130 +278,124 @@ impl Compiler<'_> {
             say(self, "the material inside it");
             return self.material_at(inner, depth + 1);
         }
-        let color = |c: &mut Self, names: &[&str], default: SpectrumValue| {
+        let color = |c: &mut Self, names: &[&str]| {
             let name = names.iter().find(|n| node.get(n).is_some()).copied().unwrap_or("reflectance");
-            c.spectrum(node, name, Role::Albedo, default)
+            c.spectrum_or(node, name, Role::Albedo, HALF)
         };
         let model = match node.kind.as_str() {
             "diffusetransmission" => {
                 say(self, "diffuse reflection and transmission");
                 let quarter = SpectrumValue::Constant(0.25);
                 Model::DiffuseTransmission(
-                    self.spectrum(node, "reflectance", Role::Albedo, quarter.clone()),
-                    self.spectrum(node, "transmittance", Role::Albedo, quarter),
+                    self.spectrum_or(node, "reflectance", Role::Albedo, quarter.clone()),
+                    self.spectrum_or(node, "transmittance", Role::Albedo, quarter),
                 )
             }
             _ => {
                 say(self, "a diffuse surface");
-                Model::Diffuse(color(self, &["reflectance", "base_color", "diffuse_reflectance", "color"], HALF))
+                Model::Diffuse(color(self, &["reflectance", "base_color", "diffuse_reflectance", "color"]))
             }
         };
         self.add(node, model)
     }
 
-    fn shadowing(&self) -> Shadowing {
-        match self.desc.format {
-            Format::Mitsuba => Shadowing::Separable,
-            _ => Shadowing::HeightCorrelated,
+    /// Roughness of a material by the names of its two α.
+    pub(super) fn roughness(&mut self, node: &Node, u: &str, v: &str) -> Roughness {
+        use NormalDistribution::{Beckmann, Blinn, Gaussian, Ggx, StudentT};
+        let [u, v] = self.alphas(node, [u, v]);
+        let tail = Tail::new(self.float(node, "gamma"));
+        let distributions = [
+            ("ggx", Ggx),
+            ("beckmann", Beckmann),
+            ("student_t", StudentT(tail)),
+            ("blinn", Blinn),
+            ("gaussian", Gaussian),
+        ];
+        let shadowings = [
+            ("height_correlated", Shadowing::HeightCorrelated),
+            ("separable", Shadowing::Separable),
+            ("v_groove", Shadowing::VGroove),
+        ];
+        let shadowing = if self.desc.format == Format::Mitsuba && node.kind != "cook_torrance" {
+            self.choice_or(node, "shadowing", Shadowing::Separable, &shadowings)
+        } else {
+            self.choice(node, "shadowing", &shadowings)
+        };
+        Roughness {
+            u,
+            v,
+            remap: self.bool(node, "remap_roughness"),
+            distribution: self.choice(node, "distribution", &distributions),
+            shadowing,
         }
     }
 
-    pub(super) fn roughness(&mut self, node: &Node, u: &str, v: &str) -> Roughness {
-        self.roughness_or(node, [u, v], 0.0, NormalDistribution::Ggx, self.shadowing())
-    }
-
-    /// Roughness with the defaults of a material: α, the distribution, and the shadowing.
-    pub(super) fn roughness_or(
-        &mut self,
-        node: &Node,
-        [u, v]: [&str; 2],
-        alpha: f64,
-        distribution: NormalDistribution,
-        shadowing: Shadowing,
-    ) -> Roughness {
-        use NormalDistribution::{Beckmann, Blinn, Gaussian, Ggx, StudentT};
-        let u_value = self.roughness_value(node, u, alpha);
+    /// Both α of a roughness; the second one is the first where it is absent.
+    pub(super) fn alphas(&mut self, node: &Node, [u, v]: [&str; 2]) -> [FloatTexture; 2] {
+        let alpha_u = self.float_texture(node, u);
         // What one word of a file gave to both is looked at once.
         let own = |n: &str| node.param(n).map(|p| (&p.value, p.span));
-        let v_value = if own(v).is_none() || own(v) == own(u) { u_value } else { self.roughness_value(node, v, alpha) };
-        let tail = Tail::new(self.float(node, "gamma", 2.0));
-        Roughness {
-            u: u_value,
-            v: v_value,
-            remap: self.bool(node, "remap_roughness", false),
-            distribution: self.choice(
-                node,
-                "distribution",
-                distribution,
-                &[
-                    ("ggx", Ggx),
-                    ("beckmann", Beckmann),
-                    ("student_t", StudentT(tail)),
-                    ("blinn", Blinn),
-                    ("gaussian", Gaussian),
-                ],
-            ),
-            shadowing: self.choice(
-                node,
-                "shadowing",
-                shadowing,
-                &[
-                    ("height_correlated", Shadowing::HeightCorrelated),
-                    ("separable", Shadowing::Separable),
-                    ("v_groove", Shadowing::VGroove),
-                ],
-            ),
+        let is_same = own(v).is_none() || own(v) == own(u);
+        if is_same {
+            return [alpha_u, alpha_u];
         }
+        let default = self.default_number(node, u);
+        [alpha_u, self.float_texture_or(node, v, default)]
     }
 
-    /// A roughness that is not negative.
-    fn roughness_value(&mut self, node: &Node, name: &str, default: f64) -> FloatTexture {
-        self.float_texture(node, name, default)
-    }
-
-    pub(super) fn conductor(&mut self, node: &Node, [eta, k, reflectance]: [&str; 3]) -> Model {
+    /// A metal, smooth or rough.
+    fn conductor(&mut self, node: &Node) -> Model {
         let roughness = self.roughness(node, "alpha_u", "alpha_v");
-        if let Some(model) = self.special_metal(node, [eta, k, reflectance], &roughness) {
-            return model;
+        match self.special_metal(node, &roughness) {
+            Some(model) => model,
+            None => self.metal(node, roughness),
         }
-        if node.get(reflectance).is_some() {
-            let r = self.spectrum(node, reflectance, Role::Albedo, ONE);
+    }
+
+    /// A metal by its index or its reflectance; a perfect mirror without either.
+    pub(super) fn metal(&mut self, node: &Node, roughness: Roughness) -> Model {
+        if node.get("reflectance").is_some() {
+            let r = self.spectrum_or(node, "reflectance", Role::Albedo, ONE);
             return Model::ConductorReflectance(r, roughness);
         }
-        let tint = self.spectrum(node, "specular_reflectance", Role::Albedo, ONE);
+        let tint = self.spectrum(node, "specular_reflectance", Role::Albedo);
         if node.get("eta").is_none() && node.get("k").is_none() {
             return Model::Mirror(tint, roughness);
         }
-        let exceeds = |name: &str| matches!(node.get(name), Some(Value::Spectrum(SpectrumValue::Rgb(v, _))) if v.iter().any(|v| *v > 1.0));
+        let exceeds = |name: &str| match node.get(name) {
+            Some(Value::Spectrum(SpectrumValue::Rgb(v, _))) => v.iter().any(|v| *v > 1.0),
+            _ => false,
+        };
         if self.mode == ColorMode::Spectral && self.desc.format == Format::Mitsuba && (exceeds("eta") || exceeds("k")) {
-            let what = "RGB values of 'eta' and 'k' above one are spectra as they stand; Mitsuba's spectral mode holds them at one";
+            let what = "RGB values of 'eta' and 'k' above one are spectra as they stand; Mitsuba's spectral mode \
+                        holds them at one";
             self.diagnostics.note(&self.desc.sources, node.span, what);
         }
         Model::Conductor {
-            eta: self.spectrum(node, "eta", Role::Index, ONE),
-            k: self.spectrum(node, "k", Role::Index, SpectrumValue::Constant(0.0)),
+            eta: self.spectrum(node, "eta", Role::Index),
+            k: self.spectrum(node, "k", Role::Index),
             tint,
             roughness,
         }
     }
 
-    fn eta(&mut self, node: &Node, default: f64) -> Eta {
-        if let Some(eta) = self.dispersion(node, default) {
+    fn eta(&mut self, node: &Node) -> Eta {
+        if let Some(eta) = self.dispersion(node) {
             return eta;
         }
         if let Some(Value::Node(_)) = node.get("eta") {
-            return match self.float_texture(node, "eta", default) {
+            return match self.float_texture(node, "eta") {
                 FloatTexture::Constant(v) if v > 0.0 => Eta::Constant(v),
                 varying => Eta::Varying(varying),
             };
         }
-        self.eta_named(node, "eta", default)
+        self.eta_named(node, "eta")
     }
 
-    pub(super) fn eta_named(&mut self, node: &Node, name: &str, default: f64) -> Eta {
-        let sodium = self.at_sodium_line(node, name, default);
+    pub(super) fn eta_named(&mut self, node: &Node, name: &str) -> Eta {
+        let sodium = self.at_sodium_line(node, name);
         if self.mode == ColorMode::Spectral {
-            let color = self.constant_color(node, name, Role::Index, SpectrumValue::Constant(default));
+            let color = self.constant_color(node, name, Role::Index);
             if let Color::Spectral(_) = color {
                 return Eta::Dispersive(color);
             }
@@ -412,31 +403,24 @@ impl Compiler<'_> {
         Eta::Constant(sodium)
     }
 
-    fn coated(&mut self, node: &Node, base: &str, eta: f64, series: CoatSeries) -> Model {
+    fn coated(&mut self, node: &Node, base: &str, series: CoatSeries) -> Model {
         let roughness = self.roughness(node, "alpha_u", "alpha_v");
-        let base = self.spectrum(node, base, Role::Albedo, HALF);
-        self.coat_over(node, base, eta, roughness, series)
+        let base = self.spectrum(node, base, Role::Albedo);
+        self.coat_over(node, base, roughness, series)
     }
 
-    fn coat_over(
-        &mut self,
-        node: &Node,
-        base: SpectrumTexture,
-        eta: f64,
-        roughness: Roughness,
-        series: CoatSeries,
-    ) -> Model {
+    fn coat_over(&mut self, node: &Node, base: SpectrumTexture, roughness: Roughness, series: CoatSeries) -> Model {
         let range = |t: FloatTexture| match t {
             FloatTexture::Constant(v) if roughness.remap => (v.max(0.0).sqrt(), v.max(0.0).sqrt()),
             FloatTexture::Constant(v) => (v, v),
             FloatTexture::Texture(_) => (0.0, 1.0),
         };
         let (u, v) = (range(roughness.u), range(roughness.v));
-        let eta = self.at_sodium_line(node, "eta", eta);
+        let eta = self.at_sodium_line(node, "eta");
         let alpha = (u.0.min(v.0), u.1.max(v.1));
         Model::Coated {
             reflectance: base,
-            tint: self.spectrum(node, "specular_reflectance", Role::Albedo, ONE),
+            tint: self.spectrum(node, "specular_reflectance", Role::Albedo),
             table: self.coats.table(roughness.distribution, roughness.shadowing, eta, alpha, series),
             roughness,
         }
@@ -447,11 +431,11 @@ impl Compiler<'_> {
     /// one.
     pub(super) fn subsurface_albedo(&mut self, node: &Node) -> SpectrumTexture {
         if node.get("reflectance").is_some() || node.get("sigma_s").is_none() {
-            return self.spectrum(node, "reflectance", Role::Albedo, SpectrumValue::Constant(0.7));
+            return self.spectrum(node, "reflectance", Role::Albedo);
         }
-        let a = self.constant_color(node, "sigma_a", Role::Unbounded, ONE);
-        let s = self.constant_color(node, "sigma_s", Role::Unbounded, ONE);
-        let g = self.float(node, "g", 0.0).clamp(-0.99, 0.99);
+        let a = self.constant_color_or(node, "sigma_a", Role::Unbounded, ONE);
+        let s = self.constant_color_or(node, "sigma_s", Role::Unbounded, ONE);
+        let g = self.float(node, "g").clamp(-0.99, 0.99);
         SpectrumTexture::Constant(combine(&a, &s, move |a, s| {
             let albedo = if a + s > 0.0 { (s / (a + s)).clamp(0.0, 1.0) } else { 0.0 };
             let s = ((1.0 - albedo) / (1.0 - albedo * g)).sqrt();

@@ -20,7 +20,7 @@ impl Compiler<'_> {
     pub(super) fn measured(&mut self, node: &Node) -> Model {
         let grey = Model::Diffuse(SpectrumTexture::Constant(Color::constant(0.5)));
         let span = node.param("file").and_then(|p| p.span).or(node.span);
-        let degree = self.int(node, "harmonics").unwrap_or(0).clamp(0, 12) as usize;
+        let degree = self.int(node, "harmonics").clamp(0, 12) as usize;
         let Some(Value::Path(path)) = node.get("file") else {
             self.error(span, format!("material '{}' needs a file as 'file'", node.kind));
             return grey;

@@ -46,22 +46,24 @@ impl Compiler<'_> {
     }
 
     fn homogeneous(&mut self, node: &Node) -> Medium {
-        let zero = SpectrumValue::Constant(0.0);
         let (sigma_a, sigma_s) = if node.get("sigma_t").is_some() || node.get("albedo").is_some() {
-            let t = self.constant_color(node, "sigma_t", Role::Unbounded, ONE);
-            let albedo = self.constant_color(node, "albedo", Role::Albedo, SpectrumValue::Constant(0.75));
+            let t = self.constant_color_or(node, "sigma_t", Role::Unbounded, ONE);
+            let albedo = self.constant_color_or(node, "albedo", Role::Albedo, SpectrumValue::Constant(0.75));
             (combine(&t, &albedo, |t, a| t * (1.0 - a)), combine(&t, &albedo, |t, a| t * a))
         } else {
             (
-                self.constant_color(node, "sigma_a", Role::Unbounded, zero.clone()),
-                self.constant_color(node, "sigma_s", Role::Unbounded, zero),
+                self.constant_color(node, "sigma_a", Role::Unbounded),
+                self.constant_color(node, "sigma_s", Role::Unbounded),
             )
         };
         let phase = match self.reference(node, "phase") {
             Some(phase) => self.phase(phase, 0),
-            None => self.henyey_greenstein(node, 0.0),
+            None => {
+                let g = self.float(node, "g");
+                self.henyey_greenstein(node, g)
+            }
         };
-        let scale = self.float(node, "scale", 1.0);
+        let scale = self.float(node, "scale");
         if scale < 0.0 {
             self.error(node.span, format!("a medium's scale of {scale} is negative"));
         }
@@ -74,7 +76,10 @@ impl Compiler<'_> {
         let node = self.node(id);
         match node.kind.as_str() {
             "isotropic" => Phase::ISOTROPIC,
-            "hg" => self.henyey_greenstein(node, 0.8),
+            "hg" => {
+                let g = self.float(node, "g");
+                self.henyey_greenstein(node, g)
+            }
             "rayleigh" => Phase::of(Lobe::Rayleigh),
             "tabulated" => {
                 let table = match node.get("values") {
@@ -88,7 +93,7 @@ impl Compiler<'_> {
                 table.map_or(Phase::ISOTROPIC, |table| Phase::of(Lobe::Table(table)))
             }
             "blend" => {
-                let weight = self.float(node, "weight", 0.5);
+                let weight = self.float(node, "weight");
                 if !(0.0..=1.0).contains(&weight) {
                     self.error(node.span, format!("the weight of a blend lies between 0 and 1, not at {weight}"));
                 }
@@ -109,14 +114,14 @@ impl Compiler<'_> {
             other => {
                 let what = format!("phase function '{other}' is not implemented; Henyey–Greenstein stands in");
                 self.approximated(node.span, what);
-                self.henyey_greenstein(node, 0.0)
+                let g = self.float_or(node, "g", 0.0);
+                self.henyey_greenstein(node, g)
             }
         }
     }
 
-    /// Henyey and Greenstein's phase function with the `g` of a node.
-    fn henyey_greenstein(&mut self, node: &Node, default: f64) -> Phase {
-        let g = self.float(node, "g", default);
+    /// Henyey and Greenstein's phase function of a mean cosine; the isotropic one, reported, where that is none.
+    fn henyey_greenstein(&mut self, node: &Node, g: f32) -> Phase {
         if g.abs() >= 1.0 {
             self.error(node.span, format!("the mean cosine g of a phase function lies between -1 and 1, not at {g}"));
             return Phase::ISOTROPIC;
@@ -130,7 +135,7 @@ impl Compiler<'_> {
         if matches!(value, Value::Floats(_)) && node.kind != "homogeneous" {
             return None;
         }
-        let color = self.constant_color(node, "Le", Role::Illuminant, ONE);
+        let color = self.constant_color_or(node, "Le", Role::Illuminant, ONE);
         // As pbrt has it, other spectra than colours are of luminance one first; plain numbers are grey.
         let is_color = matches!(value, Value::Spectrum(SpectrumValue::Rgb(..)) | Value::Float(_) | Value::Int(_));
         let luminance = if is_color { 1.0 } else { color.luminance(self.mode) };
@@ -143,7 +148,7 @@ impl Compiler<'_> {
     fn glow_scale(&mut self, node: &Node) -> f32 {
         match node.get("Lescale") {
             Some(Value::Floats(_)) => 1.0,
-            _ => self.float(node, "Lescale", 1.0).max(0.0),
+            _ => self.float(node, "Lescale").max(0.0),
         }
     }
 
@@ -151,8 +156,7 @@ impl Compiler<'_> {
     fn varying_glow(&mut self, node: &Node) -> Option<GlowSource> {
         let factor = self.glow_scale(node);
         if let Some(kelvin) = self.list(node, "temperature") {
-            let (offset, scale) =
-                (self.float(node, "temperatureoffset", 0.0), self.float(node, "temperaturescale", 1.0));
+            let (offset, scale) = (self.float(node, "temperatureoffset"), self.float(node, "temperaturescale"));
             let temperatures = self.grid_of(node, "temperature", kelvin, 1)?.pop()?;
             let color = |kelvin: f32| {
                 let body = Spd::Blackbody(Blackbody::normalized(kelvin.into()));
@@ -178,7 +182,7 @@ impl Compiler<'_> {
             }
             _ => {
                 let variation = self.grids(node)?;
-                let [p0, p1] = [("p0", Vec3::ZERO), ("p1", Vec3::ONE)].map(|(name, p)| self.vec3(node, name, p));
+                let [p0, p1] = ["p0", "p1"].map(|name| self.vec3(node, name));
                 (variation, Bounds3::from_points([p0, p1]), self.place(node)?)
             }
         };
@@ -231,9 +235,9 @@ impl Compiler<'_> {
     /// The grids of pbrt's media.
     fn grids(&mut self, node: &Node) -> Option<Variation> {
         if node.kind == "cloud" {
-            let mut value = |name, default| self.float(node, name, default);
-            let (density, wispiness) = (value("density", 1.0), value("wispiness", 1.0));
-            return Some(Variation::Cloud(Cloud { density, wispiness, frequency: value("frequency", 5.0) }));
+            let mut value = |name| self.float(node, name);
+            let (density, wispiness) = (value("density"), value("wispiness"));
+            return Some(Variation::Cloud(Cloud { density, wispiness, frequency: value("frequency") }));
         }
         if node.kind == "uniformgrid" {
             if node.get("density").is_none() {
@@ -260,7 +264,7 @@ impl Compiler<'_> {
     fn cells(&mut self, node: &Node) -> Option<[usize; 3]> {
         let mut size = [1; 3];
         for (n, name) in size.iter_mut().zip(["nx", "ny", "nz"]) {
-            let count = self.int(node, name).unwrap_or(1);
+            let count = self.int(node, name);
             let usable = usize::try_from(count).ok().filter(|n| (1..=1 << 20).contains(n));
             if usable.is_none() {
                 let span = node.param(name).and_then(|p| p.span).or(node.span);
@@ -358,7 +362,7 @@ impl Compiler<'_> {
             return None;
         };
         let unit = [[0.0; 3], [1.0; 3]];
-        let bounds = if self.bool(volume, "use_grid_bounds", false) { voxels.bounds } else { unit };
+        let bounds = if self.bool(volume, "use_grid_bounds") { voxels.bounds } else { unit };
         Some((grids?, Bounds3::from_points(bounds.map(Vec3::from_array)), place))
     }
 }

@@ -1,7 +1,7 @@
 //! Compiling facets of any reflectance, and metals with more than an index.
 
 use super::Compiler;
-use steradian_bsdf::{Compensation, DiffuseCoupling, NormalDistribution, Shadowing};
+use steradian_bsdf::{Compensation, DiffuseCoupling};
 use steradian_core::material::{FacetReflectance, Facets, Film, Metal, Model, Roughness};
 use steradian_math::spectra::{
     Curve, Spd,
@@ -12,22 +12,20 @@ use steradian_scene::{Node, SpectrumValue};
 use steradian_texture::{FloatTexture, SpectrumTexture};
 
 const ONE: SpectrumValue = SpectrumValue::Constant(1.0);
-const HALF: SpectrumValue = SpectrumValue::Constant(0.5);
 
 impl Compiler<'_> {
     /// `cook_torrance`.
     pub(super) fn cook_torrance(&mut self, node: &Node) -> Facets {
-        let roughness =
-            self.roughness_or(node, ["alpha_u", "alpha_v"], 0.3, NormalDistribution::Beckmann, Shadowing::VGroove);
+        let roughness = self.roughness(node, "alpha_u", "alpha_v");
         let kinds = [("dielectric", 0), ("conductor", 1), ("large_k", 2), ("schlick", 3)];
-        let reflectance = match self.choice(node, "fresnel", 0, &kinds) {
-            0 => FacetReflectance::Dielectric(self.index(node, "eta", 1.5)),
+        let reflectance = match self.choice(node, "fresnel", &kinds) {
+            0 => FacetReflectance::Dielectric(self.index(node, "eta")),
             3 => FacetReflectance::Schlick(
-                self.spectrum(node, "f0", Role::Albedo, SpectrumValue::Constant(0.04)),
-                self.spectrum(node, "f90", Role::Albedo, ONE),
+                self.spectrum(node, "f0", Role::Albedo),
+                self.spectrum(node, "f90", Role::Albedo),
             ),
             kind => {
-                let [eta, k] = self.complex_index(node, ["eta", "k"]);
+                let [eta, k] = self.complex_index(node);
                 FacetReflectance::Conductor(eta, k, kind == 2)
             }
         };
@@ -44,52 +42,52 @@ impl Compiler<'_> {
             ("fresnel", DiffuseCoupling::Fresnel),
         ];
         Facets {
-            diffuse: self.spectrum(node, "diffuse_reflectance", Role::Albedo, HALF),
-            specular: self.spectrum(node, "specular_reflectance", Role::Albedo, HALF),
+            diffuse: self.spectrum(node, "diffuse_reflectance", Role::Albedo),
+            specular: self.spectrum(node, "specular_reflectance", Role::Albedo),
             reflectance,
             film,
-            coupling: self.choice(node, "coupling", DiffuseCoupling::Sum, &couplings),
+            coupling: self.choice(node, "coupling", &couplings),
             roughness,
         }
     }
 
     /// An index of refraction as a number or texture.
-    fn index(&mut self, node: &Node, name: &str, default: f64) -> FloatTexture {
+    fn index(&mut self, node: &Node, name: &str) -> FloatTexture {
         match node.get(name) {
-            Some(steradian_scene::Value::Node(_)) => self.float_texture(node, name, default),
-            _ => FloatTexture::Constant(self.at_sodium_line(node, name, default)),
+            Some(steradian_scene::Value::Node(_)) => self.float_texture(node, name),
+            _ => FloatTexture::Constant(self.at_sodium_line(node, name)),
         }
     }
 
     fn thin_film(&mut self, node: &Node) -> Option<Film> {
         node.param("film_thickness")?;
-        let thickness = self.float_texture(node, "film_thickness", 0.0);
-        let eta = self.float_texture(node, "film_eta", 1.33);
+        let thickness = self.float_texture_or(node, "film_thickness", 0.0);
+        let eta = self.float_texture(node, "film_eta");
         Some(Film { thickness, eta, mode: self.mode })
     }
 
     /// A conductor that is asked for more than an index and a roughness: compensation, a film, an approximation, or an
     /// index from electrical constants.
-    pub(super) fn special_metal(&mut self, node: &Node, names: [&str; 3], roughness: &Roughness) -> Option<Model> {
+    pub(super) fn special_metal(&mut self, node: &Node, roughness: &Roughness) -> Option<Model> {
         use Compensation::{KullaConty, Turquin};
         let kinds = [("none", None), ("kulla_conty", Some(KullaConty)), ("turquin", Some(Turquin))];
-        let compensation = self.choice(node, "compensation", None, &kinds);
-        let large_k = self.choice(node, "fresnel", false, &[("exact", false), ("large_k", true)]);
+        let compensation = self.choice(node, "compensation", &kinds);
+        let large_k = self.choice(node, "fresnel", &[("exact", false), ("large_k", true)]);
         let electrical = ["permittivity", "permeability", "conductivity"].iter().any(|n| node.get(n).is_some());
         let film = self.thin_film(node);
         if compensation.is_none() && !large_k && !electrical && film.is_none() {
             return None;
         }
-        let [eta, k] = self.complex_index(node, [names[0], names[1]]);
-        let metal = match (node.get(names[2]).is_some(), node.get(names[0]).or(node.get(names[1])).is_some()) {
+        let [eta, k] = self.complex_index(node);
+        let metal = match (node.get("reflectance").is_some(), node.get("eta").or(node.get("k")).is_some()) {
             (true, _) => {
-                if film.is_some() || large_k || electrical || !self.is_constant(node, names[2]) {
+                if film.is_some() || large_k || electrical || !self.is_constant(node, "reflectance") {
                     self.approximated(
                         node.span,
                         "a metal given by a reflectance has no film, approximation or texture with compensation",
                     );
                 }
-                let r = self.constant_color(node, names[2], Role::Albedo, ONE);
+                let r = self.constant_color_or(node, "reflectance", Role::Albedo, ONE);
                 Metal {
                     eta: constant(1.0),
                     k: SpectrumTexture::Constant(k_of_reflectance(&r)),
@@ -99,11 +97,11 @@ impl Compiler<'_> {
             }
             // A mirror has a purely imaginary index.
             (false, false) if !electrical => {
-                let tint = self.spectrum(node, "specular_reflectance", Role::Albedo, ONE);
+                let tint = self.spectrum(node, "specular_reflectance", Role::Albedo);
                 Metal { eta: constant(0.0), k: constant(1.0), tint, roughness: *roughness }
             }
             _ => {
-                let tint = self.spectrum(node, "specular_reflectance", Role::Albedo, ONE);
+                let tint = self.spectrum(node, "specular_reflectance", Role::Albedo);
                 Metal { eta, k, tint, roughness: *roughness }
             }
         };
@@ -138,13 +136,12 @@ impl Compiler<'_> {
     }
 
     /// A complex index, by itself or from permittivity, permeability (relative) and conductivity (S/m).
-    fn complex_index(&mut self, node: &Node, names: [&str; 2]) -> [SpectrumTexture; 2] {
+    fn complex_index(&mut self, node: &Node) -> [SpectrumTexture; 2] {
         if node.get("permittivity").is_none() && node.get("conductivity").is_none() {
-            let zero = SpectrumValue::Constant(0.0);
-            return [self.spectrum(node, names[0], Role::Index, ONE), self.spectrum(node, names[1], Role::Index, zero)];
+            return ["eta", "k"].map(|name| self.spectrum(node, name, Role::Index));
         }
         let [epsilon, mu, sigma] = [("permittivity", 1.0), ("permeability", 1.0), ("conductivity", 0.0)]
-            .map(|(name, default)| f64::from(self.float(node, name, default)));
+            .map(|(name, default)| f64::from(self.float_or(node, name, default)));
         let lambdas: Vec<f32> = (36..=83).map(|l| l as f32 * 10.0).collect();
         [0, 1].map(|part| {
             let of = |l: &f32| {

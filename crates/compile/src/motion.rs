@@ -1,18 +1,23 @@
 //! Compiling what moves while the shutter is open.
 
-use super::Compiler;
+use super::{Compiler, params::default_of};
 use std::sync::Arc;
 use steradian_math::{Motion, Transform};
 use steradian_scene::{Movement, Node, Span};
+use steradian_schema::Parameter;
 
-/// When the shutter opens and closes: parameters of the camera, with their defaults.
-const SHUTTER: [(&str, f64); 2] = [("shutter_open", 0.0), ("shutter_close", 1.0)];
+/// When the shutter opens and closes: parameters of the camera.
+const SHUTTER: [&str; 2] = ["shutter_open", "shutter_close"];
 
 impl Compiler<'_> {
     /// When the shutter opens and closes.
     pub(super) fn shutter(&self) -> [f64; 2] {
-        let camera = self.chosen_camera().map(|id| self.desc.node(id));
-        SHUTTER.map(|(name, default)| camera.and_then(|c| c.float(name)).unwrap_or(default))
+        let Some(camera) = self.chosen_camera().map(|id| self.desc.node(id)) else { return [0.0, 1.0] };
+        SHUTTER.map(|name| {
+            camera
+                .float(name)
+                .unwrap_or_else(|| default_of(camera, name, Parameter::default_number).unwrap_or_default())
+        })
     }
 
     /// A motion over the time of the shutter; `None`, reported, where it is not one.
@@ -45,8 +50,8 @@ impl Compiler<'_> {
 
     /// Motion of a camera; times of its shutter that are no numbers are reported, once for all motions.
     pub(super) fn camera_motion(&mut self, node: &Node) -> Option<Arc<Motion>> {
-        for (name, default) in SHUTTER {
-            self.float(node, name, default);
+        for name in SHUTTER {
+            self.float(node, name);
         }
         node.get("to_world_end")?;
         let times = match self.list(node, "motion_times").as_deref() {

@@ -4,7 +4,7 @@ use super::Compiler;
 use steradian_bsdf::Recipe;
 use steradian_core::material::Parametric;
 use steradian_math::{Vec3, spectra::role::Role};
-use steradian_scene::{Node, SpectrumValue};
+use steradian_scene::Node;
 use steradian_schema::{Model, Type};
 use steradian_texture::FloatTexture;
 
@@ -14,28 +14,25 @@ impl Compiler<'_> {
         let mut made = Parametric { recipe, colors: Vec::new(), numbers: Vec::new(), choice: 0, vector: Vec3::ZERO };
         let mut named: Vec<(&str, FloatTexture)> = Vec::new();
         for p in model.parameters {
-            let default = p.default_number().unwrap_or_default();
             match p.kind {
                 Type::Texture => {
-                    let default = SpectrumValue::Constant(default);
-                    made.colors.push(self.spectrum(node, p.name, Role::Albedo, default));
+                    made.colors.push(self.spectrum(node, p.name, Role::Albedo));
                 }
                 Type::Scalar => {
                     // Where it is absent, another one may count.
                     let other = named.iter().find(|n| n.0 == p.usual_default() && node.get(p.name).is_none());
-                    let number = other.map_or_else(|| self.float_texture(node, p.name, default), |n| n.1);
+                    let default = p.default_number().unwrap_or_default();
+                    let number = other.map_or_else(|| self.float_texture_or(node, p.name, default), |n| n.1);
                     named.push((p.name, number));
                     made.numbers.push(number);
                 }
                 Type::Word(_) => {
                     let words: Vec<_> = p.words().enumerate().map(|(i, word)| (word, i)).collect();
                     let usual = words.iter().find(|w| w.0 == p.usual_default()).map_or(0, |w| w.1);
-                    made.choice = self.choice(node, p.name, usual, &words);
+                    made.choice = self.choice_or(node, p.name, usual, &words);
                 }
                 Type::Vector => {
-                    let numbers: Vec<f32> = p.usual_default().split(',').filter_map(|v| v.parse().ok()).collect();
-                    let default = numbers.try_into().map_or(Vec3::ZERO, Vec3::from_array);
-                    made.vector = self.vec3(node, p.name, default);
+                    made.vector = self.vec3(node, p.name);
                 }
                 _ => unreachable!("a test sees that models with recipes have none of these"),
             }

@@ -1,4 +1,7 @@
 //! Reading the parameters of nodes: types and ranges are checked here, once.
+//!
+//! Defaults are those of the schema's rows. Where a default is computed, or another one counts under a condition, the
+//! caller gives it (`float_or` and so on).
 
 use super::Compiler;
 use std::sync::Arc;
@@ -11,6 +14,7 @@ use steradian_math::{
     },
 };
 use steradian_scene::{ColorSpace, Format, Node, NodeId, Param, SpectrumValue, Transform, Value, names};
+use steradian_schema::Parameter;
 use steradian_texture::{FloatTexture, SpectrumTexture};
 
 /// The RGB space of the mathematics crate.
@@ -21,6 +25,11 @@ pub fn rgb_space(space: ColorSpace) -> &'static RgbSpace {
         ColorSpace::Rec2020 => &space::REC2020,
         ColorSpace::Aces => &space::ACES2065_1,
     }
+}
+
+/// Default of a parameter by the schema, as `read` takes it from the row.
+pub(super) fn default_of<T>(node: &Node, name: &str, read: impl FnOnce(&'static Parameter) -> Option<T>) -> Option<T> {
+    node.family.parameter(&node.kind, name).and_then(read)
 }
 
 impl Compiler<'_> {
@@ -53,14 +62,52 @@ impl Compiler<'_> {
         value
     }
 
+    /// Default of a parameter by the schema. Rows that lack one are a fault of the schema where it has the node's kind;
+    /// the fault is reported.
+    fn default<T>(&mut self, node: &Node, name: &str, read: impl FnOnce(&'static Parameter) -> Option<T>) -> Option<T> {
+        let default = default_of(node, name, read);
+        if default.is_none() && node.family.model(&node.kind).is_some() {
+            let what = format!("the schema lacks a default of '{name}' of {} '{}'", node.family.noun(), node.kind);
+            debug_assert!(false, "{what}");
+            self.diagnostics.warn(&self.desc.sources, node.span, what);
+        }
+        default
+    }
+
+    /// Default of a number by the schema.
+    pub(super) fn default_number(&mut self, node: &Node, name: &str) -> f64 {
+        self.default(node, name, Parameter::default_number).unwrap_or_default()
+    }
+
+    /// Default of a spectrum by the schema: a number, or the three of a colour.
+    pub(super) fn default_spectrum(&mut self, node: &Node, name: &str) -> SpectrumValue {
+        let read = |p: &'static Parameter| match p.default_number() {
+            Some(v) => Some(SpectrumValue::Constant(v)),
+            None => p.default_numbers().map(|rgb| SpectrumValue::Rgb(rgb, ColorSpace::Srgb)),
+        };
+        self.default(node, name, read).unwrap_or(SpectrumValue::Constant(0.0))
+    }
+
     /// A whole number, if it is there.
-    pub(super) fn int(&mut self, node: &Node, name: &str) -> Option<i64> {
+    pub(super) fn given_int(&mut self, node: &Node, name: &str) -> Option<i64> {
         self.typed(node, name, "a whole number", |n| n.int(name))
     }
 
+    /// A whole number.
+    pub(super) fn int(&mut self, node: &Node, name: &str) -> i64 {
+        let default = self.default(node, name, |p| p.usual_default().parse().ok()).unwrap_or_default();
+        self.given_int(node, name).unwrap_or(default)
+    }
+
     /// A word, if it is there.
-    pub(super) fn word<'n>(&mut self, node: &'n Node, name: &str) -> Option<&'n str> {
+    pub(super) fn given_word<'n>(&mut self, node: &'n Node, name: &str) -> Option<&'n str> {
         self.typed(node, name, "a string", |n| n.string(name))
+    }
+
+    /// A word.
+    pub(super) fn word<'n>(&mut self, node: &'n Node, name: &str) -> &'n str {
+        let default = self.default(node, name, |p| Some(p.usual_default())).unwrap_or_default();
+        self.given_word(node, name).unwrap_or(default)
     }
 
     /// A reference to another node, if it is there.
@@ -73,13 +120,19 @@ impl Compiler<'_> {
         self.typed(node, name, "a transform", |n| n.transform(name)).unwrap_or_default()
     }
 
-    /// A point or vector in the range of `f32`, or the default where it is absent.
-    pub(super) fn vec3(&mut self, node: &Node, name: &str, default: Vec3) -> Vec3 {
-        self.dvec3(node, name, default.as_dvec3()).as_vec3()
+    /// A point or vector in the range of `f32`.
+    pub(super) fn vec3(&mut self, node: &Node, name: &str) -> Vec3 {
+        self.dvec3(node, name).as_vec3()
     }
 
     /// As [`Self::vec3`], with all digits.
-    pub(super) fn dvec3(&mut self, node: &Node, name: &str, default: DVec3) -> DVec3 {
+    pub(super) fn dvec3(&mut self, node: &Node, name: &str) -> DVec3 {
+        let default = self.default(node, name, Parameter::default_numbers);
+        self.dvec3_or(node, name, default.map_or(DVec3::ZERO, DVec3::from_array))
+    }
+
+    /// As [`Self::dvec3`], with a default of the caller's.
+    pub(super) fn dvec3_or(&mut self, node: &Node, name: &str, default: DVec3) -> DVec3 {
         let Some(v) = self.typed(node, name, "three numbers", |n| n.vec3(name)) else { return default };
         let v = DVec3::from(v);
         if !v.as_vec3().is_finite() {
@@ -107,11 +160,17 @@ impl Compiler<'_> {
 
     /// A number that counts where it is above zero.
     pub(super) fn if_positive(&mut self, node: &Node, name: &str) -> Option<f32> {
-        Some(self.float(node, name, 0.0)).filter(|v| *v > 0.0)
+        Some(self.float_or(node, name, 0.0)).filter(|v| *v > 0.0)
     }
 
-    /// A finite number, or the default where it is absent.
-    pub(super) fn float(&mut self, node: &Node, name: &str, default: f64) -> f32 {
+    /// A finite number.
+    pub(super) fn float(&mut self, node: &Node, name: &str) -> f32 {
+        let default = self.default_number(node, name);
+        self.float_or(node, name, default)
+    }
+
+    /// A finite number, with a default of the caller's.
+    pub(super) fn float_or(&mut self, node: &Node, name: &str, default: f64) -> f32 {
         let Some(p) = node.param(name) else { return default as f32 };
         match node.float(name) {
             Some(v) if (v as f32).is_finite() => v as f32,
@@ -126,9 +185,23 @@ impl Compiler<'_> {
         }
     }
 
-    /// A number greater than zero, or the default where it is absent.
-    pub(super) fn positive(&mut self, node: &Node, name: &str, default: f64) -> f32 {
-        let v = self.float(node, name, default);
+    /// A finite number of which all digits count.
+    pub(super) fn double(&mut self, node: &Node, name: &str) -> f64 {
+        let default = self.default_number(node, name);
+        // Reports what is wrong with it.
+        self.float_or(node, name, default);
+        node.float(name).filter(|v| v.is_finite()).unwrap_or(default)
+    }
+
+    /// A number greater than zero.
+    pub(super) fn positive(&mut self, node: &Node, name: &str) -> f32 {
+        let default = self.default_number(node, name);
+        self.positive_or(node, name, default)
+    }
+
+    /// A number greater than zero, with a default of the caller's.
+    pub(super) fn positive_or(&mut self, node: &Node, name: &str, default: f64) -> f32 {
+        let v = self.float_or(node, name, default);
         if v > 0.0 {
             return v;
         }
@@ -144,8 +217,14 @@ impl Compiler<'_> {
         default as f32
     }
 
-    /// A truth value, or the default where it is absent.
-    pub(super) fn bool(&mut self, node: &Node, name: &str, default: bool) -> bool {
+    /// A truth value.
+    pub(super) fn bool(&mut self, node: &Node, name: &str) -> bool {
+        let default = self.default(node, name, Parameter::default_flag).unwrap_or_default();
+        self.bool_or(node, name, default)
+    }
+
+    /// A truth value, with a default of the caller's.
+    pub(super) fn bool_or(&mut self, node: &Node, name: &str, default: bool) -> bool {
         let Some(p) = node.param(name) else { return default };
         node.bool(name).unwrap_or_else(|| {
             self.wrong_type(node, p, "true or false");
@@ -153,8 +232,15 @@ impl Compiler<'_> {
         })
     }
 
-    /// A word from a table, or the default where it is absent.
-    pub(super) fn choice<T: Copy>(&mut self, node: &Node, name: &str, default: T, table: &[(&str, T)]) -> T {
+    /// A word from a table, which has the schema's default.
+    pub(super) fn choice<T: Copy, const N: usize>(&mut self, node: &Node, name: &str, table: &[(&str, T); N]) -> T {
+        const { assert!(N > 0) };
+        let default = self.default(node, name, |p| table.iter().find(|t| t.0 == p.usual_default()));
+        self.choice_or(node, name, default.unwrap_or(&table[0]).1, table)
+    }
+
+    /// A word from a table, with a default of the caller's.
+    pub(super) fn choice_or<T: Copy>(&mut self, node: &Node, name: &str, default: T, table: &[(&str, T)]) -> T {
         let Some(p) = node.param(name) else { return default };
         let Some(word) = node.string(name) else {
             self.wrong_type(node, p, "a string");
@@ -233,8 +319,20 @@ impl Compiler<'_> {
         }
     }
 
-    /// A spectrum or texture in a role, or the default where it is absent.
-    pub(super) fn spectrum(&mut self, node: &Node, name: &str, role: Role, default: SpectrumValue) -> SpectrumTexture {
+    /// A spectrum or texture in a role.
+    pub(super) fn spectrum(&mut self, node: &Node, name: &str, role: Role) -> SpectrumTexture {
+        let default = self.default_spectrum(node, name);
+        self.spectrum_or(node, name, role, default)
+    }
+
+    /// A spectrum or texture in a role, with a default of the caller's.
+    pub(super) fn spectrum_or(
+        &mut self,
+        node: &Node,
+        name: &str,
+        role: Role,
+        default: SpectrumValue,
+    ) -> SpectrumTexture {
         let Some(p) = node.param(name) else {
             return SpectrumTexture::Constant(self.color(node, None, &default, role));
         };
@@ -253,8 +351,14 @@ impl Compiler<'_> {
     }
 
     /// A constant spectrum in a role; the first value of textures, which are reported.
-    pub(super) fn constant_color(&mut self, node: &Node, name: &str, role: Role, default: SpectrumValue) -> Color {
-        match self.spectrum(node, name, role, default) {
+    pub(super) fn constant_color(&mut self, node: &Node, name: &str, role: Role) -> Color {
+        let default = self.default_spectrum(node, name);
+        self.constant_color_or(node, name, role, default)
+    }
+
+    /// As [`Self::constant_color`], with a default of the caller's.
+    pub(super) fn constant_color_or(&mut self, node: &Node, name: &str, role: Role, default: SpectrumValue) -> Color {
+        match self.spectrum_or(node, name, role, default) {
             SpectrumTexture::Constant(c) => c,
             SpectrumTexture::Texture(..) => {
                 let span = node.param(name).and_then(|p| p.span).or(node.span);
@@ -264,8 +368,14 @@ impl Compiler<'_> {
         }
     }
 
-    /// A number or texture, or the default where it is absent.
-    pub(super) fn float_texture(&mut self, node: &Node, name: &str, default: f64) -> FloatTexture {
+    /// A number or texture.
+    pub(super) fn float_texture(&mut self, node: &Node, name: &str) -> FloatTexture {
+        let default = self.default_number(node, name);
+        self.float_texture_or(node, name, default)
+    }
+
+    /// A number or texture, with a default of the caller's.
+    pub(super) fn float_texture_or(&mut self, node: &Node, name: &str, default: f64) -> FloatTexture {
         let Some(p) = node.param(name) else { return FloatTexture::Constant(default as f32) };
         match &p.value {
             Value::Node(id) => match self.texture(*id, Role::Unbounded) {
@@ -280,26 +390,26 @@ impl Compiler<'_> {
                 }
                 FloatTexture::Constant(mean)
             }
-            _ => FloatTexture::Constant(self.float(node, name, default)),
+            _ => FloatTexture::Constant(self.float_or(node, name, default)),
         }
     }
 
     /// The value of a spectral parameter at the sodium line (589.3 nm), for what cannot depend on the wavelength.
-    pub(super) fn at_sodium_line(&mut self, node: &Node, name: &str, default: f64) -> f32 {
+    pub(super) fn at_sodium_line(&mut self, node: &Node, name: &str) -> f32 {
         let value = match node.get(name) {
             Some(Value::Spectrum(SpectrumValue::Named(word))) => spectra::named(word).map(|c| c.eval(589.3)),
             Some(Value::Spectrum(SpectrumValue::Sampled { lambdas, values })) => {
                 Curve::new(lambdas.clone(), values.clone()).ok().map(|c| c.extended().eval(589.3))
             }
             Some(Value::Spectrum(SpectrumValue::Rgb(v, _))) => Some(v[1] as f32),
-            _ => return self.float(node, name, default),
+            _ => return self.float(node, name),
         };
         match value {
             Some(v) if v.is_finite() => v,
             _ => {
                 // Reports what is wrong with it.
-                self.constant_color(node, name, Role::Index, SpectrumValue::Constant(default));
-                default as f32
+                self.constant_color(node, name, Role::Index);
+                self.default_number(node, name) as f32
             }
         }
     }

@@ -21,20 +21,18 @@ impl Compiler<'_> {
     /// The pattern that a node names; `None` where it names none.
     fn pattern(&mut self, node: &Node) -> Option<Pattern> {
         Some(match node.kind.as_str() {
-            "checkerboard" if self.int(node, "dimension") == Some(3) => Pattern::Checker3,
+            "checkerboard" if self.int(node, "dimension") == 3 => Pattern::Checker3,
             "checkerboard" => Pattern::Checker2,
-            "bricks" => Pattern::Bricks(self.bricks(node, 0.5)),
-            "tiles" => Pattern::Bricks(self.bricks(node, 0.0)),
+            "bricks" | "tiles" => Pattern::Bricks(self.bricks(node)),
             "brick_shade" => {
-                let bricks = self.bricks(node, 0.5);
+                let bricks = self.bricks(node);
                 Pattern::BrickShade(bricks, self.seed(node))
             }
-            "stripes" => Pattern::Stripes(self.share(node, "duty", 0.5)),
+            "stripes" => Pattern::Stripes(self.share(node, "duty")),
             "dots" => Pattern::Dots,
             "gradient" => self.choice(
                 node,
                 "type",
-                Pattern::Coordinate(false),
                 &[
                     ("u", Pattern::Coordinate(false)),
                     ("v", Pattern::Coordinate(true)),
@@ -42,7 +40,7 @@ impl Compiler<'_> {
                     ("angular", Pattern::Angular),
                 ],
             ),
-            "noise" => Pattern::Fbm(Fractal { octaves: 1, ..self.fractal(node) }),
+            "noise" => Pattern::Fbm(Fractal { basis: self.basis(node), seed: self.seed(node), ..Fractal::new(1, 0.5) }),
             "fbm" => Pattern::Fbm(self.fractal(node)),
             "wrinkled" => Pattern::Turbulence(self.fractal(node)),
             "ridged" => Pattern::Ridged(self.fractal(node)),
@@ -52,7 +50,6 @@ impl Compiler<'_> {
                 self.choice(
                     node,
                     "feature",
-                    Pattern::WorleyF1(cells),
                     &[
                         ("f1", Pattern::WorleyF1(cells)),
                         ("f2", Pattern::WorleyF2(cells)),
@@ -61,21 +58,18 @@ impl Compiler<'_> {
                 )
             }
             "voronoi" => Pattern::Voronoi(self.cellular(node)),
-            "wood" => {
-                let d = Wood::default();
-                Pattern::Wood(Wood {
-                    ring: self.positive(node, "ring", d.ring.into()),
-                    light: self.share(node, "light", d.light.into()),
-                    wobble: self.float(node, "wobble", d.wobble.into()),
-                    lobes: self.float(node, "lobes", d.lobes.into()).round(),
-                    twist: self.float(node, "twist", d.twist.into()),
-                    grain: self.float(node, "grain", d.grain.into()),
-                    noise: self.fractal(node),
-                })
-            }
-            "marble" => Pattern::Marble(self.fractal(node), self.float(node, "variation", 0.2)),
+            "wood" => Pattern::Wood(Wood {
+                ring: self.positive(node, "ring"),
+                light: self.share(node, "light"),
+                wobble: self.float(node, "wobble"),
+                lobes: self.float(node, "lobes").round(),
+                twist: self.float(node, "twist"),
+                grain: self.float(node, "grain"),
+                noise: self.fractal(node),
+            }),
+            "marble" => Pattern::Marble(self.fractal(node), self.float(node, "variation")),
             "facing" | "direction_mix" => {
-                let d = self.vec3(node, "dir", Vec3::Y);
+                let d = self.vec3(node, "dir");
                 let to_texture = self.transform(node, "texture_from_world").affine();
                 // The direction is given in texture space, normals are in the world.
                 let d = to_texture.map_or(d, |t| t.inverse().vector(d));
@@ -95,26 +89,34 @@ impl Compiler<'_> {
     /// kind is none.
     pub(super) fn procedural(&mut self, node: &Node, role: Role) -> Option<Texture> {
         let pattern = self.pattern(node)?;
-        let mut t = PatternTexture::new(pattern, self.mapping(node));
-        t.over_surface = !pattern.is_flat() && self.int(node, "dimension") == Some(2);
-        t.antialias = self.bool(node, "antialias", true);
-        t.width = self.float(node, "width_filter", 0.0).max(0.0);
-        t.gain = self.float(node, "gain", 1.0);
-        t.offset = self.float(node, "offset", 0.0);
-        t.frequency = match pattern {
-            Pattern::Marble(..) => self.float(node, "scale", 1.0),
-            _ => self.float(node, "frequency", 1.0),
+        // What depends on the direction alone has no coordinates.
+        let mapping = match node.kind.as_str() {
+            "facing" | "direction_mix" => Mapping { local: self.texture_space(node), ..Mapping::default() },
+            _ => self.mapping(node),
         };
-        // What the two ends are called, and what they are where only one is given.
+        let mut t = PatternTexture::new(pattern, mapping);
+        t.over_surface = !pattern.is_flat() && self.given_int(node, "dimension") == Some(2);
+        t.antialias = self.bool(node, "antialias");
+        t.width = self.float(node, "width_filter").max(0.0);
+        t.gain = self.float(node, "gain");
+        t.offset = self.float(node, "offset");
+        t.frequency = match pattern {
+            Pattern::Marble(..) => self.float(node, "scale"),
+            _ => self.float(node, "frequency"),
+        };
+        // The two ends where the number is 0 and 1.
         let ends = match node.kind.as_str() {
-            "checkerboard" => Some([("a", 1.0), ("b", 0.0)]),
-            "direction_mix" => Some([("b", 1.0), ("a", 0.0)]),
-            _ => TWO_SHADES.iter().any(|e| node.get(e.0).is_some()).then_some(TWO_SHADES),
+            "checkerboard" => Some(["a", "b"].map(|name| self.part(node, name, role))),
+            "direction_mix" => Some(["b", "a"].map(|name| self.part(node, name, role))),
+            _ => {
+                let is_either_given = TWO_SHADES.iter().any(|end| node.get(end.0).is_some());
+                let mut shade = |(name, default)| self.part_or(node, name, role, default);
+                is_either_given.then(|| TWO_SHADES.map(&mut shade))
+            }
         };
         let pattern = Texture::Pattern(Arc::new(t));
         Some(match (ends, node.kind.as_str()) {
-            (Some(ends), _) => {
-                let [a, b] = ends.map(|(name, default)| self.part(node, name, role, default));
+            (Some([a, b]), _) => {
                 let amount = self.textures.add(pattern);
                 Texture::Mix(a, b, amount)
             }
@@ -129,23 +131,21 @@ impl Compiler<'_> {
     /// A texture that changes or combines others. `None` where the node's kind is none.
     pub(super) fn combined(&mut self, node: &Node, role: Role) -> Option<Texture> {
         Some(match node.kind.as_str() {
-            "scale" => {
-                Texture::Scale(self.part(node, "texture", role, 1.0), self.part(node, "scale", Role::Unbounded, 1.0))
-            }
-            "add" => Texture::Add(self.part(node, "a", role, 0.0), self.part(node, "b", role, 0.0)),
+            "scale" => Texture::Scale(self.part(node, "texture", role), self.part(node, "scale", Role::Unbounded)),
+            "add" => Texture::Add(self.part(node, "a", role), self.part(node, "b", role)),
             "mix" => Texture::Mix(
-                self.part(node, "a", role, 0.0),
-                self.part(node, "b", role, 1.0),
-                self.part(node, "amount", Role::Unbounded, 0.5),
+                self.part(node, "a", role),
+                self.part(node, "b", role),
+                self.part(node, "amount", Role::Unbounded),
             ),
             "bilerp" => self.bilerp(node, role),
             "triplanar" => {
-                let local = self.mapping(node).local;
-                let sharpness = self.int(node, "sharpness").unwrap_or(4).clamp(1, 64) as u32;
+                let local = self.texture_space(node);
+                let sharpness = self.int(node, "sharpness").clamp(1, 64) as u32;
                 let all = node.get("texture").is_some();
                 let parts = ["x", "y", "z"].map(|axis| {
                     let name = if all && node.get(axis).is_none() { "texture" } else { axis };
-                    let part = self.part(node, name, role, 1.0);
+                    let part = self.part_or(node, name, role, 1.0);
                     if name == "texture" { self.projected(part, axis, &local) } else { part }
                 });
                 Texture::Triplanar(parts, Box::new(Triplanar { local, sharpness }))
@@ -153,7 +153,7 @@ impl Compiler<'_> {
             "ramp" | "curve" => {
                 let ramp = Arc::new(self.ramp(node)?);
                 let adjust = if node.kind == "ramp" { Adjust::Ramp(ramp) } else { Adjust::Curve(ramp) };
-                Texture::Adjust(self.part(node, "input", Role::Unbounded, 0.5), Box::new(adjust))
+                Texture::Adjust(self.part(node, "input", Role::Unbounded), Box::new(adjust))
             }
             "channel" => {
                 let channels = [
@@ -164,20 +164,20 @@ impl Compiler<'_> {
                     ("mean", Channel::Mean),
                     ("max", Channel::Max),
                 ];
-                let channel = self.choice(node, "channel", Channel::R, &channels);
-                Texture::Adjust(self.part(node, "input", role, 0.5), Box::new(Adjust::Channel(channel)))
+                let channel = self.choice(node, "channel", &channels);
+                Texture::Adjust(self.part(node, "input", role), Box::new(Adjust::Channel(channel)))
             }
             "color_space" => {
                 let matrix = self.color_matrix(node);
-                Texture::Adjust(self.part(node, "input", role, 0.5), Box::new(Adjust::Matrix(Box::new(matrix))))
+                Texture::Adjust(self.part(node, "input", role), Box::new(Adjust::Matrix(Box::new(matrix))))
             }
             "hsv" => {
                 let adjust = Adjust::Hsv {
-                    hue: self.float(node, "hue", 0.0) / 360.0,
-                    saturation: self.float(node, "saturation", 1.0).max(0.0),
-                    value: self.float(node, "value", 1.0),
+                    hue: self.float(node, "hue") / 360.0,
+                    saturation: self.float(node, "saturation").max(0.0),
+                    value: self.float(node, "value"),
                 };
-                Texture::Adjust(self.part(node, "input", role, 0.5), Box::new(adjust))
+                Texture::Adjust(self.part(node, "input", role), Box::new(adjust))
             }
             _ => return None,
         })
@@ -189,8 +189,7 @@ impl Compiler<'_> {
         let coordinate = |v| Texture::Pattern(Arc::new(PatternTexture::new(Pattern::Coordinate(v), mapping.clone())));
         let (u, v) = (coordinate(false), coordinate(true));
         let (u, v) = (self.textures.add(u), self.textures.add(v));
-        let corners = [("v00", 0.0), ("v10", 0.0), ("v01", 1.0), ("v11", 1.0)];
-        let [v00, v10, v01, v11] = corners.map(|(name, default)| self.part(node, name, role, default));
+        let [v00, v10, v01, v11] = ["v00", "v10", "v01", "v11"].map(|name| self.part(node, name, role));
         let [low, high] = [(v00, v10), (v01, v11)].map(|(a, b)| self.textures.add(Texture::Mix(a, b, u)));
         Texture::Mix(low, high, v)
     }
@@ -215,11 +214,15 @@ impl Compiler<'_> {
     }
 
     fn seed(&mut self, node: &Node) -> u32 {
-        self.int(node, "seed").unwrap_or(0) as u32
+        self.int(node, "seed") as u32
     }
 
-    fn share(&mut self, node: &Node, name: &str, default: f64) -> f32 {
-        let v = self.float(node, name, default);
+    fn basis(&mut self, node: &Node) -> Basis {
+        self.choice(node, "basis", &[("gradient", Basis::Gradient), ("value", Basis::Value)])
+    }
+
+    fn share(&mut self, node: &Node, name: &str) -> f32 {
+        let v = self.float(node, name);
         if !(0.0..=1.0).contains(&v) {
             let span = node.param(name).and_then(|p| p.span).or(node.span);
             self.error(span, format!("'{name}' is a share: it lies between 0 and 1, not at {v}"));
@@ -228,26 +231,21 @@ impl Compiler<'_> {
     }
 
     fn fractal(&mut self, node: &Node) -> Fractal {
-        let octaves = self.int(node, "octaves").unwrap_or(8);
+        let octaves = self.int(node, "octaves");
         if octaves < 0 {
             let span = node.param("octaves").and_then(|p| p.span).or(node.span);
             self.error(span, format!("there cannot be {octaves} octaves"));
         }
-        let roughness = self.float(node, "roughness", 0.5);
+        let roughness = self.float(node, "roughness");
         if roughness.abs() > 1e3 {
             let span = node.param("roughness").and_then(|p| p.span).or(node.span);
             self.error(span, "a 'roughness' of noise above 1000 leads beyond the range of numbers");
         }
         Fractal {
-            basis: self.choice(
-                node,
-                "basis",
-                Basis::Gradient,
-                &[("gradient", Basis::Gradient), ("value", Basis::Value)],
-            ),
+            basis: self.basis(node),
             octaves: octaves.clamp(0, MAX_OCTAVES.into()) as u32,
             roughness: roughness.clamp(-1e3, 1e3),
-            lacunarity: self.positive(node, "lacunarity", 1.99).min(1e3),
+            lacunarity: self.positive(node, "lacunarity").min(1e3),
             seed: self.seed(node),
         }
     }
@@ -257,19 +255,18 @@ impl Compiler<'_> {
             metric: self.choice(
                 node,
                 "metric",
-                Metric::Euclidean,
                 &[("euclidean", Metric::Euclidean), ("manhattan", Metric::Manhattan), ("chebyshev", Metric::Chebyshev)],
             ),
-            jitter: self.share(node, "jitter", 1.0),
+            jitter: self.share(node, "jitter"),
             seed: self.seed(node),
-            flat: self.int(node, "dimension") == Some(2),
+            flat: self.int(node, "dimension") == 2,
         }
     }
 
-    fn bricks(&mut self, node: &Node, shift: f64) -> Bricks {
-        let size = Vec2::new(self.positive(node, "width", 1.0), self.positive(node, "height", 1.0));
-        let mortar = self.float(node, "mortar", 0.1).max(0.0);
-        Bricks { size, mortar: Vec2::splat(mortar), shift: self.float(node, "shift", shift) }
+    fn bricks(&mut self, node: &Node) -> Bricks {
+        let size = Vec2::new(self.positive(node, "width"), self.positive(node, "height"));
+        let mortar = self.float(node, "mortar").max(0.0);
+        Bricks { size, mortar: Vec2::splat(mortar), shift: self.float(node, "shift") }
     }
 
     fn ramp(&mut self, node: &Node) -> Option<Ramp> {
@@ -292,7 +289,7 @@ impl Compiler<'_> {
             ("catmull_rom", Interpolation::CatmullRom),
             ("bezier", Interpolation::SlidingBezier),
         ];
-        let interpolation = self.choice(node, "interpolation", Interpolation::Linear, &kinds);
+        let interpolation = self.choice(node, "interpolation", &kinds);
         let whole = grey || numbers.len().is_multiple_of(3);
         match Ramp::new(places, values, interpolation) {
             Ok(ramp) if whole => Some(ramp),
@@ -325,7 +322,7 @@ impl Compiler<'_> {
             ("aces", ColorSpace::Aces),
         ];
         let to_rec709 = |c: &mut Self, name: &str| {
-            let space = super::params::rgb_space(c.choice(node, name, ColorSpace::Srgb, &spaces));
+            let space = super::params::rgb_space(c.choice(node, name, &spaces));
             Mat3::from_cols(space.to_rec709(Vec3::X), space.to_rec709(Vec3::Y), space.to_rec709(Vec3::Z))
         };
         let (from, to) = (to_rec709(self, "from"), to_rec709(self, "to"));
@@ -333,7 +330,13 @@ impl Compiler<'_> {
     }
 
     /// A part of a texture, as an index.
-    pub(super) fn part(&mut self, node: &Node, name: &str, role: Role, default: f64) -> TextureId {
+    fn part(&mut self, node: &Node, name: &str, role: Role) -> TextureId {
+        let default = self.default_number(node, name);
+        self.part_or(node, name, role, default)
+    }
+
+    /// A part of a texture, as an index, with a default of the caller's.
+    fn part_or(&mut self, node: &Node, name: &str, role: Role, default: f64) -> TextureId {
         use steradian_scene::SpectrumValue;
         use steradian_texture::SpectrumTexture;
         // A number may be negative here: whether it must not be is known where the texture is used.
@@ -346,7 +349,7 @@ impl Compiler<'_> {
         if let Some(v) = number.filter(|v| v.is_finite()) {
             return self.textures.add(Texture::Constant(Color::constant(v)));
         }
-        match self.spectrum(node, name, role, SpectrumValue::Constant(default)) {
+        match self.spectrum_or(node, name, role, SpectrumValue::Constant(default)) {
             SpectrumTexture::Constant(c) => self.textures.add(Texture::Constant(c)),
             SpectrumTexture::Texture(id, _) => id,
         }

@@ -13,12 +13,7 @@ impl Compiler<'_> {
         let span = node.param("points").and_then(|p| p.span).or(node.span);
         let list = self.list(node, "points");
         let counts = self.list(node, "loops");
-        let rule = self.choice(
-            node,
-            "rule",
-            FillRule::EvenOdd,
-            &[("even_odd", FillRule::EvenOdd), ("nonzero", FillRule::NonZero)],
-        );
+        let rule = self.choice(node, "rule", &[("even_odd", FillRule::EvenOdd), ("nonzero", FillRule::NonZero)]);
         if node.get("points").is_none() {
             self.error(span, "shape 'polygon' needs 'points', three numbers each");
         }

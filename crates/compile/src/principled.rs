@@ -6,15 +6,14 @@ use steradian_math::spectra::{
     ColorMode,
     role::{Color, Role},
 };
-use steradian_scene::{ColorSpace, Format, Node, SpectrumValue, Value};
+use steradian_scene::{Format, Node, SpectrumValue, Value};
 use steradian_texture::{FloatTexture, SpectrumTexture};
 
 impl Compiler<'_> {
     pub(super) fn principled(&mut self, node: &Node, is_thin: bool) -> Model {
-        let half = SpectrumValue::Constant(0.5);
-        let weight = |c: &mut Self, name: &str, default: f64| {
+        let weight = |c: &mut Self, name: &str| {
             if !is_thin || !matches!(name, "metallic" | "clearcoat" | "clearcoat_gloss") {
-                c.float_texture(node, name, default)
+                c.float_texture(node, name)
             } else {
                 FloatTexture::Constant(0.0)
             }
@@ -24,11 +23,11 @@ impl Compiler<'_> {
             && self.desc.format == Format::Mitsuba
             && (is_tinted("spec_tint") || (is_tinted("sheen") && is_tinted("sheen_tint")))
         {
-            let what = "tints are relative to the luminance of 'base_color'; in its spectral mode Mitsuba takes what the four wavelengths \
-                        of a sample happen to have";
+            let what = "tints are relative to the luminance of 'base_color'; in its spectral mode Mitsuba takes what \
+                        the four wavelengths of a sample happen to have";
             self.diagnostics.note(&self.desc.sources, node.span, what);
         }
-        let roughness = weight(self, "roughness", 0.5);
+        let roughness = weight(self, "roughness");
         let [anisotropic, metallic, spec_trans, spec_tint, sheen, sheen_tint, flatness, clearcoat, clearcoat_gloss] = [
             "anisotropic",
             "metallic",
@@ -40,8 +39,8 @@ impl Compiler<'_> {
             "clearcoat",
             "clearcoat_gloss",
         ]
-        .map(|name| weight(self, name, 0.0));
-        let base_color = self.spectrum(node, "base_color", Role::Albedo, half);
+        .map(|name| weight(self, name));
+        let base_color = self.spectrum(node, "base_color", Role::Albedo);
         let luminance = match &base_color {
             SpectrumTexture::Constant(Color::Spectral(curve)) => {
                 Some(Color::curve(curve, Role::Albedo, ColorMode::Rgb).luminance(ColorMode::Rgb))
@@ -55,7 +54,7 @@ impl Compiler<'_> {
             base_color,
             luminance,
             eta,
-            thin: is_thin.then(|| self.float_texture(node, "diff_trans", 0.0)),
+            thin: is_thin.then(|| self.float_texture(node, "diff_trans")),
             roughness,
             anisotropic,
             metallic,
@@ -76,16 +75,15 @@ impl Compiler<'_> {
         base: &SpectrumTexture,
         eta: FloatTexture,
     ) -> Option<SubsurfaceBase> {
-        let radius = SpectrumValue::Rgb([1.0, 0.2, 0.1], ColorSpace::Srgb);
-        let path = self.spectrum(node, "subsurface_radius", Role::Unbounded, radius);
-        let scale = self.float_texture(node, "subsurface_scale", 0.05);
+        let path = self.spectrum(node, "subsurface_radius", Role::Unbounded);
+        let scale = self.float_texture(node, "subsurface_scale");
         let has_color = node.get("subsurface_color").is_some();
-        let color = self.spectrum(node, "subsurface_color", Role::Albedo, SpectrumValue::Constant(0.5));
+        let color = self.spectrum_or(node, "subsurface_color", Role::Albedo, SpectrumValue::Constant(0.5));
         let said = BaseSaid {
-            weight: self.float_texture(node, "subsurface", 0.0),
+            weight: self.float_texture(node, "subsurface"),
             color: if has_color { color } else { base.clone() },
             path: self.scaled(node, path, scale),
-            g: self.float(node, "subsurface_anisotropy", 0.0),
+            g: self.float(node, "subsurface_anisotropy"),
             method: self.method_named(node, "subsurface_method"),
         };
         let eta = if let FloatTexture::Constant(eta) = eta { eta } else { 1.5 };
@@ -95,9 +93,9 @@ impl Compiler<'_> {
     /// `eta`, or Disney's `specular`, which spans reflectances from 0 to 8 %.
     fn principled_eta(&mut self, node: &Node, is_thin: bool) -> FloatTexture {
         if node.get("eta").is_some() || is_thin {
-            return self.float_texture(node, "eta", 1.5);
+            return self.float_texture(node, "eta");
         }
-        let FloatTexture::Constant(specular) = self.float_texture(node, "specular", 0.5) else {
+        let FloatTexture::Constant(specular) = self.float_texture(node, "specular") else {
             self.approximated(node.span, "'specular' cannot be textured here; 0.5 is used");
             return FloatTexture::Constant(1.5);
         };

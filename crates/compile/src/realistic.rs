@@ -17,8 +17,8 @@ impl Compiler<'_> {
     pub(super) fn lens_system(&mut self, node: &Node) -> Option<Arc<LensSystem>> {
         let rows = self.lens_rows(node)?;
         let stop = self.lens_stop(node)?;
-        let aperture = node.get("aperture_diameter").map(|_| self.positive(node, "aperture_diameter", 1.0));
-        let focus = self.positive(node, "focus_distance", 10.0);
+        let aperture = node.get("aperture_diameter").map(|_| self.positive_or(node, "aperture_diameter", 1.0));
+        let focus = self.positive(node, "focus_distance");
         let diagonal = self.film_diagonal(node);
         match LensSystem::new(&rows, stop, aperture.map(f64::from), f64::from(focus), f64::from(diagonal)) {
             Ok(lens) => Some(Arc::new(lens)),
@@ -31,7 +31,7 @@ impl Compiler<'_> {
 
     /// Corner to corner of the film, mm.
     pub(super) fn film_diagonal(&mut self, node: &Node) -> f32 {
-        self.positive(node, "film_diagonal", 35.0)
+        self.positive(node, "film_diagonal")
     }
 
     /// The table of a lens: a file, a list, or a double Gauss.
@@ -57,7 +57,7 @@ impl Compiler<'_> {
     /// The shape of the stop: a picture, or a built-in one.
     fn lens_stop(&mut self, node: &Node) -> Option<Stop> {
         let Some(path) = self.typed(node, "aperture_file", "a file", |n| n.path("aperture_file")) else {
-            let name = self.word(node, "aperture").unwrap_or("circle");
+            let name = self.word(node, "aperture");
             let stop = Stop::named(name);
             if stop.is_none() {
                 let what = format!("'{name}' is not an aperture; known are circle, square, pentagon, star, gaussian");

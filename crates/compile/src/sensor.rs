@@ -14,8 +14,8 @@ const OBSERVER: &str = "cie1931";
 impl Compiler<'_> {
     /// Spectral response of the film, where that is not the observer's without a white balance.
     pub(super) fn response(&mut self, film: &Node) -> Option<Arc<Response>> {
-        let name = self.word(film, "sensor").unwrap_or(OBSERVER);
-        let balance = self.float(film, "white_balance", 0.0);
+        let name = self.word(film, "sensor");
+        let balance = self.float(film, "white_balance");
         let at = |name: &str| film.param(name).and_then(|p| p.span).or(film.span);
         let is_camera = name != OBSERVER;
         if is_camera && !Response::cameras().any(|(known, _)| known == name) {
@@ -63,13 +63,13 @@ impl Compiler<'_> {
         let SensorNoise::OfFrame(frame) = self.options.sensor_noise else { return None };
         let default = Sensor::default();
         let sensor = Sensor {
-            full_well: f64::from(self.float(node, "full_well", 0.0)),
-            read_noise: f64::from(self.float(node, "read_noise", 0.0)),
-            dark_current: f64::from(self.float(node, "dark_current", 0.0)),
-            bits: self.int(node, "bits").map_or(default.bits, |bits| bits.clamp(1, 24) as u32),
+            full_well: f64::from(self.float_or(node, "full_well", 0.0)),
+            read_noise: f64::from(self.float(node, "read_noise")),
+            dark_current: f64::from(self.float(node, "dark_current")),
+            bits: self.int(node, "bits").clamp(1, 24) as u32,
             iso: film.float("iso").filter(|v| *v > 0.0).unwrap_or(default.iso),
             exposure_time: film.float("exposure_time").filter(|v| *v > 0.0).unwrap_or(default.exposure_time),
-            seed: self.int(node, "noise_seed").unwrap_or(0) as u64,
+            seed: self.int(node, "noise_seed") as u64,
             frame,
         };
         (sensor.full_well > 0.0).then_some(sensor)

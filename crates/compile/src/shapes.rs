@@ -80,7 +80,7 @@ impl Compiler<'_> {
         let material = self.material(shape.material);
         let mut alpha = material.alpha;
         if node.get("alpha").is_some() {
-            let own = self.float_texture(node, "alpha", 1.0);
+            let own = self.float_texture(node, "alpha");
             alpha = match (alpha, own) {
                 (None, own) => Some(own),
                 (Some(mask), FloatTexture::Constant(v)) if v >= 1.0 => Some(mask),
@@ -90,7 +90,7 @@ impl Compiler<'_> {
         if matches!(alpha, Some(FloatTexture::Constant(v)) if v >= 1.0) {
             alpha = None;
         }
-        let is_single_sided = self.bool(node, "single_sided", false);
+        let is_single_sided = self.bool(node, "single_sided");
         let media = shape.is_medium_boundary.then(|| (self.medium(shape.interior), self.medium(shape.exterior)));
         let emission = shape.emission.map(|id| self.node(id));
         let placed = Placed {
@@ -171,7 +171,7 @@ impl Compiler<'_> {
                 Vec::new()
             }
             "mesh" => {
-                let flat = self.bool(node, "flat", false);
+                let flat = self.bool(node, "flat");
                 match shape.mesh.and_then(|m| self.desc.meshes.get(m)) {
                     Some(mesh) if node.get("displacement").is_some() => {
                         match self.displaced(node, mesh, &placed.place) {
@@ -184,7 +184,7 @@ impl Compiler<'_> {
                 }
             }
             "loop_subdivision" => {
-                let levels = self.int(node, "levels").unwrap_or(3).clamp(0, 16) as u32;
+                let levels = self.int(node, "levels").clamp(0, 16) as u32;
                 match shape.mesh.and_then(|m| self.desc.meshes.get(m)).map(|m| loop_subdivide(m, levels)) {
                     Some(Ok(mesh)) => self.mesh_parts(placed, &mesh, false),
                     Some(Err(e)) => {
@@ -197,16 +197,16 @@ impl Compiler<'_> {
             "sphere" => self.sphere(shape.world_from_object, placed),
             "disk" => {
                 let kind = QuadricKind::Disk {
-                    height: self.float(node, "height", 0.0),
-                    radius: self.positive(node, "radius", 1.0),
-                    inner: self.float(node, "inner_radius", 0.0).max(0.0),
+                    height: self.float(node, "height"),
+                    radius: self.positive(node, "radius"),
+                    inner: self.float(node, "inner_radius").max(0.0),
                 };
-                placed.quadric(kind, self.float(node, "phi_max", 360.0).clamp(0.0, 360.0), placed.place)
+                placed.quadric(kind, self.float(node, "phi_max").clamp(0.0, 360.0), placed.place)
             }
             "cylinder" => self.cylinder(shape.world_from_object, placed),
             "plane" => {
-                let n = self.vec3(node, "normal", Vec3::Y);
-                let d = self.float(node, "distance", 0.0);
+                let n = self.vec3(node, "normal");
+                let d = self.float(node, "distance");
                 // n·x + d = 0 in object space: the plane's covector goes by the inverse transpose.
                 let covector = placed.place.inv.transpose() * n.extend(d);
                 match Plane::new(covector.truncate(), covector.w, placed.reverse) {
@@ -243,26 +243,27 @@ impl Compiler<'_> {
 
     fn sphere(&mut self, world_from_object: Transform, placed: &Placed<'_>) -> Vec<Shape> {
         let node = placed.node;
-        let radius = self.positive(node, "radius", 1.0);
-        let (z0, z1) = (self.float(node, "z_min", f64::from(-radius)), self.float(node, "z_max", f64::from(radius)));
+        let radius = self.positive(node, "radius");
+        let (z0, z1) =
+            (self.float_or(node, "z_min", f64::from(-radius)), self.float_or(node, "z_max", f64::from(radius)));
         let (z_min, z_max) = (z0.min(z1).clamp(-radius, radius), z0.max(z1).clamp(-radius, radius));
-        let center = self.dvec3(node, "center", DVec3::ZERO);
+        let center = self.dvec3(node, "center");
         let Some(place) = (world_from_object * Transform::translate(center)).affine() else {
             self.error(node.span, "the centre of this sphere is not finite");
             return Vec::new();
         };
-        let phi = self.float(node, "phi_max", 360.0).clamp(0.0, 360.0);
+        let phi = self.float(node, "phi_max").clamp(0.0, 360.0);
         placed.quadric(QuadricKind::Sphere { radius, z_min, z_max }, phi, place)
     }
 
     /// A cylinder around the z axis, or from `p0` to `p1`.
     fn cylinder(&mut self, mut world_from_object: Transform, placed: &Placed<'_>) -> Vec<Shape> {
         let node = placed.node;
-        let radius = self.positive(node, "radius", 1.0);
-        let phi = self.float(node, "phi_max", 360.0).clamp(0.0, 360.0);
-        let (mut z0, mut z1) = (self.float(node, "z_min", -1.0), self.float(node, "z_max", 1.0));
+        let radius = self.positive(node, "radius");
+        let phi = self.float(node, "phi_max").clamp(0.0, 360.0);
+        let (mut z0, mut z1) = (self.float(node, "z_min"), self.float(node, "z_max"));
         if node.get("p0").is_some() || node.get("p1").is_some() {
-            let (a, b) = (self.dvec3(node, "p0", DVec3::ZERO), self.dvec3(node, "p1", DVec3::Z));
+            let (a, b) = (self.dvec3_or(node, "p0", DVec3::ZERO), self.dvec3_or(node, "p1", DVec3::Z));
             let Some(axis) = (b - a).try_normalize() else {
                 self.error(node.span, "the two ends of this cylinder are the same point");
                 return Vec::new();
@@ -314,7 +315,7 @@ impl Compiler<'_> {
                 };
                 triangles.attributes.iter_mut().filter(|a| is_shown(&a.name)).for_each(|a| a.upsample());
             }
-            if let Some(word) = self.word(node, "tangents") {
+            if let Some(word) = self.given_word(node, "tangents") {
                 self.tangents(node, word, &mut triangles, place, swaps ^ reverse);
             }
             parts.push(Shape::Mesh(Arc::new(triangles)));
@@ -349,13 +350,14 @@ impl Compiler<'_> {
     /// The surface of a grid of distances.
     fn sdf_grid(&mut self, placed: &Placed<'_>) -> Vec<Shape> {
         let node = placed.node;
-        let smooth = self.choice(node, "normals", true, &[("smooth", true), ("analytic", false)]);
+        let smooth = self.choice(node, "normals", &[("smooth", true), ("analytic", false)]);
         let span = node.param("file").and_then(|p| p.span).or(node.span);
         let Some(grid) = self.voxel_grid(node) else { return Vec::new() };
         let ([w, h, d], channels) = (grid.size, grid.channels);
         if channels != 1 || w.min(h).min(d) < 2 {
             let what = format!(
-                "a grid of distances needs one channel, and two samples along each axis at least; this one has {w} × {h} × {d} of {channels}"
+                "a grid of distances needs one channel, and two samples along each axis at least; this one has {w} × \
+                 {h} × {d} of {channels}"
             );
             self.error(span, what);
             return Vec::new();
@@ -386,20 +388,14 @@ impl Compiler<'_> {
         let (points, normals) = (vectors("points"), vectors("normals"));
         let params = CurveParams {
             points,
-            degree: self.int(node, "degree").unwrap_or(3).clamp(0, 255) as u32,
-            basis: self.choice(
-                node,
-                "basis",
-                CurveBasis::Bezier,
-                &[("bezier", CurveBasis::Bezier), ("bspline", CurveBasis::BSpline)],
-            ),
+            degree: self.int(node, "degree").clamp(0, 255) as u32,
+            basis: self.choice(node, "basis", &[("bezier", CurveBasis::Bezier), ("bspline", CurveBasis::BSpline)]),
             kind: self.choice(
                 node,
                 "type",
-                CurveKind::Flat,
                 &[("flat", CurveKind::Flat), ("cylinder", CurveKind::Cylinder), ("ribbon", CurveKind::Ribbon)],
             ),
-            width: [self.float(node, "width0", 1.0), self.float(node, "width1", 1.0)],
+            width: [self.float(node, "width0"), self.float(node, "width1")],
             normals,
         };
         if placed.emits && params.segments().is_ok() {
@@ -412,7 +408,7 @@ impl Compiler<'_> {
                 }
             }
         }
-        let split = self.int(node, "split_depth").unwrap_or(3).clamp(0, 8) as u32;
+        let split = self.int(node, "split_depth").clamp(0, 8) as u32;
         match Curves::new(&params, &placed.place, split, placed.swaps, placed.reverse) {
             Ok(curves) => vec![Shape::Curves(Arc::new(curves))],
             Err(e) => {

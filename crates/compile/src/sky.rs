@@ -6,7 +6,7 @@ use steradian_core::light::{
     sky::{Air, AirDome, AirSun, Atmosphere, Celestial, Contents, Moment, SkyDome, SunDisc, SunLook},
 };
 use steradian_math::{
-    Vec3,
+    DVec3, Vec3,
     color::space::REC709,
     spectra::{
         ColorMode,
@@ -14,7 +14,7 @@ use steradian_math::{
     },
     transform::Affine,
 };
-use steradian_scene::{Node, SpectrumValue};
+use steradian_scene::Node;
 
 /// Parameters that `sun_direction` replaces.
 const PLACE_AND_TIME: [&str; 9] =
@@ -39,13 +39,13 @@ impl Compiler<'_> {
             let message = "the sun is below the horizon at this place and time; this sky is black";
             self.diagnostics.warn(&self.desc.sources, node.span, message);
         }
-        let albedo = self.constant_color(node, "albedo", Role::Albedo, SpectrumValue::Constant(0.3));
-        let turbidity = self.float(node, "turbidity", 3.0);
+        let albedo = self.constant_color(node, "albedo", Role::Albedo);
+        let turbidity = self.float(node, "turbidity");
         let air = Atmosphere { turbidity, albedo, up, sun, mode: self.mode };
         let look = SunLook {
-            aperture: self.float(node, "sun_aperture", 0.5358),
-            limb_darkening: self.bool(node, "limb_darkening", true),
-            coarse_rgb: self.choice(node, "sun_rgb", false, &[("exact", false), ("mitsuba", true)]),
+            aperture: self.float(node, "sun_aperture"),
+            limb_darkening: self.bool(node, "limb_darkening"),
+            coarse_rgb: self.choice(node, "sun_rgb", &[("exact", false), ("mitsuba", true)]),
         };
         let sky = || Some(Celestial::Sky(Box::new(SkyDome::new(&air))));
         self.dome_and_sun(node, sky, || Some(Celestial::Sun(Box::new(SunDisc::new(&air, &look)))))
@@ -60,28 +60,27 @@ impl Compiler<'_> {
                 format!("the sun is lower than {NIGHT}° at this place and time; stars and airglow are not in this sky");
             self.diagnostics.warn(&self.desc.sources, node.span, message);
         }
-        let albedo = self.constant_color(node, "albedo", Role::Albedo, SpectrumValue::Constant(0.3));
+        let albedo = self.constant_color(node, "albedo", Role::Albedo);
         let albedo = match (albedo, self.mode) {
             (Color::Lanes(lanes), ColorMode::Rgb) => {
                 Color::rgb(Vec3::from(lanes.to_rgb()), &REC709, Role::Albedo, ColorMode::Spectral)
             }
             (albedo, _) => albedo,
         };
-        let clear = Contents::CLEAR;
-        let mut number = |name, default: f64| f64::from(self.float(node, name, default));
+        let mut number = |name| f64::from(self.float(node, name));
         let contents = Contents {
-            pressure: number("pressure", clear.pressure),
-            ozone: number("ozone", clear.ozone),
-            aerosol: number("aerosol", clear.aerosol),
-            angstrom: number("angstrom", clear.angstrom),
-            aerosol_albedo: number("aerosol_albedo", clear.aerosol_albedo.into()) as f32,
-            aerosol_height: number("aerosol_height", clear.aerosol_height),
-            g: number("g", clear.g.into()) as f32,
+            pressure: number("pressure"),
+            ozone: number("ozone"),
+            aerosol: number("aerosol"),
+            angstrom: number("angstrom"),
+            aerosol_albedo: number("aerosol_albedo") as f32,
+            aerosol_height: number("aerosol_height"),
+            g: number("g") as f32,
         };
-        let altitude = self.float(node, "altitude", 0.0);
-        let multiple = self.choice(node, "scattering", true, &[("multiple", true), ("single", false)]);
+        let altitude = self.float(node, "altitude");
+        let multiple = self.choice(node, "scattering", &[("multiple", true), ("single", false)]);
         let air = Air { contents, albedo, altitude, multiple, up, sun, mode: self.mode };
-        let (aperture, darkening) = (self.float(node, "sun_aperture", 0.5358), self.bool(node, "limb_darkening", true));
+        let (aperture, darkening) = (self.float(node, "sun_aperture"), self.bool(node, "limb_darkening"));
         let sky = || Some(Celestial::Air(Box::new(AirDome::new(&air))));
         let sun = || AirSun::new(&air, aperture, darkening).map(|sun| Celestial::AirSun(Box::new(sun)));
         self.dome_and_sun(node, sky, sun)
@@ -101,8 +100,8 @@ impl Compiler<'_> {
         sky: impl FnOnce() -> Option<Celestial>,
         sun: impl FnOnce() -> Option<Celestial>,
     ) -> Vec<Light> {
-        let scale = self.float(node, "scale", 1.0);
-        let (of_sky, of_sun) = (self.float(node, "sky_scale", 1.0), self.float(node, "sun_scale", 1.0));
+        let scale = self.float(node, "scale");
+        let (of_sky, of_sun) = (self.float(node, "sky_scale"), self.float(node, "sun_scale"));
         if self.diagnostics.has_errors() {
             return Vec::new();
         }
@@ -117,24 +116,20 @@ impl Compiler<'_> {
                 self.error(node.span, format!("'sun_direction' excludes '{other}'"));
                 return None;
             }
-            let direction = self.vec3(node, "sun_direction", Vec3::Z).try_normalize();
+            let direction = self.dvec3_or(node, "sun_direction", DVec3::Z).as_vec3().try_normalize();
             if direction.is_none() {
                 self.error(node.span, "the direction of the sun is zero");
             }
             return direction;
         }
-        let date = [("year", 2010), ("month", 7), ("day", 10)].map(|(n, or)| self.int(node, n).unwrap_or(or));
-        let number = |c: &mut Self, name, default| {
-            // In f64, where seconds of a day count.
-            c.float(node, name, default);
-            node.float(name).filter(|v| v.is_finite()).unwrap_or(default)
-        };
-        let hours =
-            number(self, "hour", 15.0) + number(self, "minute", 0.0) / 60.0 + number(self, "second", 0.0) / 3600.0;
+        let date = ["year", "month", "day"].map(|name| self.int(node, name));
+        // In f64, where seconds of a day count.
+        let mut number = |name| self.double(node, name);
+        let hours = number("hour") + number("minute") / 60.0 + number("second") / 3600.0;
         let moment = Moment {
-            latitude: number(self, "latitude", 35.6894),
-            longitude: number(self, "longitude", 139.6917),
-            timezone: number(self, "timezone", 9.0),
+            latitude: number("latitude"),
+            longitude: number("longitude"),
+            timezone: number("timezone"),
             date,
             hours,
         };

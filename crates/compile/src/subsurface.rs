@@ -52,16 +52,16 @@ impl Compiler<'_> {
     pub(super) fn subsurface(&mut self, node: &Node) -> Model {
         let method = self.method_named(node, "method");
         // One that is out of range is told, and held within it.
-        let emergence = Emergence::new(self.at_sodium_line(node, "eta", 1.33));
+        let emergence = Emergence::new(self.at_sodium_line(node, "eta"));
         let eta = emergence.eta();
-        let g = self.float(node, "g", 0.0).clamp(-0.99, 0.99);
-        let scale = self.float(node, "scale", 1.0);
+        let g = self.float(node, "g").clamp(-0.99, 0.99);
+        let scale = self.float(node, "scale");
         let (content, local) = self.content(node, scale);
         let roughness = self.roughness(node, "alpha_u", "alpha_v");
         let local = self.add(node, Model::Diffuse(local)).id;
         Model::Subsurface(Box::new(SubsurfaceMaterial {
-            reflectance: self.spectrum(node, "specular_reflectance", Role::Albedo, ONE),
-            transmittance: self.spectrum(node, "specular_transmittance", Role::Albedo, ONE),
+            reflectance: self.spectrum(node, "specular_reflectance", Role::Albedo),
+            transmittance: self.spectrum(node, "specular_transmittance", Role::Albedo),
             roughness,
             medium: SubsurfaceMedium {
                 emergence,
@@ -76,7 +76,7 @@ impl Compiler<'_> {
 
     /// Method of subsurface scattering in a medium.
     pub(super) fn method_named(&mut self, node: &Node, name: &str) -> MethodName {
-        self.choice(node, name, MethodName::Walk, &METHODS)
+        self.choice(node, name, &METHODS)
     }
 
     /// The medium that a layered surface's diffuse base is, if any of it is one. Its colour is what a boundary that
@@ -127,14 +127,14 @@ impl Compiler<'_> {
         let has = |name: &str| node.get(name).is_some();
         if has("reflectance") || !has("sigma_s") && !has("sigma_a") {
             self.superseded(node, "reflectance", &["sigma_a", "sigma_s"]);
-            let albedo = self.spectrum(node, "reflectance", Role::Albedo, SpectrumValue::Constant(0.7));
-            let path = self.spectrum(node, "mfp", Role::Unbounded, ONE);
+            let albedo = self.spectrum(node, "reflectance", Role::Albedo);
+            let path = self.spectrum(node, "mfp", Role::Unbounded);
             return (Content::Albedo(albedo.clone(), self.scaled(node, path, FloatTexture::Constant(scale))), albedo);
         }
         self.superseded(node, "sigma_a", &["mfp"]);
         let local = self.subsurface_albedo(node);
         let [a, s] = ["sigma_a", "sigma_s"].map(|name| {
-            let sigma = self.spectrum(node, name, Role::Unbounded, ONE);
+            let sigma = self.spectrum_or(node, name, Role::Unbounded, ONE);
             self.scaled(node, sigma, FloatTexture::Constant(scale))
         });
         (Content::Coefficients(a, s), local)

@@ -13,16 +13,16 @@ use std::{
 };
 use steradian_image::{Encoding, TexelData, Texels};
 use steradian_math::{
-    DVec3, Transform, Vec3,
+    DVec3, Transform,
     spectra::role::{Color, Role},
 };
-use steradian_scene::{Family, Format, Node, NodeId, SpectrumValue, Value};
+use steradian_scene::{Family, Format, Node, NodeId, Value};
 use steradian_texture as texture;
 use steradian_texture::{
-    Domain, Filter, GridTexture, ImageTexture, SpectrumTexture, Texture, Wrap,
+    Domain, Filter, GridTexture, ImageTexture, Mapping, SpectrumTexture, Texture, Wrap,
     filter::FILTERS,
     grid::Interpolation,
-    kernel::{MIP_KERNELS, MipKernel},
+    kernel::MIP_KERNELS,
     levels::{Levels, Recipe, Shape},
     store::{Level, Pages},
     summed::SummedArea,
@@ -115,7 +115,8 @@ impl Compiler<'_> {
         }
         let gigabytes = |bytes: u64| bytes as f64 / f64::from(1 << 30);
         let what = format!(
-            "the scene needs about {:.1} GiB of memory ({:.1} for textures, {:.1} for other pictures, {:.1} for the film), and {:.1} are there",
+            "the scene needs about {:.1} GiB of memory ({:.1} for textures, {:.1} for other pictures, {:.1} for the \
+             film), and {:.1} are there",
             gigabytes(needed),
             gigabytes(held),
             gigabytes(others),
@@ -229,7 +230,7 @@ impl Compiler<'_> {
                     return self.texture_ids.get(&id).map_or(grey, |t| SpectrumTexture::Texture(*t, role));
                 }
                 Some(Value::Node(inner)) => id = *inner,
-                _ => return self.spectrum(node, "value", role, SpectrumValue::Constant(1.0)),
+                _ => return self.spectrum(node, "value", role),
             }
         }
         grey
@@ -257,14 +258,14 @@ impl Compiler<'_> {
             }
             "time" => Some(Texture::Time),
             "mesh_attribute" => Some(Texture::MeshAttribute {
-                name: self.word(node, "name").unwrap_or_default().into(),
-                domain: self.choice(
+                name: self.given_word(node, "name").unwrap_or_default().into(),
+                domain: self.choice_or(
                     node,
                     "domain",
                     None,
                     &[("vertex", Some(Domain::Vertex)), ("face", Some(Domain::Face))],
                 ),
-                scale: self.float(node, "scale", 1.0),
+                scale: self.float(node, "scale"),
             }),
             "grid" => self.grid(node).map(|g| Texture::Grid(Arc::new(g))),
             "scale" | "add" | "mix" | "bilerp" | "triplanar" | "ramp" | "curve" | "channel" | "color_space" | "hsv" => {
@@ -330,8 +331,8 @@ impl Compiler<'_> {
         ];
         let wraps =
             [("repeat", Wrap::Repeat), ("mirror", Wrap::Mirror), ("clamp", Wrap::Clamp), ("black", Wrap::Border)];
-        let mut mapping = self.mapping(node);
-        if self.bool(node, "use_grid_bounds", false) {
+        let mut mapping = Mapping { local: self.texture_space(node), ..Mapping::default() };
+        if self.bool(node, "use_grid_bounds") {
             let [min, max] = grid.bounds.map(|c| DVec3::from(c.map(f64::from)));
             let to_unit = Transform::scale((max - min).recip()) * Transform::translate(-min);
             match (to_unit * self.transform(node, "texture_from_world")).affine() {
@@ -344,16 +345,16 @@ impl Compiler<'_> {
         }
         Some(GridTexture {
             grid,
-            interpolation: self.choice(node, "filter", Interpolation::Trilinear, &interpolations),
-            wrap: self.choice(node, "wrap", Wrap::Clamp, &wraps),
+            interpolation: self.choice(node, "filter", &interpolations),
+            wrap: self.choice(node, "wrap", &wraps),
             mapping,
-            scale: self.float(node, "scale", 1.0),
+            scale: self.float(node, "scale"),
         })
     }
 
     /// An image with the lookup parameters of a node.
     pub(super) fn image_texture(&mut self, node: &Node, base: &Level) -> ImageTexture {
-        let raw = self.bool(node, "raw", false);
+        let raw = self.bool(node, "raw");
         let encoding = match node.get("encoding") {
             None => base.encoding(),
             Some(Value::String(s)) => match s.as_str() {
@@ -368,11 +369,11 @@ impl Compiler<'_> {
                     base.encoding()
                 }
             },
-            Some(_) => Encoding::Gamma(self.positive(node, "encoding", 2.2)),
+            Some(_) => Encoding::Gamma(self.positive_or(node, "encoding", 2.2)),
         };
         let encoding = if raw { Encoding::Linear } else { encoding };
-        let filter = match self.choice(node, "filter", Filter::Bilinear, &FILTERS) {
-            Filter::Ewa(most) => Filter::Ewa(self.float(node, "max_anisotropy", most.into()).clamp(1.0, 64.0)),
+        let filter = match self.choice(node, "filter", &FILTERS) {
+            Filter::Ewa(_) => Filter::Ewa(self.float(node, "max_anisotropy").clamp(1.0, 64.0)),
             other => other,
         };
         let (wrap, borders) = self.wraps(node, base.channels());
@@ -388,12 +389,12 @@ impl Compiler<'_> {
                 Filter::Ripmap => Shape::Rip,
                 _ => Shape::Flat,
             },
-            kernel: self.choice(node, "mip_filter", MipKernel::Box, &MIP_KERNELS),
+            kernel: self.choice(node, "mip_filter", &MIP_KERNELS),
             wrap,
-            keep_coverage: node.get("keep_coverage").map(|_| self.float(node, "keep_coverage", 0.5)),
+            keep_coverage: node.get("keep_coverage").map(|_| self.float_or(node, "keep_coverage", 0.5)),
         };
         let channels = base.channels();
-        let channel = match self.choice(node, "channel", None, &CHANNELS) {
+        let channel = match self.choice(node, "channel", &CHANNELS) {
             // Grey pictures have their grey in any colour.
             Some(c @ 0..3) => Some(if channels < 3 { 0 } else { c }),
             Some(_) => base.alpha(),
@@ -404,20 +405,20 @@ impl Compiler<'_> {
             sums: (filter == Filter::Box).then(|| Arc::new(SummedArea::new(levels.base()))),
             levels,
             filter,
-            stochastic: self.bool(node, "stochastic", false) || self.options.stochastic_textures,
+            stochastic: self.bool(node, "stochastic") || self.options.stochastic_textures,
             wrap,
             borders,
             channel,
-            origin_bottom: self.choice(node, "origin", true, &[("bottom", true), ("top", false)]),
-            scale: self.float(node, "scale", 1.0),
-            invert: self.bool(node, "invert", false),
+            origin_bottom: self.choice(node, "origin", &[("bottom", true), ("top", false)]),
+            scale: self.float(node, "scale"),
+            invert: self.bool(node, "invert"),
             mapping: self.mapping(node),
         }
     }
 
     /// Wrap modes beyond the sides and beyond top and bottom of a picture.
     fn wraps(&mut self, node: &Node, channels: usize) -> ([Wrap; 2], Borders) {
-        let border = self.vec3(node, "border", Vec3::ZERO);
+        let border = self.vec3(node, "border");
         let border = match channels {
             1 => [border.element_sum() / 3.0, 0.0, 0.0, 0.0],
             2 => [border.element_sum() / 3.0, 1.0, 0.0, 0.0],
@@ -432,8 +433,7 @@ impl Compiler<'_> {
             ("black", (Wrap::Border, [0.0; 4])),
             ("one", (Wrap::Border, [1.0; 4])),
         ];
-        let [(u, beyond_u), (v, beyond_v)] =
-            ["wrap_u", "wrap_v"].map(|name| self.choice(node, name, known[0].1, &known));
+        let [(u, beyond_u), (v, beyond_v)] = ["wrap_u", "wrap_v"].map(|name| self.choice(node, name, &known));
         if (u == Wrap::Octahedral) != (v == Wrap::Octahedral) {
             self.error(node.span, "an octahedral map has wrap 'octahedral' on both axes");
         }

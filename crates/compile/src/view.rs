@@ -11,6 +11,9 @@ use steradian_math::Vec2;
 use steradian_request::MethodRequest;
 use steradian_scene::{Family, Format, Node, NodeId, Value, names};
 
+/// Distance of what is in focus, also of cameras in which everything is.
+const FOCAL_DISTANCE: f64 = 1e6;
+
 impl Compiler<'_> {
     /// The frame: the user's size or the film's.
     fn frame(&mut self) -> (i64, i64) {
@@ -18,9 +21,10 @@ impl Compiler<'_> {
         match (self.options.size, self.desc.film.map(|f| self.node(f))) {
             (Some((w, h)), _) => (i64::from(w), i64::from(h)),
             (None, None) => default,
-            (None, Some(film)) => {
-                (self.int(film, "width").unwrap_or(default.0), self.int(film, "height").unwrap_or(default.1))
-            }
+            (None, Some(film)) => (
+                self.given_int(film, "width").unwrap_or(default.0),
+                self.given_int(film, "height").unwrap_or(default.1),
+            ),
         }
     }
 
@@ -57,18 +61,18 @@ impl Compiler<'_> {
         let motion = motion.filter(|motion| !motion.is_still());
         let (w, h) = self.frame();
         let aspect = match node.get("frame_aspect") {
-            Some(_) => self.positive(node, "frame_aspect", 1.0),
+            Some(_) => self.positive_or(node, "frame_aspect", 1.0),
             None => (w.max(1) as f32) / (h.max(1) as f32),
         };
         let unit = if aspect >= 1.0 { Vec2::new(aspect, 1.0) } else { Vec2::new(1.0, 1.0 / aspect) };
         let (projection, half) = match node.kind.as_str() {
             "perspective" => {
-                let fov = self.positive(node, "fov", 90.0);
+                let fov = self.positive(node, "fov");
                 if fov >= 180.0 {
                     self.error(node.span, format!("a perspective camera cannot have a field of view of {fov} degrees"));
                     return None;
                 }
-                let axis_name = self.word(node, "fov_axis").unwrap_or("smaller");
+                let axis_name = self.word(node, "fov_axis");
                 let Some(axis) = FovAxis::named(axis_name) else {
                     self.error(
                         node.span,
@@ -110,16 +114,16 @@ impl Compiler<'_> {
             window = [s[0], s[1], s[2], s[3]].map(|v| v * k);
         }
         if let Projection::Perspective | Projection::Orthographic = projection {
-            let (dx, dy) = (self.float(node, "principal_x", 0.0), self.float(node, "principal_y", 0.0));
+            let (dx, dy) = (self.float(node, "principal_x"), self.float(node, "principal_y"));
             let (ww, wh) = (window[1] - window[0], window[3] - window[2]);
             window = [window[0] - dx * ww, window[1] - dx * ww, window[2] + dy * wh, window[3] + dy * wh];
         }
         let lens_radius = match &projection {
             Projection::Realistic(lens) => lens.stop_radius(),
             Projection::Patch(..) => 1.0,
-            _ => self.float(node, "lens_radius", 0.0).max(0.0),
+            _ => self.float_or(node, "lens_radius", 0.0).max(0.0),
         };
-        let focal_distance = self.positive(node, "focal_distance", 1e6);
+        let focal_distance = self.positive_or(node, "focal_distance", FOCAL_DISTANCE);
         let [near, far] = self.planes(node)?;
         Some(Camera {
             projection,
@@ -136,8 +140,8 @@ impl Compiler<'_> {
 
     /// Near and far distances of rays along the axis.
     fn planes(&mut self, node: &Node) -> Option<[f32; 2]> {
-        let near = if node.get("near").is_some() { self.float(node, "near", 0.0).max(0.0) } else { 0.0 };
-        let far = if node.get("far").is_some() { self.positive(node, "far", f64::INFINITY) } else { f32::INFINITY };
+        let near = if node.get("near").is_some() { self.float_or(node, "near", 0.0).max(0.0) } else { 0.0 };
+        let far = if node.get("far").is_some() { self.positive_or(node, "far", f64::INFINITY) } else { f32::INFINITY };
         if far <= near {
             self.error(node.span, format!("'far', {far}, must be more than 'near', {near}"));
             return None;
@@ -147,7 +151,7 @@ impl Compiler<'_> {
 
     /// Mapping of directions of a spherical camera.
     fn sphere_map(&mut self, node: &Node) -> Projection {
-        match self.choice(node, "mapping", false, &[("equalarea", false), ("equirectangular", true)]) {
+        match self.choice(node, "mapping", &[("equalarea", false), ("equirectangular", true)]) {
             true => Projection::SphericalEquirectangular,
             false => Projection::SphericalEqualArea,
         }
@@ -155,13 +159,13 @@ impl Compiler<'_> {
 
     /// Receiving surface of an irradiance meter.
     fn patch(&mut self, node: &Node) -> Option<Projection> {
-        let name = self.word(node, "surface").unwrap_or("square");
+        let name = self.word(node, "surface");
         let Some(patch) = Patch::named(name) else {
             let known = "square, disk, sphere, cylinder";
             self.error(node.span, format!("'{name}' is no surface of a meter; known are {known}"));
             return None;
         };
-        Some(Projection::Patch(patch, self.bool(node, "inward", false)))
+        Some(Projection::Patch(patch, self.bool(node, "inward")))
     }
 
     /// Compiles film and filter.
@@ -212,13 +216,12 @@ impl Compiler<'_> {
         }
         let is_irradiance = self.chosen_camera().is_some_and(|c| self.node(c).kind == "irradiance_meter");
         let receives = if is_irradiance { std::f32::consts::PI } else { 1.0 };
-        let imaging_ratio =
-            receives * self.positive(node, "exposure_time", 1.0) * self.positive(node, "iso", 100.0) / 100.0;
+        let imaging_ratio = receives * self.positive(node, "exposure_time") * self.positive(node, "iso") / 100.0;
         let max_component = match node.float("max_component") {
             // pbrt's own default, and any other number beyond f32, clamp nothing.
             Some(v) if v > f64::from(f32::MAX) => f32::INFINITY,
             None if node.get("max_component").is_none() => f32::INFINITY,
-            _ => self.positive(node, "max_component", 1.0),
+            _ => self.positive_or(node, "max_component", 1.0),
         };
         let (response, sensor) = (self.response(node), self.sensor(node));
         let filter = self.filter()?;
@@ -229,24 +232,21 @@ impl Compiler<'_> {
     fn filter(&mut self) -> Option<Filter> {
         let empty = Node::new(Family::Filter, "box", None);
         let node = self.desc.filter.map_or(&empty, |f| self.desc.node(f));
-        let third = 1.0 / 3.0;
-        let (kind, radius) = match node.kind.as_str() {
-            "box" => (FilterKind::Box, 0.5),
-            "tent" => (FilterKind::Tent, 1.0),
-            "gaussian" => (FilterKind::Gaussian { sigma: self.positive(node, "sigma", 0.5) }, 1.5),
-            "mitchell" => {
-                (FilterKind::Mitchell { b: self.float(node, "b", third), c: self.float(node, "c", third) }, 2.0)
-            }
-            "catmull_rom" => (FilterKind::Mitchell { b: 0.0, c: 0.5 }, 2.0),
-            "lanczos" => (FilterKind::Lanczos { tau: self.positive(node, "tau", 3.0) }, 3.0),
-            "blackman_harris" => (FilterKind::BlackmanHarris, 1.5),
+        let kind = match node.kind.as_str() {
+            "box" => FilterKind::Box,
+            "tent" => FilterKind::Tent,
+            "gaussian" => FilterKind::Gaussian { sigma: self.positive(node, "sigma") },
+            "mitchell" => FilterKind::Mitchell { b: self.float(node, "b"), c: self.float(node, "c") },
+            "catmull_rom" => FilterKind::Mitchell { b: 0.0, c: 0.5 },
+            "lanczos" => FilterKind::Lanczos { tau: self.positive(node, "tau") },
+            "blackman_harris" => FilterKind::BlackmanHarris,
             other => {
                 let help = names::did_you_mean(other, Family::Filter.kinds());
                 self.error_help(node.span, format!("pixel filter '{other}' is not implemented"), help);
                 return None;
             }
         };
-        let radius = Vec2::new(self.positive(node, "radius_x", radius), self.positive(node, "radius_y", radius));
+        let radius = Vec2::new(self.positive(node, "radius_x"), self.positive(node, "radius_y"));
         let filter = Filter::new(kind, radius);
         if filter.is_none() {
             self.error(node.span, format!("pixel filter '{}' with these parameters has no volume", node.kind));
@@ -285,13 +285,13 @@ impl Compiler<'_> {
             seed: 0,
         };
         if let Some(node) = self.desc.integrator.map(|i| self.desc.node(i)) {
-            settings.max_depth = match self.int(node, "max_depth") {
+            settings.max_depth = match self.given_int(node, "max_depth") {
                 Some(d) if d >= 0 => d.min(i64::from(u32::MAX)) as u32,
                 _ => u32::MAX,
             };
-            settings.hide_emitters = self.bool(node, "hide_emitters", false);
+            settings.hide_emitters = self.bool_or(node, "hide_emitters", false);
             // As with samplers below: roulette changes the noise alone, and other programs' files have their defaults.
-            if let (Format::Native, Some(depth)) = (self.desc.format, self.int(node, "rr_depth")) {
+            if let (Format::Native, Some(depth)) = (self.desc.format, self.given_int(node, "rr_depth")) {
                 settings.rr_depth = depth.clamp(0, i64::from(u32::MAX)) as u32;
             }
         }
@@ -309,8 +309,8 @@ impl Compiler<'_> {
             if self.desc.format == Format::Native {
                 settings.sampler = named;
             }
-            settings.seed = self.int(node, "seed").unwrap_or(0) as u64;
-            match self.int(node, "samples") {
+            settings.seed = self.int(node, "seed") as u64;
+            match self.given_int(node, "samples") {
                 Some(n) if n >= 1 => settings.spp = n.min(1 << 24) as u32,
                 Some(n) => {
                     let span = node.param("samples").and_then(|p| p.span).or(node.span);

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// Subject of a node; with the kind it names a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-#[allow(missing_docs)]
+#[expect(missing_docs, reason = "the names are those of the families")]
 pub enum Family {
     Shape,
     Material,
@@ -92,6 +92,14 @@ impl Family {
         Some(model.all().chain(common.filter(|p| model.parameter(p.name).is_none())))
     }
 
+    /// The parameter of a name; for kinds that the tables do not describe, that of the first kind which has it.
+    pub fn parameter(self, kind: &str, name: &str) -> Option<&'static Parameter> {
+        match self.model(kind) {
+            Some(model) => model.parameter(name),
+            None => self.models().iter().find_map(|m| m.parameter(name)),
+        }
+    }
+
     /// The names of its models.
     pub fn kinds(self) -> impl Iterator<Item = &'static str> + Clone {
         self.models().iter().map(|m| m.kind)
@@ -165,5 +173,22 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn defaults_have_types() {
+        let row = |family: Family, kind, name| family.parameter(kind, name).expect("a parameter");
+        assert_eq!(row(Family::Material, "grating", "period").default_number(), Some(1600.0));
+        assert_eq!(row(Family::Material, "grating", "transmission").default_flag(), Some(false));
+        assert_eq!(row(Family::Material, "lafortune", "coefficients").default_numbers(), Some([-1.0, -1.0, 1.0]));
+        assert_eq!(
+            row(Family::Material, "openpbr", "subsurface_radius_scale").default_numbers(),
+            Some([1.0, 0.5, 0.25])
+        );
+        assert_eq!(row(Family::Light, "point", "position").default_numbers::<2>(), None);
+        assert_eq!(row(Family::Light, "point", "power").default_number(), None);
+        // Of a kind that is not there, the first one that has it counts.
+        assert_eq!(row(Family::Film, "unheard-of", "iso").default_number(), Some(100.0));
+        assert!(Family::Film.parameter("rgb", "sigma").is_none());
     }
 }

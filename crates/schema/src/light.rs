@@ -8,6 +8,8 @@ use crate::{
     texture::{MAPPING, PICTURE},
 };
 
+/// The colour white, which is D65 in spectral mode; the number 1 is the spectrum that is 1 everywhere.
+const WHITE: &str = "1, 1, 1";
 const SCALE: Parameter = number("scale", ANY, "1", "factor on what is emitted");
 const NORMALIZE: Parameter =
     flag("normalize", "false", "whether a spectrum that is no colour is divided by its luminance, as in pbrt");
@@ -21,7 +23,7 @@ const ILLUMINANCE: Parameter = number(
     "illuminance of a surface that faces it, whatever the spectrum (of white with `normalize`); counts above 0",
 )
 .unit("lx");
-const INTENSITY: Parameter = spectrum("intensity", ANY, "1", "radiant intensity");
+const INTENSITY: Parameter = spectrum("intensity", ANY, WHITE, "radiant intensity");
 /// Parameters of every light: its timetable.
 const SCHEDULE: Group = Group {
     name: "schedule",
@@ -39,7 +41,7 @@ const FILE_FIRST: &str = "a picture over u and v, instead of radiance";
 
 /// Parameters of area lights, which shapes have.
 const OF_SHAPES: &[Parameter] = &[
-    tex("radiance", ANY, "1", "radiance"),
+    tex("radiance", ANY, WHITE, "radiance"),
     flag("two_sided", "false", "whether both sides emit"),
     SCALE,
     NORMALIZE,
@@ -182,7 +184,7 @@ pub const LIGHTS: &[Model] = &[
         kind: "distant",
         doc: "parallel light",
         parameters: &[
-            spectrum("radiance", ANY, "1", "irradiance of a plane that faces it"),
+            spectrum("radiance", ANY, WHITE, "irradiance of a plane that faces it"),
             vector("direction", "0,0,1", "the way the light travels, in the world; it has a length"),
             SCALE,
             NORMALIZE,
@@ -195,7 +197,7 @@ pub const LIGHTS: &[Model] = &[
         kind: "environment",
         doc: "light from all directions, constant or a picture",
         parameters: &[
-            spectrum("radiance", ANY, "1", "radiance, or factor on the picture"),
+            spectrum("radiance", ANY, WHITE, "radiance, or factor on the picture"),
             file("file", "none", "the picture"),
             word(
                 "parametrization",
@@ -265,7 +267,7 @@ pub const LIGHTS: &[Model] = &[
         parameters: &[
             file("file", "none", "the slide"),
             tex("texture", ANY, "none", "the slide, where there is no file"),
-            tex("radiance", ANY, "1", "the slide, where there is neither"),
+            tex("radiance", ANY, WHITE, "the slide, where there is neither"),
             number("fov", POSITIVE, "90", "angle of view; held in [0.001, 179.9]").unit("degrees").refused(),
             word(
                 "fov_axis",

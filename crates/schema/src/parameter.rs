@@ -297,6 +297,21 @@ impl Parameter {
     pub fn default_number(&self) -> Option<f64> {
         self.usual_default().parse().ok()
     }
+
+    /// The truth value that counts where it is absent; `None` where that is none.
+    pub fn default_flag(&self) -> Option<bool> {
+        self.usual_default().parse().ok()
+    }
+
+    /// The numbers that count where it is absent; `None` where these are not `N` numbers.
+    pub fn default_numbers<const N: usize>(&self) -> Option<[f64; N]> {
+        let mut numbers = self.usual_default().split(',').map(|v| v.trim().parse().ok());
+        let found = [(); N].map(|()| numbers.next().flatten());
+        if numbers.next().is_some() || found.contains(&None) {
+            return None;
+        }
+        Some(found.map(Option::unwrap_or_default))
+    }
 }
 
 macro_rules! shorthands {

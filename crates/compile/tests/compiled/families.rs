@@ -1,6 +1,7 @@
 //! The schema of textures, lights, media, cameras, films, shapes and so on is what the compiler reads, and its ranges
 //! are what the compiler checks.
 
+use super::said;
 use std::path::Path;
 use steradian_compile::{Options, compile};
 use steradian_math::Transform;
@@ -133,7 +134,7 @@ fn messages(family: Family, model: &Model, files: &Path, set: Option<(&Parameter
     }
     let node = d.add(node);
     stage(&mut d, family, model.kind, node);
-    compile(&d, &Options::default()).diagnostics.iter().map(|m| m.message.clone()).collect()
+    said(&d, &Options::default())
 }
 
 /// A scene around a node.
@@ -187,6 +188,19 @@ fn every_kind_is_known() {
     for (family, model) in models() {
         let said = messages(family, model, files.path(), None);
         assert!(said.is_empty(), "{} '{}': {said:?}", family.noun(), model.kind);
+    }
+}
+
+/// Every default that a kind reads is in the schema, whichever word a parameter has.
+#[test]
+fn every_default_is_in_the_schema() {
+    let files = files();
+    for (family, model) in models() {
+        for p in model.all() {
+            for word in p.words() {
+                messages(family, model, files.path(), Some((p, word.into())));
+            }
+        }
     }
 }
 

@@ -11,7 +11,8 @@ mod sky;
 mod test_cards;
 mod textures;
 
-use steradian_scene::{Node, NodeId, Value};
+use steradian_compile::{Options, compile};
+use steradian_scene::{Node, NodeId, SceneDesc, Value};
 use steradian_schema::{Condition, Model, Parameter, Type};
 
 /// Adds to a node of a model what must be there for a parameter to be looked at: its parts, which are two materials,
@@ -32,4 +33,11 @@ fn prepare(node: &mut Node, model: &Model, parts: [NodeId; 2], of: Option<&Param
             node.set(name, 4.0_f64.clamp(low, high), None);
         }
     }
+}
+
+/// The messages that compiling a description gives, none of which is of a fault of the schema.
+fn said(desc: &SceneDesc, options: &Options) -> Vec<String> {
+    let said: Vec<_> = compile(desc, options).diagnostics.iter().map(|m| m.message.clone()).collect();
+    assert!(!said.iter().any(|m| m.contains("the schema lacks")), "{said:?}");
+    said
 }

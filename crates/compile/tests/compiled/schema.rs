@@ -1,12 +1,18 @@
 //! The schema of materials is what the compiler reads, and its ranges are what the compiler checks.
 
-use super::prepare;
-use steradian_compile::{Options, compile};
+use super::{prepare, said};
+use steradian_compile::Options;
+use steradian_math::spectra::ColorMode;
 use steradian_scene::{Family, Node, SceneDesc, Shape, Value};
 use steradian_schema::{Type, material::MATERIALS};
 
 /// The messages that compiling a material with one parameter gives.
 fn messages(kind: &str, parameter: &str, value: Value) -> Vec<String> {
+    messages_in(None, kind, parameter, value)
+}
+
+/// As [`messages`], in a colour mode.
+fn messages_in(mode: Option<ColorMode>, kind: &str, parameter: &str, value: Value) -> Vec<String> {
     let mut d = SceneDesc::default();
     let mut node = Node::new(Family::Material, kind, None);
     let inner = d.add(Node::new(Family::Material, "diffuse", None));
@@ -15,7 +21,7 @@ fn messages(kind: &str, parameter: &str, value: Value) -> Vec<String> {
     let id = d.add(node.with(parameter, value));
     let sphere = d.add(Node::new(Family::Shape, "sphere", None));
     d.shapes.push(Shape { material: Some(id), ..Shape::new(sphere) });
-    compile(&d, &Options::default()).diagnostics.iter().map(|m| m.message.clone()).collect()
+    said(&d, &Options { mode, ..Options::default() })
 }
 
 /// Parameters named by the table are those that the compiler reads: a value that nothing can use is noticed.
@@ -44,6 +50,22 @@ fn ranges_are_checked() {
                         e.kind,
                         p.name
                     );
+                }
+            }
+        }
+    }
+}
+
+/// Every default that a material reads is in the schema, whichever parameter is given, in both colour modes.
+#[test]
+fn every_default_is_in_the_schema() {
+    for mode in [ColorMode::Rgb, ColorMode::Spectral] {
+        for model in MATERIALS {
+            for p in model.all() {
+                let words = p.words().map(Value::from);
+                let number = p.kind.is_numeric().then(|| Value::from(p.default_number().unwrap_or(p.range.0.max(1.0))));
+                for value in words.chain(number) {
+                    messages_in(Some(mode), model.kind, p.name, value);
                 }
             }
         }

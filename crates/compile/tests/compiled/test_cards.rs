@@ -1,7 +1,7 @@
 //! Test cards: an orientation card under every wrap, transform and projector, and tangent frames, against what must be
 //! seen. The gallery (`examples/texture_gallery.rs`) has the same as pictures.
 
-#![allow(clippy::type_complexity)]
+#![expect(clippy::type_complexity, reason = "tables of cases are lists of tuples")]
 
 use super::one_shape;
 use std::path::PathBuf;
