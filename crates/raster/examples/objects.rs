@@ -46,11 +46,10 @@ fn bind_vertices(c: &mut Context) -> Result<()> {
     }
     c.vertex_array_binding_divisor(array, 2, 1)?;
     c.vertex_array_element_buffer(array, names[1])?;
-    let (rgb, rg) = (Format::Rgb32Float, Format::Rg32Float);
-    let attributes = [(rgb, 0, 0), (rgb, 12, 0), (rg, 24, 0), (rg, 0, 2)];
+    let (three, two) = (AttributeFormat::floats(Components::Three), AttributeFormat::floats(Components::Two));
+    let attributes = [(three, 0, 0), (three, 12, 0), (two, 24, 0), (two, 0, 2)];
     for (number, (format, relative_offset, binding)) in attributes.into_iter().enumerate() {
-        let format = AttributeFormat { format, integers_to_floats: true, relative_offset };
-        c.vertex_array_attrib_format(array, number, format)?;
+        c.vertex_array_attrib_format(array, number, format, relative_offset)?;
         c.vertex_array_attrib_binding(array, number, binding)?;
         c.enable_vertex_array_attrib(array, number)?;
     }

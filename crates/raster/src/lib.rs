@@ -116,4 +116,6 @@ pub use samples::{SAMPLE_COUNTS, sample_position};
 pub use stages::{Program, Vertex, VertexInput, fragment};
 pub use state::State;
 pub use varyings::Varyings;
-pub use vertex_array::{Attribute, MAX_ATTRIBUTES, VertexArray};
+pub use vertex_array::{
+    Attribute, AttributeFormat, ComponentType, Components, Conversion, MAX_ATTRIBUTES, VertexArray,
+};

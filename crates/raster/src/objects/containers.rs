@@ -15,28 +15,15 @@ use super::{
 };
 use crate::{
     error::Result,
-    format::Format,
     state::MAX_TARGETS,
     texture::TextureKind,
-    vertex_array::{Attribute, MAX_ATTRIBUTES, VertexArray},
+    vertex_array::{Attribute, AttributeFormat, Components, FormatError, MAX_ATTRIBUTES},
 };
 
 /// The largest offset of an attribute in its vertex, in bytes.
 const MAX_RELATIVE_OFFSET: usize = 2047;
 /// The most bytes from one vertex to the next.
 const MAX_STRIDE: usize = 2048;
-
-/// Format of an attribute (section 10.3.2): `glVertexArrayAttribFormat` with `integers_to_floats`,
-/// `glVertexArrayAttribIFormat` without.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct AttributeFormat {
-    /// Type and number of the components; `Unorm` and `Snorm` formats are OpenGL's `normalized`.
-    pub format: Format,
-    /// Integers of `Uint` and `Sint` formats become floats of the same value instead of bits.
-    pub integers_to_floats: bool,
-    /// Bytes from the first of the vertex to the first of the attribute, at most 2047.
-    pub relative_offset: usize,
-}
 
 /// Buffer of a binding of a vertex array (section 10.3.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,6 +41,8 @@ pub struct VertexBuffer {
 pub(super) struct AttributeState {
     pub enabled: bool,
     pub format: AttributeFormat,
+    /// Bytes from the first of the vertex to the first of the attribute.
+    pub relative_offset: usize,
     pub binding: usize,
 }
 
@@ -75,9 +64,14 @@ pub(super) struct VertexArrayObject {
 
 impl Default for VertexArrayObject {
     fn default() -> Self {
-        let format = AttributeFormat { format: Format::Rgba32Float, integers_to_floats: true, relative_offset: 0 };
+        let format = AttributeFormat::floats(Components::Four);
         Self {
-            attributes: std::array::from_fn(|binding| AttributeState { enabled: false, format, binding }),
+            attributes: std::array::from_fn(|binding| AttributeState {
+                enabled: false,
+                format,
+                relative_offset: 0,
+                binding,
+            }),
             bindings: std::array::from_fn(|_| VertexBinding { stride: 16, ..VertexBinding::default() }),
             elements: None,
         }
@@ -166,21 +160,32 @@ impl Context {
         self.attribute(array, attribute, "disable_vertex_array_attrib", |state| state.enabled = false)
     }
 
-    /// Sets the format of an attribute.
+    /// Sets the format of an attribute and its offset in the vertex, at most 2047 bytes (section 10.3.2):
+    /// `glVertexArrayAttribFormat`, and with conversions `Integer` and `Long` those with `I` and `L`.
     ///
     /// # Errors
     /// For names without objects, attributes from 32 on, formats that no attribute has, and offsets beyond 2047.
-    pub fn vertex_array_attrib_format(&mut self, array: u32, attribute: usize, format: AttributeFormat) -> Result<()> {
+    pub fn vertex_array_attrib_format(
+        &mut self,
+        array: u32,
+        attribute: usize,
+        format: AttributeFormat,
+        relative_offset: usize,
+    ) -> Result<()> {
         const CALL: &str = "vertex_array_attrib_format";
-        if format.relative_offset > MAX_RELATIVE_OFFSET {
-            let rule = format_args!("relative offset {}; at most {MAX_RELATIVE_OFFSET}", format.relative_offset);
-            return invalid_value(CALL, rule);
+        if relative_offset > MAX_RELATIVE_OFFSET {
+            return invalid_value(
+                CALL,
+                format_args!("relative offset {relative_offset}; at most {MAX_RELATIVE_OFFSET}"),
+            );
         }
-        // The array that draws fetch from knows which formats attributes have.
-        if let Err(error) = VertexArray::new().attribute(0, source(&[], format, &VertexBinding::default())) {
-            return invalid_enum(CALL, error.rule);
+        match format.check() {
+            Ok(()) => self.attribute(array, attribute, CALL, |state| {
+                (state.format, state.relative_offset) = (format, relative_offset);
+            }),
+            Err(FormatError::Type(rule)) => invalid_enum(CALL, rule),
+            Err(FormatError::Pair(rule)) => invalid_operation(CALL, rule),
         }
-        self.attribute(array, attribute, CALL, |state| state.format = format)
     }
 
     /// Chooses the binding that an attribute is read from; without, that of its own number.
@@ -226,7 +231,7 @@ impl Context {
         Ok(())
     }
 
-    /// Sets the value of an attribute where it is not enabled; (0, 0, 0, 1) at first. It belongs to the context, not to
+    /// Sets the value of an attribute where it is not enabled, integers as bits; (0, 0, 0, 1) at first. It belongs to the context, not to
     /// the vertex array (section 10.2).
     ///
     /// # Errors
@@ -269,12 +274,11 @@ impl Context {
 }
 
 /// An attribute of these bytes.
-pub(super) fn source<'a>(bytes: &'a [u8], format: AttributeFormat, binding: &VertexBinding) -> Attribute<'a> {
+pub(super) fn source<'a>(bytes: &'a [u8], attribute: &AttributeState, binding: &VertexBinding) -> Attribute<'a> {
     Attribute {
         bytes,
-        format: format.format,
-        integers_to_floats: format.integers_to_floats,
-        offset: binding.offset.saturating_add(format.relative_offset),
+        format: attribute.format,
+        offset: binding.offset.saturating_add(attribute.relative_offset),
         stride: binding.stride,
         divisor: binding.divisor,
     }

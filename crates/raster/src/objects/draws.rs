@@ -3,7 +3,7 @@
 
 use std::{cell::Ref, ops::Range};
 
-use glam::Vec4;
+use glam::{DVec4, Vec4};
 
 use super::{
     buffers::Buffer,
@@ -98,11 +98,16 @@ pub struct Inputs<'a> {
 }
 
 impl<'a> Inputs<'a> {
-    /// Value of an attribute for a vertex. Channels that the buffer does not have are 0, the last 1; so is all that
-    /// lies beyond its bytes.
+    /// Value of an attribute for a vertex, integers as bits. Components that the buffer does not have are 0, the last
+    /// 1; so is all that lies beyond its bytes.
     #[inline]
     pub fn attribute(&self, number: usize, vertex: VertexInput) -> Vec4 {
-        self.attributes.fetch(number, vertex.vertex, vertex.instance.wrapping_sub(self.first_instance))
+        self.attributes.fetch(number, vertex, self.first_instance)
+    }
+
+    /// Value of an attribute in doubles: a shader's input of `Conversion::Long`.
+    pub fn attribute_double(&self, number: usize, vertex: VertexInput) -> DVec4 {
+        self.attributes.fetch_double(number, vertex, self.first_instance)
     }
 
     /// The texture of a kind that is bound to a unit.
@@ -242,12 +247,8 @@ impl Context {
             attributes = attributes.constant(number, *value);
         }
         for ((number, attribute), buffer) in enabled().zip(&buffers) {
-            let mut binding = array.bindings[attribute.binding].clone();
-            if binding.divisor > 0 {
-                // The element of an instance is ⌊instance / divisor⌋ plus the first instance.
-                binding.offset = binding.offset.saturating_add(binding.stride.saturating_mul(first_instance as usize));
-            }
-            attributes = attributes.attribute(number, source(buffer.all(call)?, attribute.format, &binding))?;
+            let binding = &array.bindings[attribute.binding];
+            attributes = attributes.attribute(number, source(buffer.all(call)?, attribute, binding))?;
         }
         let bound: Vec<((u32, u8), Ref<TextureObject>)> =
             self.textures.iter().map(|(key, texture)| (*key, texture.borrow())).collect();

@@ -45,7 +45,7 @@ mod tests;
 mod textures;
 
 pub use buffers::{BufferFlags, BufferParameters, Contents, MAX_BUFFER_BYTES, Mapping, Usage};
-pub use containers::{AttributeFormat, VertexBuffer};
+pub use containers::VertexBuffer;
 pub use context::{BufferRef, BufferTarget, Context, ShareGroup};
 pub use draws::{Elements, FeedbackPrimitive, IndexType, Inputs, Output};
 pub use queries::{ConditionalMode, QueryTarget};

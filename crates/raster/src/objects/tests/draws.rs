@@ -2,9 +2,9 @@
 
 use super::{assert_refused, context};
 use crate::{
-    Format, VertexInput,
+    AttributeFormat, ComponentType, Components, Conversion, VertexInput,
     glam::Vec4,
-    objects::{AttributeFormat, Contents, Context, Elements, IndexType, Usage, VertexBuffer},
+    objects::{Contents, Context, Elements, IndexType, Usage, VertexBuffer},
 };
 
 /// A vertex array of a byte by vertex (0), one by two instances (1), and one that is not enabled (2), of bytes that are
@@ -14,10 +14,11 @@ fn prepared() -> Context {
     let (array, names) = (c.create_vertex_arrays(1).unwrap()[0], c.create_buffers(2).unwrap());
     c.buffer_data(names[0], Contents::Bytes(&(0..32).collect::<Vec<u8>>()), Usage::StaticDraw).unwrap();
     c.buffer_data(names[1], Contents::Bytes(&[9, 2, 0, 1, 0, 0, 0]), Usage::StaticDraw).unwrap();
-    let format = AttributeFormat { format: Format::R8Uint, integers_to_floats: true, relative_offset: 1 };
+    let format =
+        AttributeFormat { component: ComponentType::U8, components: Components::One, conversion: Conversion::Float };
     for (binding, offset) in [(0, 0), (1, 10)] {
         c.vertex_array_vertex_buffer(array, binding, VertexBuffer { buffer: names[0], offset, stride: 3 }).unwrap();
-        c.vertex_array_attrib_format(array, binding, format).unwrap();
+        c.vertex_array_attrib_format(array, binding, format, 1).unwrap();
         c.enable_vertex_array_attrib(array, binding).unwrap();
     }
     c.vertex_array_binding_divisor(array, 1, 2).unwrap();
@@ -38,6 +39,47 @@ fn attributes_follow_vertices_instances_and_constants() {
         assert_eq!([0, 1, 2].map(|vertex| at(0, vertex, 4)), [1.0, 4.0, 7.0]);
         assert_eq!([4, 5, 6, 7, 8].map(|instance| at(1, 2, instance)), [23.0, 23.0, 26.0, 26.0, 29.0]);
         assert_eq!((at(2, 0, 4), at(3, 0, 4)), (7.0, 0.0));
+        Ok(())
+    })
+    .unwrap();
+}
+
+/// The formats that each call does not take (table 10.3, section 10.3.2), with their codes; the array stays as it is.
+#[test]
+fn attributes_refuse_what_their_call_does_not_take() {
+    use ComponentType::*;
+    use Components::*;
+    use Conversion::{Float, Integer, Long, Normalized};
+    const CALL: &str = "vertex_array_attrib_format";
+    let mut c = prepared();
+    let mut set = |component, components, conversion, offset| {
+        c.vertex_array_attrib_format(1, 0, AttributeFormat { component, components, conversion }, offset)
+    };
+    for (component, components, conversion, words) in [
+        (F32, Two, Integer, ["F32 components are no integers", "INVALID_ENUM"]),
+        (Fixed, One, Integer, ["Fixed components are no integers", "INVALID_ENUM"]),
+        (Uint2_10_10_10, Four, Integer, ["are no integers", "INVALID_ENUM"]),
+        (F32, Four, Long, ["F32 components are no doubles", "INVALID_ENUM"]),
+        (I32, Four, Long, ["I32 components are no doubles", "INVALID_ENUM"]),
+        (Int2_10_10_10, Three, Float, ["has four components", "INVALID_OPERATION"]),
+        (Float10_11_11, Four, Float, ["has three components", "INVALID_OPERATION"]),
+        (I8, Bgra, Normalized, ["is not for Bgra", "INVALID_OPERATION"]),
+        (U8, Bgra, Float, ["is normalised in Bgra", "INVALID_OPERATION"]),
+    ] {
+        assert_refused(set(component, components, conversion, 0), CALL, words);
+    }
+    assert_refused(set(F64, Four, Long, 2048), CALL, ["2048; at most 2047", "INVALID_VALUE"]);
+    c.draw_arrays(0..1, 0..1, |inputs, _| {
+        assert_eq!(inputs.attribute(0, VertexInput { vertex: 1, instance: 0, draw: 0 }).x, 4.0);
+        Ok(())
+    })
+    .unwrap();
+    // Bytes 1 to 8 as a double.
+    let double = AttributeFormat { component: F64, components: One, conversion: Long };
+    c.vertex_array_attrib_format(1, 0, double, 1).unwrap();
+    c.draw_arrays(0..1, 0..1, |inputs, _| {
+        let value = inputs.attribute_double(0, VertexInput { vertex: 0, instance: 0, draw: 0 }).x;
+        assert_eq!(value.to_le_bytes(), [1, 2, 3, 4, 5, 6, 7, 8]);
         Ok(())
     })
     .unwrap();

@@ -2,11 +2,12 @@
 
 use super::{assert_refused, context};
 use crate::{
-    Counters, Format, Fragment, Pipeline, Program, Result, State, Vertex, VertexInput, fragment,
+    AttributeFormat, Components, Counters, Format, Fragment, Pipeline, Program, Result, State, Vertex, VertexInput,
+    fragment,
     glam::Vec4,
     objects::{
-        AttributeFormat, BufferFlags, BufferTarget, ConditionalMode, Contents, Context, FeedbackPrimitive, Inputs,
-        Output, QueryTarget, Usage, VertexBuffer,
+        BufferFlags, BufferTarget, ConditionalMode, Contents, Context, FeedbackPrimitive, Inputs, Output, QueryTarget,
+        Usage, VertexBuffer,
     },
     state::DepthState,
 };
@@ -33,8 +34,7 @@ fn prepared() -> (Context, u32) {
     let bytes: Vec<u8> = CORNERS.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();
     c.buffer_data(buffer, Contents::Bytes(&bytes), Usage::StaticDraw).unwrap();
     c.vertex_array_vertex_buffer(array, 0, VertexBuffer { buffer, offset: 0, stride: 12 }).unwrap();
-    let format = AttributeFormat { format: Format::Rgb32Float, integers_to_floats: true, relative_offset: 0 };
-    c.vertex_array_attrib_format(array, 0, format).unwrap();
+    c.vertex_array_attrib_format(array, 0, AttributeFormat::floats(Components::Three), 0).unwrap();
     c.enable_vertex_array_attrib(array, 0).unwrap();
     c.bind_vertex_array(array).unwrap();
     c.clear(Vec4::ZERO, 1.0, 0).unwrap();
