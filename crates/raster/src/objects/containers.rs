@@ -231,8 +231,8 @@ impl Context {
         Ok(())
     }
 
-    /// Sets the value of an attribute where it is not enabled, integers as bits; (0, 0, 0, 1) at first. It belongs to the context, not to
-    /// the vertex array (section 10.2).
+    /// Sets the value of an attribute where it is not enabled, integers as bits; (0, 0, 0, 1) at first. It belongs to
+    /// the context, not to the vertex array (section 10.2).
     ///
     /// # Errors
     /// For attributes from 32 on.

@@ -7,8 +7,8 @@ use glam::Vec4;
 use super::{
     buffers::Buffer,
     containers::{FramebufferObject, VertexArrayObject},
-    draws::Feedback,
     error::{invalid_operation, invalid_value},
+    feedback::Feedback,
     names::{Names, Object, refers_to},
     queries::Queries,
     textures::{PixelStore, TextureObject},
@@ -29,12 +29,14 @@ pub enum BufferTarget {
     CopyRead,
     /// Destination of copies.
     CopyWrite,
-    /// Parameters of dispatches, as a handle.
+    /// Parameters of dispatches.
     DispatchIndirect,
-    /// Parameters of draws, as a handle.
+    /// Parameters of draws.
     DrawIndirect,
     /// Indices: the binding belongs to the vertex array that is bound.
     ElementArray,
+    /// Counts of draws whose parameters are in a buffer.
+    Parameter,
     /// Destination of pixels that are read from textures.
     PixelPack,
     /// Source of pixels that are written to textures.

@@ -1,16 +1,17 @@
 //! Draws over what is bound: attributes, indices, textures, framebuffer, transform feedback (OpenGL 4.6 core, sections
 //! 10.3, 10.4, 13.3 and 17.4).
 
-use std::{cell::Ref, ops::Range};
+use std::cell::Ref;
 
 use glam::{DVec4, Vec4};
 
 use super::{
-    buffers::Buffer,
+    commands::Command,
     containers::{Attachment, FramebufferObject, source},
-    context::{BufferTarget, Context},
-    error::{invalid_operation, invalid_value},
-    names::{self, Object},
+    context::Context,
+    error::invalid_operation,
+    feedback::{Feedback, FeedbackPrimitive},
+    names,
     textures::TextureObject,
 };
 use crate::{
@@ -19,81 +20,18 @@ use crate::{
     error::{Result, refuse},
     pipeline::Pipeline,
     render_target::{ColorTarget, Extent, Framebuffer, Layout},
-    stages::{FragmentShader, GeometryShader, Tessellation, VertexInput, VertexShader},
+    stages::{FragmentShader, GeometryShader, Tessellation, Vertex, VertexInput, VertexShader},
     texture::{Texture, TextureKind},
     varyings::Varyings,
     vertex_array::VertexArray,
 };
 
-/// Type of indices.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum IndexType {
-    /// 8 bits.
-    U8,
-    /// 16 bits.
-    U16,
-    /// 32 bits.
-    U32,
-}
-
-impl IndexType {
-    const fn bytes(self) -> usize {
-        match self {
-            Self::U8 => 1,
-            Self::U16 => 2,
-            Self::U32 => 4,
-        }
-    }
-}
-
-/// Indices of a draw, in the buffer of the vertex array that is bound.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Elements {
-    /// Number of indices.
-    pub count: usize,
-    /// Their type.
-    pub index: IndexType,
-    /// Byte of the first.
-    pub offset: usize,
-    /// Number that is added to each.
-    pub base_vertex: i32,
-}
-
-/// Kind of primitives that transform feedback captures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FeedbackPrimitive {
-    /// One vertex each.
-    Points,
-    /// Two vertices each.
-    Lines,
-    /// Three vertices each.
-    Triangles,
-}
-
-impl FeedbackPrimitive {
-    const fn vertices(self) -> usize {
-        match self {
-            Self::Points => 1,
-            Self::Lines => 2,
-            Self::Triangles => 3,
-        }
-    }
-}
-
-/// Transform feedback that has begun.
-#[derive(Debug)]
-pub(super) struct Feedback {
-    primitive: FeedbackPrimitive,
-    buffer: Object<Buffer>,
-    /// Byte after the last that was written.
-    end: usize,
-}
-
 /// Attributes and textures as a draw finds them bound. Shaders refer to it.
 #[derive(Debug)]
 pub struct Inputs<'a> {
     attributes: VertexArray<'a>,
-    first_instance: u32,
+    /// First instances of the draws.
+    first_instances: Vec<u32>,
     textures: Vec<((u32, u8), &'a Texture)>,
 }
 
@@ -102,12 +40,17 @@ impl<'a> Inputs<'a> {
     /// 1; so is all that lies beyond its bytes.
     #[inline]
     pub fn attribute(&self, number: usize, vertex: VertexInput) -> Vec4 {
-        self.attributes.fetch(number, vertex, self.first_instance)
+        self.attributes.fetch(number, vertex, self.first_instance(vertex))
     }
 
     /// Value of an attribute in doubles: a shader's input of `Conversion::Long`.
     pub fn attribute_double(&self, number: usize, vertex: VertexInput) -> DVec4 {
-        self.attributes.fetch_double(number, vertex, self.first_instance)
+        self.attributes.fetch_double(number, vertex, self.first_instance(vertex))
+    }
+
+    #[inline]
+    fn first_instance(&self, vertex: VertexInput) -> u32 {
+        self.first_instances.get(vertex.draw as usize).copied().unwrap_or(0)
     }
 
     /// The texture of a kind that is bound to a unit.
@@ -129,7 +72,7 @@ impl<'a> Inputs<'a> {
 #[derive(Debug)]
 pub struct Output<'a> {
     framebuffer: &'a mut Framebuffer,
-    draw: Draw<'a>,
+    draws: Vec<Draw<'a>>,
     rasterizer_discard: bool,
     /// Kind of captured primitives, and bytes that there is still room for.
     feedback: Option<(FeedbackPrimitive, usize)>,
@@ -144,8 +87,9 @@ impl Output<'_> {
         self.framebuffer.layout()
     }
 
-    /// Draws by a pipeline. Transform feedback captures, for each vertex, the position and the floats of the varyings,
-    /// as 32-bit floats one after the other; whole primitives only, as long as there is room.
+    /// Draws by a pipeline, each draw of the call in turn. Transform feedback captures, for each vertex, the position
+    /// and the floats of the varyings, as 32-bit floats one after the other; whole primitives only, as long as there is
+    /// room.
     ///
     /// # Errors
     /// An error for pipelines of another layout, and for primitives other than those that feedback captures.
@@ -157,76 +101,48 @@ impl Output<'_> {
         F: FragmentShader<Varyings = G::Output>,
     {
         let mut counters = Counters::default();
-        if self.feedback.is_some() || self.rasterizer_discard {
-            let (vertices, of_capture) = pipeline.capture(&self.draw);
-            counters = of_capture;
-            if let Some((primitive, room)) = &mut self.feedback {
-                let count = primitive.vertices();
-                if vertices.len() as u64 != counters.primitives * count as u64 {
-                    let rule = format_args!("feedback of {primitive:?}, but the pipeline gives other primitives");
-                    return invalid_operation("Output::draw", rule);
-                }
-                for vertices in vertices.chunks_exact(count) {
-                    let mut bytes = Vec::new();
-                    for vertex in vertices {
-                        bytes.extend(vertex.position.to_array().into_iter().flat_map(f32::to_le_bytes));
-                        bytes.extend(vertex.varyings.to_floats().as_ref().iter().flat_map(|x| x.to_le_bytes()));
+        for draw in &self.draws {
+            let mut of_draw = Counters::default();
+            if self.feedback.is_some() || self.rasterizer_discard {
+                let (vertices, of_capture) = pipeline.capture(draw);
+                of_draw = of_capture;
+                if let Some((primitive, room)) = &mut self.feedback {
+                    let count = primitive.vertices();
+                    if vertices.len() as u64 != of_draw.primitives * count as u64 {
+                        let rule = format_args!("feedback of {primitive:?}, but the pipeline gives other primitives");
+                        return invalid_operation("Output::draw", rule);
                     }
-                    // A primitive that finds no room is generated but not written.
-                    if bytes.len() > *room {
-                        continue;
+                    for vertices in vertices.chunks_exact(count) {
+                        let bytes: Vec<u8> = vertices.iter().flat_map(captured).collect();
+                        // A primitive that finds no room is generated but not written.
+                        if bytes.len() > *room {
+                            continue;
+                        }
+                        *room -= bytes.len();
+                        self.captured.extend(bytes);
+                        self.written += 1;
                     }
-                    *room -= bytes.len();
-                    self.captured.extend(bytes);
-                    self.written += 1;
                 }
             }
-        }
-        if !self.rasterizer_discard {
-            counters = pipeline.draw(self.framebuffer, &self.draw)?;
+            if !self.rasterizer_discard {
+                of_draw = pipeline.draw(self.framebuffer, draw)?;
+            }
+            counters += of_draw;
         }
         self.counters += counters;
         Ok(counters)
     }
 }
 
+/// Bytes of a vertex that feedback captures.
+fn captured<V: Varyings>(vertex: &Vertex<V>) -> Vec<u8> {
+    let (position, varyings) = (vertex.position.to_array(), vertex.varyings.to_floats());
+    position.iter().chain(varyings.as_ref()).flat_map(|x| x.to_le_bytes()).collect()
+}
+
 impl Context {
-    /// Draws vertices of these numbers and instances of these. The closure makes the pipeline and draws by it.
-    ///
-    /// # Errors
-    /// Without a vertex array, for enabled attributes without buffers, buffers that are mapped but not persistently, a
-    /// framebuffer that is not complete, and what the closure returns.
-    pub fn draw_arrays<P>(&mut self, vertices: Range<u32>, instances: Range<u32>, program: P) -> Result<Counters>
-    where
-        P: FnOnce(&Inputs, &mut Output) -> Result<()>,
-    {
-        self.draw(Draw::vertices(vertices).instances(instances.clone()), instances.start, "draw_arrays", program)
-    }
-
-    /// Draws vertices that indices name, and instances of these numbers. The closure makes the pipeline and draws by
-    /// it.
-    ///
-    /// # Errors
-    /// As [`draw_arrays`](Self::draw_arrays), and without a buffer of indices, or with indices beyond its end.
-    pub fn draw_elements<P>(&mut self, elements: Elements, instances: Range<u32>, program: P) -> Result<Counters>
-    where
-        P: FnOnce(&Inputs, &mut Output) -> Result<()>,
-    {
-        const CALL: &str = "draw_elements";
-        let Some(buffer) = self.bound_buffer(BufferTarget::ElementArray) else {
-            return invalid_operation(CALL, "the vertex array has no buffer of indices");
-        };
-        let size = elements.index.bytes();
-        let Some(bytes) = elements.count.checked_mul(size) else {
-            return invalid_value(CALL, format_args!("{} indices", elements.count));
-        };
-        let indices: Vec<u32> =
-            buffer.borrow().read(elements.offset, bytes, CALL)?.chunks_exact(size).map(index).collect();
-        let draw = Draw::indexed(&indices).base_vertex(elements.base_vertex).instances(instances.clone());
-        self.draw(draw, instances.start, CALL, program)
-    }
-
-    fn draw<P>(&mut self, draw: Draw, first_instance: u32, call: &'static str, program: P) -> Result<Counters>
+    /// Makes draws with what is bound.
+    pub(super) fn submit<P>(&mut self, commands: &[Command], call: &'static str, program: P) -> Result<Counters>
     where
         P: FnOnce(&Inputs, &mut Output) -> Result<()>,
     {
@@ -269,14 +185,15 @@ impl Context {
         }
         let mut output = Output {
             framebuffer: loaded.as_mut().unwrap_or(&mut self.default),
-            draw,
+            draws: (0..).zip(commands).map(|(number, command)| command.draw().numbered(number)).collect(),
             rasterizer_discard: self.rasterizer_discard,
             feedback,
             captured: Vec::new(),
             written: 0,
             counters: Counters::default(),
         };
-        let done = program(&Inputs { attributes, first_instance, textures }, &mut output);
+        let first_instances = commands.iter().map(|command| command.instances.start).collect();
+        let done = program(&Inputs { attributes, first_instances, textures }, &mut output);
         let Output { captured, written, counters, .. } = output;
         drop((buffers, bound));
         self.queries.count(&counters, written);
@@ -308,44 +225,6 @@ impl Context {
         }
         Ok(())
     }
-
-    /// Drops primitives after transform feedback and queries of primitives (section 14.1): `GL_RASTERIZER_DISCARD`.
-    pub fn rasterizer_discard(&mut self, enabled: bool) {
-        self.rasterizer_discard = enabled;
-    }
-
-    /// Begins to capture primitives into the buffer that is bound to `TransformFeedback`, from its first byte on
-    /// (section 13.3.2).
-    ///
-    /// # Errors
-    /// While transform feedback is active, and without a buffer.
-    pub fn begin_transform_feedback(&mut self, primitive: FeedbackPrimitive) -> Result<()> {
-        const CALL: &str = "begin_transform_feedback";
-        if self.feedback.is_some() {
-            return invalid_operation(CALL, "transform feedback is active already");
-        }
-        let Some(buffer) = self.bound_buffer(BufferTarget::TransformFeedback) else {
-            return invalid_operation(CALL, "no buffer is bound to TransformFeedback");
-        };
-        self.feedback = Some(Feedback { primitive, buffer, end: 0 });
-        Ok(())
-    }
-
-    /// Ends transform feedback.
-    ///
-    /// # Errors
-    /// While transform feedback is not active.
-    pub fn end_transform_feedback(&mut self) -> Result<()> {
-        match self.feedback.take() {
-            Some(_) => Ok(()),
-            None => invalid_operation("end_transform_feedback", "transform feedback is not active"),
-        }
-    }
-}
-
-/// The index of these bytes, lowest first.
-fn index(bytes: &[u8]) -> u32 {
-    bytes.iter().rev().fold(0, |index, byte| index << 8 | u32::from(*byte))
 }
 
 /// Texel and layer where an attached image begins.

@@ -24,3 +24,11 @@ pub(super) fn invalid_operation<T>(call: &'static str, rule: impl std::fmt::Disp
 pub(super) fn out_of_memory<T>(call: &'static str, rule: impl std::fmt::Display) -> Result<T> {
     refuse(call, format!("{rule} (OUT_OF_MEMORY)"))
 }
+
+/// The result of a call in which a range beyond a buffer's end is an invalid operation (sections 8.4.4 and 10.4).
+pub(super) fn as_operation<T>(result: Result<T>) -> Result<T> {
+    result.map_err(|mut error| {
+        error.rule = error.rule.replace("INVALID_VALUE", "INVALID_OPERATION");
+        error
+    })
+}

@@ -33,10 +33,12 @@
 
 mod buffer_calls;
 mod buffers;
+mod commands;
 mod containers;
 mod context;
 mod draws;
 mod error;
+mod feedback;
 mod lifecycle;
 mod names;
 mod queries;
@@ -45,8 +47,10 @@ mod tests;
 mod textures;
 
 pub use buffers::{BufferFlags, BufferParameters, Contents, MAX_BUFFER_BYTES, Mapping, Usage};
+pub use commands::{Elements, IndexType, Indirect};
 pub use containers::VertexBuffer;
 pub use context::{BufferRef, BufferTarget, Context, ShareGroup};
-pub use draws::{Elements, FeedbackPrimitive, IndexType, Inputs, Output};
+pub use draws::{Inputs, Output};
+pub use feedback::FeedbackPrimitive;
 pub use queries::{ConditionalMode, QueryTarget};
 pub use textures::{PixelStore, Pixels, PixelsMut, Region};

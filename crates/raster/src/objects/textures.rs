@@ -5,7 +5,7 @@
 
 use super::{
     context::{BufferTarget, Context},
-    error::{invalid_operation, invalid_value},
+    error::{as_operation, invalid_operation, invalid_value},
     names::written,
 };
 use crate::{
@@ -168,7 +168,7 @@ impl Context {
         let bytes = match (pixels, &buffer) {
             (Pixels::Offset(offset), Some(buffer)) => {
                 check_offset(offset, format, CALL)?;
-                transferred(buffer.read(offset, rows.bytes, CALL))?
+                as_operation(buffer.read(offset, rows.bytes, CALL))?
             }
             (Pixels::Bytes(bytes), None) if bytes.len() >= rows.bytes => bytes,
             (Pixels::Bytes(bytes), None) => return too_few(bytes.len(), rows.bytes, CALL),
@@ -204,7 +204,7 @@ impl Context {
         let bytes = match (pixels, &mut buffer) {
             (PixelsMut::Offset(offset), Some(buffer)) => {
                 check_offset(offset, format, CALL)?;
-                transferred(buffer.write(offset, rows.bytes, CALL))?
+                as_operation(buffer.write(offset, rows.bytes, CALL))?
             }
             (PixelsMut::Bytes(bytes), None) if bytes.len() >= rows.bytes => bytes,
             (PixelsMut::Bytes(bytes), None) => return too_few(bytes.len(), rows.bytes, CALL),
@@ -262,14 +262,6 @@ fn check_offset(offset: usize, format: Format, call: &'static str) -> Result<()>
         return invalid_operation(call, format_args!("offset {offset} is no multiple of {unit}, the component's size"));
     }
     Ok(())
-}
-
-/// Bytes of a buffer; a range beyond its end is an invalid operation in transfers of pixels (section 8.4.4).
-fn transferred<T>(bytes: Result<T>) -> Result<T> {
-    bytes.map_err(|mut error| {
-        error.rule = error.rule.replace("INVALID_VALUE", "INVALID_OPERATION");
-        error
-    })
 }
 
 fn too_few<T>(have: usize, want: usize, call: &'static str) -> Result<T> {

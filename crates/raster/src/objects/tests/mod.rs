@@ -1,6 +1,7 @@
 //! Scripted traces of calls.
 
 mod buffers;
+mod commands;
 mod draws;
 mod names;
 mod pixels;
