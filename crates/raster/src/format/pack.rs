@@ -229,6 +229,34 @@ mod tests {
         assert_eq!(Format::Rgb9E5.decode(Format::Rgb9E5.encode(Vec4::splat(1.9999))).x, 2.0);
     }
 
+    /// The six sized formats of OpenGL's table 8.12 that no other API has: each code of each channel, with the others
+    /// zero and with the others full, returns, and its value is its share of the largest.
+    #[test]
+    fn codes_of_the_classic_formats_are_shares_of_the_largest() {
+        use Format::{Rgb4Unorm, Rgb5Unorm, Rgb10Unorm, Rgb12Unorm, Rgba2Unorm, Rgba12Unorm};
+        for (format, bits, channels) in [
+            (Rgb4Unorm, 4, 3),
+            (Rgb5Unorm, 5, 3),
+            (Rgb10Unorm, 10, 3),
+            (Rgb12Unorm, 12, 3),
+            (Rgba2Unorm, 2, 4),
+            (Rgba12Unorm, 12, 4),
+        ] {
+            let largest = (1u32 << bits) - 1;
+            for (channel, code, rest) in
+                (0..channels).flat_map(|c| (0..=largest).flat_map(move |code| [(c, code, 0.0), (c, code, 1.0)]))
+            {
+                let mut color = Vec4::splat(rest);
+                color[channel] = code as f32 / largest as f32;
+                let mut bytes = [0xee; 16];
+                format.write(color, &mut bytes);
+                assert_eq!(bytes[format.bytes()], 0xee);
+                let expected = if channels == 3 { color.with_w(1.0) } else { color };
+                assert_eq!(format.read(&bytes), expected, "{format:?}");
+            }
+        }
+    }
+
     /// The nearest code is chosen: for each pair of neighbouring codes, what lies below the middle goes down and what
     /// lies above up.
     #[test]
@@ -282,6 +310,12 @@ mod tests {
         assert_eq!(Format::Rgba4Unorm.encode(red), 0xf000);
         assert_eq!(Format::Rgb5A1Unorm.encode(red.with_w(1.0)), 0xf801);
         assert_eq!(Format::Rgb332Unorm.encode(red), 0xe0);
+        assert_eq!((Format::Rgb4Unorm.encode(red), Format::Rgb4Unorm.bytes()), (0xf00, 2));
+        assert_eq!((Format::Rgb5Unorm.encode(red), Format::Rgb5Unorm.bytes()), (0x7c00, 2));
+        assert_eq!((Format::Rgba2Unorm.encode(red.with_w(1.0)), Format::Rgba2Unorm.bytes()), (0xc3, 1));
+        assert_eq!((Format::Rgb10Unorm.encode(Vec4::X), Format::Rgb10Unorm.bytes()), (0x3ff, 4));
+        assert_eq!((Format::Rgb12Unorm.encode(Vec4::Z), Format::Rgb12Unorm.bytes()), (0xf_ff00_0000, 5));
+        assert_eq!((Format::Rgba12Unorm.encode(Vec4::W), Format::Rgba12Unorm.bytes()), (0xfff0_0000_0000, 6));
         assert_eq!(Format::Rgb10A2Unorm.encode(red.with_w(1.0)), 0xc000_03ff);
         assert_eq!(Format::Bgra8Unorm.encode(red.with_w(1.0)), 0xffff_0000);
         assert_eq!(Format::Rg11B10Float.encode(Vec4::ONE), 0x3c0 | 0x3c0 << 11 | 0x1e0 << 22);

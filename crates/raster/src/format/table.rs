@@ -91,9 +91,15 @@ formats! {
     Rgba32Sint Sint [32 32 32 32] Rgba;
     Rgba32Float Float [32 32 32 32] Rgba;
     Rgb332Unorm Unorm [3 3 2 0] Abgr;
+    Rgb4Unorm Unorm [4 4 4 0] Abgr;
+    Rgb5Unorm Unorm [5 5 5 0] Abgr;
     Rgb565Unorm Unorm [5 6 5 0] Abgr;
+    Rgba2Unorm Unorm [2 2 2 2] Abgr;
     Rgba4Unorm Unorm [4 4 4 4] Abgr;
     Rgb5A1Unorm Unorm [5 5 5 1] Abgr;
+    Rgb10Unorm Unorm [10 10 10 0] Rgba;
+    Rgb12Unorm Unorm [12 12 12 0] Rgba;
+    Rgba12Unorm Unorm [12 12 12 12] Rgba;
     Rgb10A2Unorm Unorm [10 10 10 2] Rgba;
     Rgb10A2Uint Uint [10 10 10 2] Rgba;
     Rg11B10Float Float [11 11 10 0] Rgba;

@@ -13,10 +13,10 @@ use glam::Vec4;
 
 use crate::{
     error::{Result, refuse},
-    format::Format,
+    format::{Format, Numeric},
     output::Class,
     render_target::{ColorTarget, DepthTarget, MAX_LAYERS},
-    state::MAX_SIZE,
+    state::{MAX_SIZE, Multisample},
 };
 
 /// The dimensions of a texture.
@@ -36,6 +36,12 @@ pub enum TextureKind {
     Cube,
     /// Six for each layer.
     CubeArray,
+    /// A picture of one level, whose coordinates are texels.
+    Rectangle,
+    /// A picture with samples.
+    D2Multisample,
+    /// Pictures with samples.
+    D2MultisampleArray,
     /// Texels without filter, wrap or levels, as many as a buffer holds.
     Buffer,
 }
@@ -86,6 +92,16 @@ impl TextureSize {
 }
 
 impl TextureKind {
+    /// True for textures with samples.
+    pub const fn is_multisample(self) -> bool {
+        matches!(self, Self::D2Multisample | Self::D2MultisampleArray)
+    }
+
+    /// True for textures that may have more than one level.
+    pub const fn has_levels(self) -> bool {
+        !matches!(self, Self::Buffer | Self::Rectangle) && !self.is_multisample()
+    }
+
     /// Checks that a texture of this kind may have this size.
     pub(crate) fn check(self, size: TextureSize, call: &'static str) -> Result<()> {
         let TextureSize { width, height, depth, layers } = size;
@@ -106,8 +122,8 @@ impl TextureKind {
         let fits = match self {
             Self::D1 | Self::Buffer => height == 1 && flat && layers == 1,
             Self::D1Array => height == 1 && flat,
-            Self::D2 => flat && layers == 1,
-            Self::D2Array => flat,
+            Self::D2 | Self::Rectangle | Self::D2Multisample => flat && layers == 1,
+            Self::D2Array | Self::D2MultisampleArray => flat,
             Self::D3 => layers == 1,
             Self::Cube => flat && layers == 6 && width == height,
             Self::CubeArray => flat && layers.is_multiple_of(6) && width == height,
@@ -128,7 +144,9 @@ pub struct Texture {
     kind: TextureKind,
     format: Format,
     size: TextureSize,
-    /// Texels of each level: layers, slices, rows, columns.
+    /// Samples of a texel.
+    samples: u32,
+    /// Texels of each level: layers, slices, rows, columns, samples.
     levels: Vec<Vec<u8>>,
 }
 
@@ -136,17 +154,49 @@ impl Texture {
     /// A texture of zero bits with so many levels.
     ///
     /// # Errors
-    /// Where kind, size and levels do not fit.
+    /// Where kind, size and levels do not fit, and for kinds with samples.
     pub fn new(kind: TextureKind, format: Format, size: TextureSize, levels: u32) -> Result<Self> {
         const CALL: &str = "Texture::new";
-        kind.check(size, CALL)?;
-        // Buffers have a single level.
-        let most = if kind == TextureKind::Buffer { 1 } else { size.levels() };
-        if levels == 0 || levels > most {
-            return refuse(CALL, format!("{levels} levels for {size:?}; from 1 to {most}"));
+        if kind.is_multisample() {
+            return refuse(CALL, format!("a {kind:?} texture has samples"));
         }
-        let bytes = |level: u32| size.level(level).texels() as usize * format.bytes();
-        Ok(Self { kind, format, size, levels: (0..levels).map(|level| vec![0; bytes(level)]).collect() })
+        Self::zero(kind, format, size, (levels, 1), CALL)
+    }
+
+    /// A texture of zero bits with samples.
+    ///
+    /// # Errors
+    /// For kinds without samples, numbers of samples that there are none of, formats of shared exponents, and where
+    /// kind and size do not fit.
+    pub fn multisample(kind: TextureKind, format: Format, size: TextureSize, samples: u32) -> Result<Self> {
+        const CALL: &str = "Texture::multisample";
+        if !kind.is_multisample() {
+            return refuse(CALL, format!("a {kind:?} texture has no samples"));
+        }
+        if format.numeric() == Numeric::SharedExponent {
+            return refuse(CALL, format!("{format:?} cannot be drawn to"));
+        }
+        Multisample::check(samples, CALL)?;
+        Self::zero(kind, format, size, (1, samples), CALL)
+    }
+
+    fn zero(
+        kind: TextureKind,
+        format: Format,
+        size: TextureSize,
+        (levels, samples): (u32, u32),
+        call: &'static str,
+    ) -> Result<Self> {
+        kind.check(size, call)?;
+        let most = if kind.has_levels() { size.levels() } else { 1 };
+        if levels == 0 || levels > most {
+            return refuse(call, format!("{levels} levels for {size:?}; from 1 to {most}"));
+        }
+        if size.texels() * u64::from(samples) > 1 << 29 {
+            return refuse(call, format!("{} texels of {samples} samples; at most 2²⁹ in all", size.texels()));
+        }
+        let bytes = |level: u32| size.level(level).texels() as usize * samples as usize * format.bytes();
+        Ok(Self { kind, format, size, samples, levels: (0..levels).map(|level| vec![0; bytes(level)]).collect() })
     }
 
     /// A picture of these colours, row by row, with all levels if `mipmapped`.
@@ -212,12 +262,17 @@ impl Texture {
         self.size
     }
 
+    /// Samples of a texel.
+    pub fn samples(&self) -> u32 {
+        self.samples
+    }
+
     /// Number of levels.
     pub fn level_count(&self) -> u32 {
         self.levels.len() as u32
     }
 
-    /// The bytes of a level: layers, slices, rows, columns.
+    /// The bytes of a level: layers, slices, rows, columns, samples.
     pub fn level(&self, level: u32) -> Option<&[u8]> {
         self.levels.get(level as usize).map(Vec::as_slice)
     }
@@ -227,7 +282,7 @@ impl Texture {
         self.levels.get_mut(level as usize).map(Vec::as_mut_slice)
     }
 
-    /// Byte offset of a texel in its level.
+    /// Byte offset of a texel, its first sample, in its level.
     #[inline]
     pub(crate) fn place(&self, level: u32, [x, y, z]: [u32; 3], layer: u32) -> Option<usize> {
         let size = self.size.level(level);
@@ -238,10 +293,10 @@ impl Texture {
         // One of slices and layers is 1.
         let slice = (layer * size.depth + z) as usize;
         let texel = (slice * size.height as usize + y as usize) * size.width as usize + x as usize;
-        Some(texel * self.format.bytes())
+        Some(texel * self.samples as usize * self.format.bytes())
     }
 
-    /// Writes one texel; `false` outside.
+    /// Writes one texel, its first sample; `false` outside.
     pub fn set(&mut self, level: u32, at: [u32; 3], layer: u32, color: Vec4) -> bool {
         let Some(place) = self.place(level, at, layer) else { return false };
         self.format.write(color, &mut self.levels[level as usize][place..]);

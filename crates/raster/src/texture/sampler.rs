@@ -119,7 +119,8 @@ impl Sampler {
     /// Checks that this sampler may look up this view.
     ///
     /// # Errors
-    /// For filters of formats that cannot be averaged, buffers, and values that are no numbers.
+    /// For filters of formats that cannot be averaged, buffers, samples, rectangles with levels or repetition, and
+    /// values that are no numbers.
     pub fn check(&self, view: &TextureView) -> Result<()> {
         const CALL: &str = "Sampler::check";
         let linear = [self.magnify, self.minify].contains(&Filter::Linear) || self.levels == Some(Filter::Linear);
@@ -128,6 +129,13 @@ impl Sampler {
         }
         if view.kind == TextureKind::Buffer {
             return refuse(CALL, "buffers are fetched, not sampled");
+        }
+        if view.kind.is_multisample() {
+            return refuse(CALL, "samples are fetched, not filtered");
+        }
+        let clamps = |wrap: &Wrap| matches!(wrap, Wrap::ClampToEdge | Wrap::ClampToBorder);
+        if view.kind == TextureKind::Rectangle && (self.levels.is_some() || !self.wrap[..2].iter().all(clamps)) {
+            return refuse(CALL, "rectangles have one level, and coordinates beyond are clamped");
         }
         if self.lod_bias.is_nan() || self.lod_range.iter().any(|x| x.is_nan()) || self.lod_range[0] > self.lod_range[1]
         {
@@ -140,7 +148,7 @@ impl Sampler {
     }
 
     /// The colour at coordinates: (s), (s, layer), (s, t), (s, t, layer), (s, t, r), a direction, or a direction and a
-    /// layer.
+    /// layer. Those of rectangles are in texels.
     pub fn sample(&self, view: &TextureView, at: Vec4, lod: Lod) -> Vec4 {
         self.lookup(view, at, lod, &|texel| texel)
     }
@@ -176,7 +184,10 @@ impl Sampler {
     /// `EXT_texture_filter_anisotropic`).
     fn footprint(&self, view: &TextureView, place: &Place, dx: Vec3, dy: Vec3) -> (f32, u32, Vec3) {
         let size = view.size(0);
-        let texels = Vec3::new(size.width as f32, size.height as f32, size.depth as f32);
+        let texels = match view.kind {
+            TextureKind::Rectangle => Vec3::ONE,
+            _ => Vec3::new(size.width as f32, size.height as f32, size.depth as f32),
+        };
         // Lengths of the footprint's axes in texels of level 0.
         let (dx, dy) = place.on_face(dx, dy);
         let [px, py] = [dx, dy].map(|d| (d * texels).length());
@@ -229,16 +240,17 @@ impl Sampler {
         let size = view.size(level);
         let n = [size.width, size.height, size.depth];
         let texel = |i: [i64; 3]| value(self.texel(view, place, level, n, i));
-        let at = place.at.to_array();
+        let texels = |d: usize| if view.kind == TextureKind::Rectangle { 1.0 } else { n[d] as f32 };
+        let at: [f32; 3] = std::array::from_fn(|d| place.at[d] * texels(d));
         // The texel that contains the point.
         if filter == Filter::Nearest {
-            return texel(std::array::from_fn(|d| whole(at[d] * n[d] as f32)));
+            return texel(std::array::from_fn(|d| whole(at[d])));
         }
         let mut first = [0; 3];
         let mut weight = [0.0; 3];
         for d in 0..place.dimensions {
             // Texel centres are at halves.
-            let u = at[d] * n[d] as f32 - 0.5;
+            let u = at[d] - 0.5;
             first[d] = whole(u);
             weight[d] = if u.is_finite() { u - u.floor() } else { 0.0 };
         }
@@ -304,8 +316,12 @@ impl Place {
         match view.kind {
             TextureKind::D1 | TextureKind::Buffer => flat(Vec3::new(at.x, 0.0, 0.0), 1, 0),
             TextureKind::D1Array => flat(Vec3::new(at.x, 0.0, 0.0), 1, layer(at.y, view.layers)),
-            TextureKind::D2 => flat(Vec3::new(at.x, at.y, 0.0), 2, 0),
-            TextureKind::D2Array => flat(Vec3::new(at.x, at.y, 0.0), 2, layer(at.z, view.layers)),
+            TextureKind::D2 | TextureKind::Rectangle | TextureKind::D2Multisample => {
+                flat(Vec3::new(at.x, at.y, 0.0), 2, 0)
+            }
+            TextureKind::D2Array | TextureKind::D2MultisampleArray => {
+                flat(Vec3::new(at.x, at.y, 0.0), 2, layer(at.z, view.layers))
+            }
             TextureKind::D3 => flat(at.truncate(), 3, 0),
             TextureKind::Cube | TextureKind::CubeArray => {
                 let direction = at.truncate();

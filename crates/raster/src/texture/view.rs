@@ -69,7 +69,10 @@ impl Texture {
             TextureKind::D1 | TextureKind::D1Array => 1,
             TextureKind::D3 => 3,
             TextureKind::Buffer => 0,
-            _ => 2,
+            // Pictures of unnormalised coordinates, and with samples, are seen as such alone.
+            TextureKind::Rectangle => 4,
+            TextureKind::D2Multisample | TextureKind::D2MultisampleArray => 5,
+            TextureKind::D2 | TextureKind::D2Array | TextureKind::Cube | TextureKind::CubeArray => 2,
         };
         if dimensions(kind) != dimensions(self.kind) {
             return refuse(CALL, format!("a {:?} texture cannot be seen as {kind:?}", self.kind));
@@ -101,16 +104,30 @@ impl TextureView<'_> {
         self.levels
     }
 
-    /// A texel without filter. GLSL: `texelFetch`; zero outside.
+    /// A texel without filter, of samples the first. GLSL: `texelFetch`; zero outside.
     #[inline]
     pub fn fetch(&self, level: u32, at: [u32; 3], layer: u32) -> Vec4 {
+        self.texel(level, at, layer, 0)
+    }
+
+    /// A sample of a texel. GLSL: `texelFetch` of multisample textures; zero outside.
+    #[inline]
+    pub fn fetch_sample(&self, at: [u32; 2], layer: u32, sample: u32) -> Vec4 {
+        self.texel(0, [at[0], at[1], 0], layer, sample)
+    }
+
+    #[inline]
+    fn texel(&self, level: u32, at: [u32; 3], layer: u32, sample: u32) -> Vec4 {
         // Levels and layers count from the first ones of the view.
-        if level >= self.levels || layer >= self.layers {
+        if level >= self.levels || layer >= self.layers || sample >= self.texture.samples {
             return Vec4::ZERO;
         }
         let level = self.first_level + level;
         match self.texture.place(level, at, self.first_layer + layer) {
-            Some(place) => self.format.read(&self.texture.levels[level as usize][place..]),
+            Some(place) => {
+                let place = place + sample as usize * self.format.bytes();
+                self.format.read(&self.texture.levels[level as usize][place..])
+            }
             None => Vec4::ZERO,
         }
     }

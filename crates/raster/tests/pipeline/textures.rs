@@ -8,7 +8,7 @@ use steradian_raster::{
     texture::{Filter, Lod, Sampler, Texture, TextureBuilder, TextureKind, TextureSize, ViewRange, Wrap},
 };
 
-const KINDS: [TextureKind; 8] = [
+const KINDS: [TextureKind; 9] = [
     TextureKind::D1,
     TextureKind::D1Array,
     TextureKind::D2,
@@ -17,22 +17,23 @@ const KINDS: [TextureKind; 8] = [
     TextureKind::Cube,
     TextureKind::CubeArray,
     TextureKind::Buffer,
+    TextureKind::Rectangle,
 ];
 
 /// Which sizes which kinds have: width, height, depth, layers.
 #[test]
 fn kinds_and_sizes() {
     for (size, fit) in [
-        ([16, 1, 1, 1], [true, true, true, true, true, false, false, true]),
-        ([16, 1, 1, 5], [false, true, false, true, false, false, false, false]),
-        ([16, 8, 1, 1], [false, false, true, true, true, false, false, false]),
-        ([16, 8, 1, 6], [false, false, false, true, false, false, false, false]),
-        ([16, 16, 1, 6], [false, false, false, true, false, true, true, false]),
-        ([16, 16, 1, 12], [false, false, false, true, false, false, true, false]),
-        ([16, 16, 4, 1], [false, false, false, false, true, false, false, false]),
-        ([16, 16, 4, 6], [false; 8]),
-        ([0, 1, 1, 1], [false; 8]),
-        ([17000, 1, 1, 1], [false, false, false, false, false, false, false, true]),
+        ([16, 1, 1, 1], [true, true, true, true, true, false, false, true, true]),
+        ([16, 1, 1, 5], [false, true, false, true, false, false, false, false, false]),
+        ([16, 8, 1, 1], [false, false, true, true, true, false, false, false, true]),
+        ([16, 8, 1, 6], [false, false, false, true, false, false, false, false, false]),
+        ([16, 16, 1, 6], [false, false, false, true, false, true, true, false, false]),
+        ([16, 16, 1, 12], [false, false, false, true, false, false, true, false, false]),
+        ([16, 16, 4, 1], [false, false, false, false, true, false, false, false, false]),
+        ([16, 16, 4, 6], [false; 9]),
+        ([0, 1, 1, 1], [false; 9]),
+        ([17000, 1, 1, 1], [false, false, false, false, false, false, false, true, false]),
     ] {
         let [width, height, depth, layers] = size;
         let size = TextureSize { width, height, depth, layers };
@@ -42,6 +43,46 @@ fn kinds_and_sizes() {
     }
     assert!(Texture::new(TextureKind::D2, Format::R8Unorm, TextureSize::d2(16, 5), 5).is_ok());
     assert!(Texture::new(TextureKind::D2, Format::R8Unorm, TextureSize::d2(16, 5), 6).is_err());
+    // Rectangles have one level, and samples one.
+    assert!(Texture::new(TextureKind::Rectangle, Format::R8Unorm, TextureSize::d2(16, 5), 2).is_err());
+    for (kind, layers, samples, fits) in [
+        (TextureKind::D2Multisample, 1, 4, true),
+        (TextureKind::D2Multisample, 2, 4, false),
+        (TextureKind::D2MultisampleArray, 2, 8, true),
+        (TextureKind::D2MultisampleArray, 2, 3, false),
+        (TextureKind::D2, 1, 4, false),
+    ] {
+        let texture =
+            Texture::multisample(kind, Format::R8Unorm, TextureSize { layers, ..TextureSize::d2(5, 3) }, samples);
+        assert_eq!(texture.is_ok(), fits, "{kind:?} {layers} {samples}");
+    }
+    assert!(Texture::new(TextureKind::D2Multisample, Format::R8Unorm, TextureSize::d2(16, 5), 1).is_err());
+}
+
+/// A rectangle at texels has the bits of a picture at their shares of the size, which is a power of two.
+#[test]
+fn rectangles_are_looked_up_by_texels() {
+    let mut random = Random(7);
+    let colors: Vec<Vec4> = (0..32 * 16).map(|_| Vec4::splat(random.unit())).collect();
+    let picture = Texture::from_colors(Format::Rgba32Float, 32, 16, &colors, false).unwrap();
+    let mut rectangle = Texture::new(TextureKind::Rectangle, Format::Rgba32Float, TextureSize::d2(32, 16), 1).unwrap();
+    rectangle.level_mut(0).unwrap().copy_from_slice(picture.level(0).unwrap());
+    for filter in [Filter::Nearest, Filter::Linear] {
+        let sampler = Sampler { magnify: filter, minify: filter, ..Sampler::NEAREST };
+        sampler.check(&rectangle.view()).unwrap();
+        for _ in 0..500 {
+            let at = Vec3::new(40.0 * random.unit() - 4.0, 20.0 * random.unit() - 2.0, 0.0);
+            let share = at / Vec3::new(32.0, 16.0, 1.0);
+            let (dx, scaled) = (Vec3::X * 3.0, Vec3::X * 3.0 / 32.0);
+            let found = sampler.sample(&rectangle.view(), at.extend(0.0), Lod::Gradients(dx, dx));
+            let expected = sampler.sample(&picture.view(), share.extend(0.0), Lod::Gradients(scaled, scaled));
+            assert_eq!(found, expected, "{at}");
+        }
+    }
+    let refused = |sampler: Sampler| sampler.check(&rectangle.view()).is_err();
+    assert!(refused(Sampler { wrap: [Wrap::Repeat; 3], ..Sampler::NEAREST }));
+    assert!(refused(Sampler { wrap: [Wrap::ClampToEdge, Wrap::Mirror, Wrap::Repeat], ..Sampler::NEAREST }));
+    assert!(refused(Sampler { levels: Some(Filter::Nearest), ..Sampler::NEAREST }));
 }
 
 #[test]
