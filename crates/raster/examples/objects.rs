@@ -5,7 +5,7 @@ use steradian_raster::{
     glam::{Mat3, Vec2, Vec3, Vec4},
     objects::*,
     state::DepthState,
-    texture::{Lod, Sampler, TextureKind, TextureSize},
+    texture::{Filter, Lod, TextureKind, TextureSize},
     *,
 };
 
@@ -70,6 +70,7 @@ fn bind_texture(c: &mut Context) -> Result<()> {
     c.texture_sub_image(texture, region, Format::Rgb8Unorm, Pixels::Offset(0))?;
     c.delete_buffers(&[pixels]);
     c.generate_texture_mipmap(texture)?;
+    c.texture_parameter(texture, TextureParameter::Minify(Filter::Linear, Some(Filter::Linear)))?;
     c.bind_texture(0, TextureKind::D2, texture)
 }
 
@@ -82,11 +83,11 @@ fn draw_lit(inputs: &Inputs, output: &mut Output) -> Result<()> {
         let clip = Vec4::new(1.8 * p.x, 2.4 * p.y, (-p.z - 1.0) * 30.0 / 29.0, -p.z);
         Vertex::new(clip, Surface { uv: uv.truncate().truncate(), normal: tilt * normal.truncate() })
     };
-    let (texture, sampler) = (inputs.texture(0, TextureKind::D2)?, Sampler::default());
+    let (texture, sampler) = inputs.sampler(0, TextureKind::D2)?;
     let shader = fragment(|f: &Fragment<Surface>| {
         let s = f.varyings();
         let lod = Lod::Gradients(f.dx(|s| s.uv).extend(0.0), f.dy(|s| s.uv).extend(0.0));
-        let color = sampler.sample(&texture.view(), s.uv.extend(0.0).extend(0.0), lod);
+        let color = sampler.sample(&texture, s.uv.extend(0.0).extend(0.0), lod);
         (color.truncate() * (0.25 + 0.75 * s.normal.dot(Vec3::new(2.0, 6.0, 3.0) / 7.0).max(0.0))).extend(1.0)
     });
     let state = State { depth: Some(DepthState::LESS), ..State::default() };

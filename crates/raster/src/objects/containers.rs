@@ -135,8 +135,7 @@ impl Context {
         if state.kind == TextureKind::Buffer {
             return invalid_operation(CALL, "a buffer texture cannot be attached");
         }
-        let size = storage.size().level(level);
-        if level >= storage.level_count() || layer >= size.layers.max(size.depth) {
+        if level >= storage.levels() || layer >= storage.sides(level)[2] {
             return invalid_value(CALL, format_args!("level {level} and layer {layer} are not both there"));
         }
         drop(state);

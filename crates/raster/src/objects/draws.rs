@@ -7,12 +7,11 @@ use glam::{DVec4, Vec4};
 
 use super::{
     commands::Command,
-    containers::{Attachment, FramebufferObject, source},
+    containers::{FramebufferObject, source},
     context::Context,
     error::invalid_operation,
     feedback::{Feedback, FeedbackPrimitive},
-    names,
-    textures::TextureObject,
+    names::{self, Object},
 };
 use crate::{
     counters::Counters,
@@ -21,7 +20,7 @@ use crate::{
     pipeline::Pipeline,
     render_target::{ColorTarget, Extent, Framebuffer, Layout},
     stages::{FragmentShader, GeometryShader, Tessellation, Vertex, VertexInput, VertexShader},
-    texture::{Texture, TextureKind},
+    texture::{Sampler, Texture, TextureKind, TextureView, ViewRange},
     varyings::Varyings,
     vertex_array::VertexArray,
 };
@@ -32,7 +31,7 @@ pub struct Inputs<'a> {
     attributes: VertexArray<'a>,
     /// First instances of the draws.
     first_instances: Vec<u32>,
-    textures: Vec<((u32, u8), &'a Texture)>,
+    textures: Vec<((u32, u8), TextureView<'a>, Sampler)>,
 }
 
 impl<'a> Inputs<'a> {
@@ -53,17 +52,32 @@ impl<'a> Inputs<'a> {
         self.first_instances.get(vertex.draw as usize).copied().unwrap_or(0)
     }
 
-    /// The texture of a kind that is bound to a unit.
+    /// The texture of a kind that is bound to a unit, from its base level to its last.
     ///
     /// # Errors
-    /// An error for names without a buffer, and for buffers without storage.
-    pub fn texture(&self, unit: u32, kind: TextureKind) -> Result<&'a Texture> {
-        match self.textures.iter().find(|(key, _)| *key == (unit, kind as u8)) {
-            Some((_, texture)) => Ok(texture),
-            None => invalid_operation(
-                "Inputs::texture",
-                format_args!("no {kind:?} texture with storage is bound to unit {unit}"),
-            ),
+    /// An error for units without a texture, and for textures without storage.
+    pub fn texture(&self, unit: u32, kind: TextureKind) -> Result<TextureView<'a>> {
+        self.bound_texture(unit, kind, "Inputs::texture").map(|(texture, _)| texture)
+    }
+
+    /// As [`texture`](Self::texture), with the sampler of the texture's parameters.
+    ///
+    /// # Errors
+    /// As there, and for textures that are not complete: filters other than `Nearest` of integers and stencil values,
+    /// and textures of buffers and with samples, which are fetched.
+    pub fn sampler(&self, unit: u32, kind: TextureKind) -> Result<(TextureView<'a>, Sampler)> {
+        const CALL: &str = "Inputs::sampler";
+        let (texture, sampler) = self.bound_texture(unit, kind, CALL)?;
+        match sampler.check(&texture) {
+            Ok(()) => Ok((texture, sampler)),
+            Err(error) => invalid_operation(CALL, error.rule),
+        }
+    }
+
+    fn bound_texture(&self, unit: u32, kind: TextureKind, call: &'static str) -> Result<(TextureView<'a>, Sampler)> {
+        match self.textures.iter().find(|(key, ..)| *key == (unit, kind as u8)) {
+            Some((_, texture, sampler)) => Ok((*texture, *sampler)),
+            None => invalid_operation(call, format_args!("no {kind:?} texture with storage is bound to unit {unit}")),
         }
     }
 }
@@ -140,6 +154,9 @@ fn captured<V: Varyings>(vertex: &Vertex<V>) -> Vec<u8> {
     position.iter().chain(varyings.as_ref()).flat_map(|x| x.to_le_bytes()).collect()
 }
 
+/// Unit and kind of a bound texture, the part that lookups see, its sampler, and its texels.
+type BoundTexture = ((u32, u8), ViewRange, Sampler, Object<Texture>);
+
 impl Context {
     /// Makes draws with what is bound.
     pub(super) fn submit<P>(&mut self, commands: &[Command], call: &'static str, program: P) -> Result<Counters>
@@ -166,9 +183,20 @@ impl Context {
             let binding = &array.bindings[attribute.binding];
             attributes = attributes.attribute(number, source(buffer.all(call)?, attribute, binding))?;
         }
-        let bound: Vec<((u32, u8), Ref<TextureObject>)> =
-            self.textures.iter().map(|(key, texture)| (*key, texture.borrow())).collect();
-        let textures = bound.iter().filter_map(|(key, texture)| Some((*key, texture.texture.as_ref()?))).collect();
+        let bound: Vec<BoundTexture> = self
+            .textures
+            .iter()
+            .filter_map(|(key, texture)| {
+                let texture = texture.borrow();
+                let storage = texture.storage.clone()?;
+                Some((*key, texture.parameters.seen(&storage), texture.parameters.sampler(), storage.texels))
+            })
+            .collect();
+        let borrowed: Vec<Ref<Texture>> = bound.iter().map(|(.., texels)| texels.borrow()).collect();
+        let mut textures = Vec::new();
+        for ((key, seen, sampler, _), texels) in bound.iter().zip(&borrowed) {
+            textures.push((*key, texels.view_of(seen.clone())?, *sampler));
+        }
         let feedback = match &self.feedback {
             Some(Feedback { primitive, buffer, end }) => {
                 Some((*primitive, buffer.borrow().all(call)?.len().saturating_sub(*end)))
@@ -195,7 +223,7 @@ impl Context {
         let first_instances = commands.iter().map(|command| command.instances.start).collect();
         let done = program(&Inputs { attributes, first_instances, textures }, &mut output);
         let Output { captured, written, counters, .. } = output;
-        drop((buffers, bound));
+        drop((buffers, borrowed));
         self.queries.count(&counters, written);
         if let Some(feedback) = self.feedback.as_mut().filter(|_| !captured.is_empty()) {
             let mut buffer = names::written(&feedback.buffer, call)?;
@@ -227,11 +255,6 @@ impl Context {
     }
 }
 
-/// Texel and layer where an attached image begins.
-fn origin(texture: &Texture, attachment: &Attachment) -> ([u32; 3], u32) {
-    if texture.kind() == TextureKind::D3 { ([0, 0, attachment.layer], 0) } else { ([0; 3], attachment.layer) }
-}
-
 /// A framebuffer with the contents of the attached images. Its targets lie in tiles, textures in rows: each draw copies
 /// them from one to the other and back.
 fn load(object: &FramebufferObject, call: &'static str) -> Result<Framebuffer> {
@@ -241,18 +264,14 @@ fn load(object: &FramebufferObject, call: &'static str) -> Result<Framebuffer> {
             return incomplete(call, format_args!("colour attachment {place} is missing, but {number} is there"));
         }
         let state = attachment.texture.borrow();
-        let texture = state.storage(call)?;
-        let size = texture.size().level(attachment.level);
-        let target = ColorTarget::new(Extent::new(size.width, size.height), texture.format());
-        let mut target = match target {
+        let storage = state.storage(call)?;
+        let [width, height, _] = storage.sides(attachment.level);
+        let mut target = match ColorTarget::new(Extent::new(width, height), storage.format()) {
             Ok(target) => target,
             Err(error) => return incomplete(call, error.rule),
         };
-        let (texel, layer) = origin(texture, attachment);
-        let start = texture.place(attachment.level, texel, layer);
-        if let Some(rows) = texture.level(attachment.level).zip(start).and_then(|(level, start)| level.get(start..)) {
-            target.load(rows);
-        }
+        let count = width as usize * height as usize;
+        target.load(storage.bytes(&storage.texels.borrow(), attachment.level, [0, 0, attachment.layer], count));
         colors.push(target);
     }
     Framebuffer::new(colors, None, None).or_else(|error| incomplete(call, error.rule))
@@ -262,15 +281,12 @@ fn load(object: &FramebufferObject, call: &'static str) -> Result<Framebuffer> {
 fn store(object: &FramebufferObject, framebuffer: Framebuffer, call: &'static str) -> Result<()> {
     let (colors, ..) = framebuffer.into_parts();
     for (attachment, target) in object.colors.values().zip(colors) {
-        let mut state = names::written(&attachment.texture, call)?;
-        let Some(texture) = &mut state.texture else { continue };
-        let (texel, layer) = origin(texture, attachment);
-        let (start, rows) = (texture.place(attachment.level, texel, layer), target.to_bytes(0));
-        let level = texture.level_mut(attachment.level);
-        let range = start.and_then(|start| level?.get_mut(start..start + rows.len()));
-        if let Some(range) = range {
-            range.copy_from_slice(&rows);
-        }
+        let state = attachment.texture.borrow();
+        let storage = state.storage(call)?;
+        let mut texels = names::written(&storage.texels, call)?;
+        let rows = target.to_bytes(0);
+        let count = rows.len() / storage.texel_bytes();
+        storage.bytes_mut(&mut texels, attachment.level, [0, 0, attachment.layer], count).copy_from_slice(&rows);
     }
     Ok(())
 }

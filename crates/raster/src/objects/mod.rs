@@ -42,8 +42,12 @@ mod feedback;
 mod lifecycle;
 mod names;
 mod queries;
+mod sampling;
+mod storage;
 #[cfg(test)]
 mod tests;
+mod texel_copies;
+mod texture_storage;
 mod textures;
 
 pub use buffers::{BufferFlags, BufferParameters, Contents, MAX_BUFFER_BYTES, Mapping, Usage};
@@ -53,4 +57,5 @@ pub use context::{BufferRef, BufferTarget, Context, ShareGroup};
 pub use draws::{Inputs, Output};
 pub use feedback::FeedbackPrimitive;
 pub use queries::{ConditionalMode, QueryTarget};
+pub use sampling::TextureParameter;
 pub use textures::{PixelStore, Pixels, PixelsMut, Region};

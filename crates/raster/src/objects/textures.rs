@@ -7,28 +7,31 @@ use super::{
     context::{BufferTarget, Context},
     error::{as_operation, invalid_operation, invalid_value},
     names::written,
+    sampling::Parameters,
+    storage::Storage,
 };
 use crate::{
     error::Result,
     format::{Format, Numeric},
-    texture::{Texture, TextureKind, TextureSize},
+    texture::TextureKind,
 };
 
 /// A texture: its kind, and its storage once that is given.
 #[derive(Debug)]
 pub(super) struct TextureObject {
     pub kind: TextureKind,
-    pub texture: Option<Texture>,
+    pub storage: Option<Storage>,
+    pub parameters: Parameters,
 }
 
 impl TextureObject {
     pub fn new(kind: TextureKind) -> Self {
-        Self { kind, texture: None }
+        Self { kind, storage: None, parameters: Parameters::new(kind) }
     }
 
-    pub fn storage(&self, call: &'static str) -> Result<&Texture> {
-        match &self.texture {
-            Some(texture) => Ok(texture),
+    pub fn storage(&self, call: &'static str) -> Result<&Storage> {
+        match &self.storage {
+            Some(storage) => Ok(storage),
             None => invalid_operation(call, "the texture has no storage"),
         }
     }
@@ -116,28 +119,6 @@ impl Rows {
 }
 
 impl Context {
-    /// Gives a texture immutable storage of zero bits (section 8.19).
-    ///
-    /// # Errors
-    /// For names without objects, storage that is there already, and a size or number of levels that the kind does not
-    /// have.
-    pub fn texture_storage(&self, texture: u32, levels: u32, format: Format, size: TextureSize) -> Result<()> {
-        const CALL: &str = "texture_storage";
-        let texture = self.shared.borrow().textures.object(texture, CALL)?;
-        let mut texture = written(&texture, CALL)?;
-        if texture.texture.is_some() {
-            return invalid_operation(CALL, "the storage is immutable");
-        }
-        if texture.kind == TextureKind::Buffer {
-            return invalid_operation(CALL, "texels of a buffer texture are those of a buffer, which is not there yet");
-        }
-        match Texture::new(texture.kind, format, size, levels) {
-            Ok(storage) => texture.texture = Some(storage),
-            Err(error) => return invalid_value(CALL, error.rule),
-        }
-        Ok(())
-    }
-
     /// Sets the layout of pixels that are read from textures (`is_pack`), or written to them.
     ///
     /// # Errors
@@ -160,8 +141,9 @@ impl Context {
     pub fn texture_sub_image(&self, texture: u32, region: Region, format: Format, pixels: Pixels) -> Result<()> {
         const CALL: &str = "texture_sub_image";
         let texture = self.shared.borrow().textures.object(texture, CALL)?;
-        let mut texture = written(&texture, CALL)?;
-        check(texture.storage(CALL)?, region, format, CALL)?;
+        let texture = texture.borrow();
+        let storage = texture.storage(CALL)?;
+        check_transfer(storage, region, format, CALL)?;
         let rows = Rows::new(self.unpack, format, region.size, CALL)?;
         let buffer = self.bound_buffer(BufferTarget::PixelUnpack);
         let buffer = buffer.as_ref().map(|buffer| buffer.borrow());
@@ -175,11 +157,10 @@ impl Context {
             (Pixels::Offset(_), None) => return invalid_operation(CALL, "no buffer is bound to PixelUnpack"),
             (Pixels::Bytes(_), Some(_)) => return invalid_operation(CALL, "a buffer is bound to PixelUnpack"),
         };
-        if let Some(target) = &mut texture.texture {
-            for at in texels(region.size) {
-                let (texel, layer) = place(target, region, at);
-                target.set(region.level, texel, layer, format.read(&bytes[rows.place(at)..]));
-            }
+        let mut target = written(&storage.texels, CALL)?;
+        for at in texels(region.size) {
+            let color = format.read(&bytes[rows.place(at)..]);
+            storage.format().write(color, storage.bytes_mut(&mut target, region.level, moved(at, region), 1));
         }
         Ok(())
     }
@@ -193,8 +174,8 @@ impl Context {
         const CALL: &str = "get_texture_sub_image";
         let texture = self.shared.borrow().textures.object(texture, CALL)?;
         let texture = texture.borrow();
-        let source = texture.storage(CALL)?;
-        check(source, region, format, CALL)?;
+        let storage = texture.storage(CALL)?;
+        check_transfer(storage, region, format, CALL)?;
         let rows = Rows::new(self.pack, format, region.size, CALL)?;
         let buffer = self.bound_buffer(BufferTarget::PixelPack);
         let mut buffer = match &buffer {
@@ -211,46 +192,38 @@ impl Context {
             (PixelsMut::Offset(_), None) => return invalid_operation(CALL, "no buffer is bound to PixelPack"),
             (PixelsMut::Bytes(_), Some(_)) => return invalid_operation(CALL, "a buffer is bound to PixelPack"),
         };
-        let view = source.view();
+        let source = storage.texels.borrow();
         for at in texels(region.size) {
-            let (texel, layer) = place(source, region, at);
-            format.write(view.fetch(region.level, texel, layer), &mut bytes[rows.place(at)..]);
+            let color = storage.format().read(storage.bytes(&source, region.level, moved(at, region), 1));
+            format.write(color, &mut bytes[rows.place(at)..]);
         }
         Ok(())
-    }
-
-    /// Makes the levels of a texture from its first (section 8.14.4).
-    ///
-    /// # Errors
-    /// For names without objects, textures without storage, and formats that cannot be averaged.
-    pub fn generate_texture_mipmap(&self, texture: u32) -> Result<()> {
-        const CALL: &str = "generate_texture_mipmap";
-        let texture = self.shared.borrow().textures.object(texture, CALL)?;
-        let mut texture = written(&texture, CALL)?;
-        texture.storage(CALL)?;
-        match texture.texture.as_mut().map_or(Ok(()), Texture::generate_levels) {
-            Err(error) => invalid_operation(CALL, error.rule),
-            Ok(()) => Ok(()),
-        }
     }
 }
 
 /// Checks a region, and that pixels and texels are both integers of one sign, both depths, or neither.
-fn check(texture: &Texture, region: Region, format: Format, call: &'static str) -> Result<()> {
-    let size = texture.size().level(region.level);
-    let sides = [size.width, size.height, size.depth.max(size.layers)];
+pub(super) fn check(storage: &Storage, region: Region, format: Format, call: &'static str) -> Result<()> {
+    let sides = storage.sides(region.level);
     let is_there =
         |axis: usize| region.origin[axis].checked_add(region.size[axis]).is_some_and(|end| end <= sides[axis]);
-    if region.level >= texture.level_count() || !(0..3).all(is_there) {
-        return invalid_value(call, format_args!("{region:?} is not all within {size:?}"));
+    if region.level >= storage.levels() || !(0..3).all(is_there) {
+        return invalid_value(call, format_args!("{region:?} is not all within {sides:?}"));
     }
     let is_color =
         |format: Format| !matches!(format.numeric(), Numeric::Depth | Numeric::Stencil | Numeric::DepthStencil);
-    let own = texture.format();
+    let own = storage.format();
     if own.class() != format.class() || is_color(own) != is_color(format) {
         return invalid_operation(call, format_args!("{own:?} does not take pixels of {format:?}"));
     }
     Ok(())
+}
+
+/// As [`check`], for pixels, which have one sample.
+fn check_transfer(storage: &Storage, region: Region, format: Format, call: &'static str) -> Result<()> {
+    if storage.range.kind.is_multisample() {
+        return invalid_operation(call, "texels with samples are neither written nor read as pixels");
+    }
+    check(storage, region, format, call)
 }
 
 /// Checks that an offset is a multiple of the size of a component, or of a texel whose components are packed.
@@ -272,8 +245,7 @@ fn texels([width, height, depth]: [u32; 3]) -> impl Iterator<Item = [u32; 3]> {
     (0..depth).flat_map(move |z| (0..height).flat_map(move |y| (0..width).map(move |x| [x, y, z])))
 }
 
-/// Texel and layer of a pixel of a region: z counts slices of volumes, else layers.
-fn place(texture: &Texture, region: Region, at: [u32; 3]) -> ([u32; 3], u32) {
-    let [x, y, z] = [0, 1, 2].map(|axis| region.origin[axis] + at[axis]);
-    if texture.kind() == TextureKind::D3 { ([x, y, z], 0) } else { ([x, y, 0], z) }
+/// The texel of a pixel of a region.
+fn moved(at: [u32; 3], region: Region) -> [u32; 3] {
+    [0, 1, 2].map(|axis| region.origin[axis] + at[axis])
 }

@@ -6,6 +6,7 @@ mod draws;
 mod names;
 mod pixels;
 mod queries;
+mod textures;
 
 use super::{Context, ShareGroup};
 use crate::{Extent, Format, Framebuffer, Result};
