@@ -1,8 +1,6 @@
-//! Containers: vertex arrays and framebuffers, which attach other objects (OpenGL 4.6 core, sections 9.2 and 10.3).
+//! Vertex arrays, which attach buffers (OpenGL 4.6 core, section 10.3).
 //!
 //! An attachment is a reference: the attached object lives as long as it. Containers belong to one context.
-
-use std::collections::BTreeMap;
 
 use glam::Vec4;
 
@@ -11,12 +9,9 @@ use super::{
     context::Context,
     error::{invalid_enum, invalid_operation, invalid_value},
     names::{Object, refers_to},
-    textures::TextureObject,
 };
 use crate::{
     error::Result,
-    state::MAX_TARGETS,
-    texture::TextureKind,
     vertex_array::{Attribute, AttributeFormat, Components, FormatError, MAX_ATTRIBUTES},
 };
 
@@ -86,63 +81,7 @@ impl VertexArrayObject {
     }
 }
 
-/// Attached level and layer of a texture.
-#[derive(Clone, Debug)]
-pub(super) struct Attachment {
-    pub texture: Object<TextureObject>,
-    pub level: u32,
-    pub layer: u32,
-}
-
-/// Attachments by number: colours from 0 on.
-#[derive(Debug, Default)]
-pub(super) struct FramebufferObject {
-    pub colors: BTreeMap<u32, Attachment>,
-}
-
-impl FramebufferObject {
-    /// Takes a texture out of all attachments.
-    pub fn detach(&mut self, texture: &Object<TextureObject>) {
-        self.colors.retain(|_, attachment| !std::rc::Rc::ptr_eq(&attachment.texture, texture));
-    }
-}
-
 impl Context {
-    /// Attaches a level and layer of a texture (slices of volumes and faces count as layers) to a colour attachment of
-    /// a framebuffer; the name 0 detaches (section 9.2.8).
-    ///
-    /// # Errors
-    /// For names without objects, attachments from 8 on, textures without storage, and levels or layers that they lack.
-    pub fn named_framebuffer_texture_layer(
-        &mut self,
-        framebuffer: u32,
-        color: u32,
-        texture: u32,
-        (level, layer): (u32, u32),
-    ) -> Result<()> {
-        const CALL: &str = "named_framebuffer_texture_layer";
-        let framebuffer = self.framebuffers.object(framebuffer, CALL)?;
-        if color as usize >= MAX_TARGETS {
-            return invalid_operation(CALL, format_args!("colour attachment {color}; there are {MAX_TARGETS}"));
-        }
-        if texture == 0 {
-            framebuffer.borrow_mut().colors.remove(&color);
-            return Ok(());
-        }
-        let texture = self.shared.borrow().textures.object(texture, CALL)?;
-        let state = texture.borrow();
-        let storage = state.storage(CALL)?;
-        if state.kind == TextureKind::Buffer {
-            return invalid_operation(CALL, "a buffer texture cannot be attached");
-        }
-        if level >= storage.levels() || layer >= storage.sides(level)[2] {
-            return invalid_value(CALL, format_args!("level {level} and layer {layer} are not both there"));
-        }
-        drop(state);
-        framebuffer.borrow_mut().colors.insert(color, Attachment { texture, level, layer });
-        Ok(())
-    }
-
     /// Enables an attribute of a vertex array: it is read from its buffer (section 10.3.2).
     ///
     /// # Errors

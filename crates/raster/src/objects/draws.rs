@@ -1,24 +1,27 @@
 //! Draws over what is bound: attributes, indices, textures, framebuffer, transform feedback (OpenGL 4.6 core, sections
 //! 10.3, 10.4, 13.3 and 17.4).
 
-use std::cell::Ref;
+use std::{cell::Ref, rc::Rc};
 
 use glam::{DVec4, Vec4};
 
 use super::{
+    attached::{load, store},
     commands::Command,
-    containers::{FramebufferObject, source},
+    containers::source,
     context::Context,
     error::invalid_operation,
     feedback::{Feedback, FeedbackPrimitive},
+    framebuffers::Attachment,
     names::{self, Object},
+    storage::Storage,
 };
 use crate::{
     counters::Counters,
     draw::Draw,
-    error::{Result, refuse},
+    error::Result,
     pipeline::Pipeline,
-    render_target::{ColorTarget, Extent, Framebuffer, Layout},
+    render_target::{Framebuffer, Layout},
     stages::{FragmentShader, GeometryShader, Tessellation, Vertex, VertexInput, VertexShader},
     texture::{Sampler, Texture, TextureKind, TextureView, ViewRange},
     varyings::Varyings,
@@ -31,7 +34,7 @@ pub struct Inputs<'a> {
     attributes: VertexArray<'a>,
     /// First instances of the draws.
     first_instances: Vec<u32>,
-    textures: Vec<((u32, u8), TextureView<'a>, Sampler)>,
+    textures: Vec<Bound<'a>>,
 }
 
 impl<'a> Inputs<'a> {
@@ -55,7 +58,8 @@ impl<'a> Inputs<'a> {
     /// The texture of a kind that is bound to a unit, from its base level to its last.
     ///
     /// # Errors
-    /// An error for units without a texture, and for textures without storage.
+    /// An error for units without a texture, for textures without storage, and for those whose texels are attached to
+    /// the framebuffer that is drawn to: a feedback loop (section 9.3.1).
     pub fn texture(&self, unit: u32, kind: TextureKind) -> Result<TextureView<'a>> {
         self.bound_texture(unit, kind, "Inputs::texture").map(|(texture, _)| texture)
     }
@@ -75,11 +79,23 @@ impl<'a> Inputs<'a> {
     }
 
     fn bound_texture(&self, unit: u32, kind: TextureKind, call: &'static str) -> Result<(TextureView<'a>, Sampler)> {
-        match self.textures.iter().find(|(key, ..)| *key == (unit, kind as u8)) {
-            Some((_, texture, sampler)) => Ok((*texture, *sampler)),
+        match self.textures.iter().find(|bound| bound.key == (unit, kind as u8)) {
+            Some(Bound { feedback: Some(rule), .. }) => invalid_operation(call, rule),
+            Some(bound) => Ok((bound.texture, bound.sampler)),
             None => invalid_operation(call, format_args!("no {kind:?} texture with storage is bound to unit {unit}")),
         }
     }
+}
+
+/// A texture that is bound, and its sampler.
+#[derive(Debug)]
+struct Bound<'a> {
+    /// Unit and kind.
+    key: (u32, u8),
+    texture: TextureView<'a>,
+    sampler: Sampler,
+    /// The texture and the attachment that are a feedback loop.
+    feedback: Option<String>,
 }
 
 /// Destination of a draw: framebuffer, and transform feedback where that has begun.
@@ -154,8 +170,8 @@ fn captured<V: Varyings>(vertex: &Vertex<V>) -> Vec<u8> {
     position.iter().chain(varyings.as_ref()).flat_map(|x| x.to_le_bytes()).collect()
 }
 
-/// Unit and kind of a bound texture, the part that lookups see, its sampler, and its texels.
-type BoundTexture = ((u32, u8), ViewRange, Sampler, Object<Texture>);
+/// Unit and kind of a bound texture, the part that lookups see, its sampler, its texels, and the rule that it breaks.
+type BoundTexture = ((u32, u8), ViewRange, Sampler, Object<Texture>, Option<String>);
 
 impl Context {
     /// Makes draws with what is bound.
@@ -189,13 +205,16 @@ impl Context {
             .filter_map(|(key, texture)| {
                 let texture = texture.borrow();
                 let storage = texture.storage.clone()?;
-                Some((*key, texture.parameters.seen(&storage), texture.parameters.sampler(), storage.texels))
+                let seen = texture.parameters.seen(&storage);
+                let feedback = self.feedback_loop(key.0, &storage, &seen);
+                Some((*key, seen, texture.parameters.sampler(), storage.texels, feedback))
             })
             .collect();
-        let borrowed: Vec<Ref<Texture>> = bound.iter().map(|(.., texels)| texels.borrow()).collect();
+        let borrowed: Vec<Ref<Texture>> = bound.iter().map(|(.., texels, _)| texels.borrow()).collect();
         let mut textures = Vec::new();
-        for ((key, seen, sampler, _), texels) in bound.iter().zip(&borrowed) {
-            textures.push((*key, texels.view_of(seen.clone())?, *sampler));
+        for ((key, seen, sampler, _, feedback), texels) in bound.iter().zip(&borrowed) {
+            let texture = texels.view_of(seen.clone())?;
+            textures.push(Bound { key: *key, texture, sampler: *sampler, feedback: feedback.clone() });
         }
         let feedback = match &self.feedback {
             Some(Feedback { primitive, buffer, end }) => {
@@ -236,6 +255,33 @@ impl Context {
         done.map(|()| counters)
     }
 
+    /// The attachment of the framebuffer that is drawn to with texels that lookups in a texture see, and both names.
+    fn feedback_loop(&self, unit: u32, storage: &Storage, seen: &ViewRange) -> Option<String> {
+        let framebuffer = self.framebuffer.as_ref()?;
+        let object = framebuffer.borrow();
+        let is_seen = |attachment: &Attachment| {
+            let Some(image) = attachment.storage() else { return false };
+            let level = image.range.levels.start + attachment.level;
+            // Slices of volumes are seen together.
+            let layers = match attachment.layer {
+                Some(layer) if image.range.kind != TextureKind::D3 => {
+                    let layer = image.range.layers.start + layer;
+                    layer..layer + 1
+                }
+                _ => image.range.layers.clone(),
+            };
+            let common = layers.start.max(seen.layers.start)..layers.end.min(seen.layers.end);
+            Rc::ptr_eq(&image.texels, &storage.texels) && seen.levels.contains(&level) && !common.is_empty()
+        };
+        let (point, attachment) = object.attachments.iter().find(|(_, attachment)| is_seen(attachment))?;
+        let names = self.shared.borrow();
+        let texture = names.textures.name_of(&attachment.image);
+        let framebuffer = self.framebuffers.name_of(framebuffer);
+        Some(format!(
+            "the texels of unit {unit} are texture {texture}, {point:?} of framebuffer {framebuffer}: a feedback loop"
+        ))
+    }
+
     /// Clears all colour targets, depth and stencil of the framebuffer that is bound (section 17.4.3).
     ///
     /// # Errors
@@ -253,44 +299,4 @@ impl Context {
         }
         Ok(())
     }
-}
-
-/// A framebuffer with the contents of the attached images. Its targets lie in tiles, textures in rows: each draw copies
-/// them from one to the other and back.
-fn load(object: &FramebufferObject, call: &'static str) -> Result<Framebuffer> {
-    let mut colors = Vec::new();
-    for (place, (number, attachment)) in object.colors.iter().enumerate() {
-        if *number as usize != place {
-            return incomplete(call, format_args!("colour attachment {place} is missing, but {number} is there"));
-        }
-        let state = attachment.texture.borrow();
-        let storage = state.storage(call)?;
-        let [width, height, _] = storage.sides(attachment.level);
-        let mut target = match ColorTarget::new(Extent::new(width, height), storage.format()) {
-            Ok(target) => target,
-            Err(error) => return incomplete(call, error.rule),
-        };
-        let count = width as usize * height as usize;
-        target.load(storage.bytes(&storage.texels.borrow(), attachment.level, [0, 0, attachment.layer], count));
-        colors.push(target);
-    }
-    Framebuffer::new(colors, None, None).or_else(|error| incomplete(call, error.rule))
-}
-
-/// Copies the targets back to the attached images.
-fn store(object: &FramebufferObject, framebuffer: Framebuffer, call: &'static str) -> Result<()> {
-    let (colors, ..) = framebuffer.into_parts();
-    for (attachment, target) in object.colors.values().zip(colors) {
-        let state = attachment.texture.borrow();
-        let storage = state.storage(call)?;
-        let mut texels = names::written(&storage.texels, call)?;
-        let rows = target.to_bytes(0);
-        let count = rows.len() / storage.texel_bytes();
-        storage.bytes_mut(&mut texels, attachment.level, [0, 0, attachment.layer], count).copy_from_slice(&rows);
-    }
-    Ok(())
-}
-
-fn incomplete<T>(call: &'static str, rule: impl std::fmt::Display) -> Result<T> {
-    refuse(call, format!("{rule} (INVALID_FRAMEBUFFER_OPERATION)"))
 }

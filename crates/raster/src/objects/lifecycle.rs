@@ -5,8 +5,9 @@
 
 use super::{
     buffers::Buffer,
-    containers::{FramebufferObject, VertexArrayObject},
+    containers::VertexArrayObject,
     context::Context,
+    framebuffers::FramebufferObject,
     queries::{Query, QueryTarget},
     textures::TextureObject,
 };

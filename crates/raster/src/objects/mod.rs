@@ -31,6 +31,7 @@
 //! # }
 //! ```
 
+mod attached;
 mod buffer_calls;
 mod buffers;
 mod commands;
@@ -39,9 +40,11 @@ mod context;
 mod draws;
 mod error;
 mod feedback;
+mod framebuffers;
 mod lifecycle;
 mod names;
 mod queries;
+mod renderbuffers;
 mod sampling;
 mod storage;
 #[cfg(test)]
@@ -56,6 +59,7 @@ pub use containers::VertexBuffer;
 pub use context::{BufferRef, BufferTarget, Context, ShareGroup};
 pub use draws::{Inputs, Output};
 pub use feedback::FeedbackPrimitive;
+pub use framebuffers::{AttachmentPoint, FramebufferStatus};
 pub use queries::{ConditionalMode, QueryTarget};
 pub use sampling::TextureParameter;
 pub use textures::{PixelStore, Pixels, PixelsMut, Region};

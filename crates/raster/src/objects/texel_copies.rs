@@ -1,13 +1,20 @@
 //! Clears of textures and copies between them (OpenGL 4.6 core, sections 8.21 and 18.3.3).
 
 use super::{
+    attached::load,
     context::Context,
     error::{invalid_enum, invalid_operation, invalid_value},
+    framebuffers::FramebufferObject,
     names::written,
     storage::{Storage, is_in_view_class},
-    textures::{Region, check},
+    textures::{Region, check, check_transfer},
 };
-use crate::{error::Result, format::Format, texture::TextureKind};
+use crate::{
+    error::Result,
+    format::{Format, Numeric},
+    render_target::{ColorTarget, DepthTarget, Extent},
+    texture::TextureKind,
+};
 
 impl Context {
     /// Fills a region of a texture, all samples, with a pixel of a format, or with zeros for no bytes:
@@ -95,6 +102,94 @@ impl Context {
             to.bytes_mut(&mut texels, level, row, width).copy_from_slice(&bytes);
         }
         Ok(())
+    }
+}
+
+impl Context {
+    /// Copies pixels of the framebuffer that is bound, from one on, to as many texels of a texture as the region has:
+    /// depths to formats of depth, else colours of the read buffer. Rows keep their order: `glCopyTextureSubImage2D`.
+    ///
+    /// # Errors
+    /// For names without objects, textures without storage or with samples, a framebuffer that is not complete, has
+    /// samples or lacks what is read, regions that are not all there, and formats of integers and of floats mixed.
+    pub fn copy_texture_sub_image(&mut self, texture: u32, region: Region, from: [u32; 2]) -> Result<()> {
+        const CALL: &str = "copy_texture_sub_image";
+        let texture = self.shared.borrow().textures.object(texture, CALL)?;
+        let texture = texture.borrow();
+        let storage = texture.storage(CALL)?;
+        let format = storage.format();
+        check_transfer(storage, region, format, CALL)?;
+        if region.size[2] > 1 {
+            return invalid_value(CALL, format_args!("{} layers of pixels", region.size[2]));
+        }
+        let read = self.read(format, CALL)?;
+        let extent = read.extent();
+        if extent.samples > 1 {
+            return invalid_operation(CALL, "the framebuffer has samples");
+        }
+        let ends = [0, 1].map(|axis| from[axis].checked_add(region.size[axis]));
+        if !(ends[0].is_some_and(|end| end <= extent.width) && ends[1].is_some_and(|end| end <= extent.height)) {
+            let rule = format_args!("{:?} pixels from {from:?} on are not all within {extent:?}", region.size);
+            return invalid_value(CALL, rule);
+        }
+        let source = match &read {
+            Read::Color(target) => target.format(),
+            Read::Depth(_) => format,
+        };
+        check(storage, region, source, CALL)?;
+        let mut texels = written(&storage.texels, CALL)?;
+        for (row, start) in (0..).zip(rows(region)) {
+            let bytes = storage.bytes_mut(&mut texels, region.level, start, region.size[0] as usize);
+            for (column, texel) in (0..).zip(bytes.chunks_exact_mut(format.bytes())) {
+                let at = [from[0] + column, from[1] + row];
+                match &read {
+                    Read::Color(target) => format.write(target.sample(at, 0, 0).unwrap_or_default(), texel),
+                    Read::Depth(target) => {
+                        // Stencil values stay.
+                        let mut value = format.read(texel);
+                        value.x = target.sample(at, 0, 0).unwrap_or(value.x);
+                        format.write(value, texel);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The target of the framebuffer that is bound which pixels of a format are read from.
+    fn read(&self, format: Format, call: &'static str) -> Result<Read> {
+        let wants_depth = matches!(format.numeric(), Numeric::Depth | Numeric::DepthStencil);
+        let (framebuffer, number) = match &self.framebuffer {
+            None => (self.default.clone(), Some(0)),
+            Some(object) => {
+                let object = object.borrow();
+                // Of the colours only that of the read buffer.
+                let number = object.read_buffer;
+                let read = FramebufferObject { draw_buffers: vec![number], ..object.copied() };
+                (load(&read, call)?, number.map(|_| 0))
+            }
+        };
+        let (colors, depth, _) = framebuffer.into_parts();
+        match (wants_depth, depth, number.and_then(|number| colors.into_iter().nth(number))) {
+            (true, Some(depth), _) => Ok(Read::Depth(depth)),
+            (false, _, Some(color)) => Ok(Read::Color(color)),
+            _ => invalid_operation(call, format_args!("the framebuffer has nothing to read for {format:?}")),
+        }
+    }
+}
+
+/// A target that is read.
+enum Read {
+    Color(ColorTarget),
+    Depth(DepthTarget),
+}
+
+impl Read {
+    fn extent(&self) -> Extent {
+        match self {
+            Self::Color(target) => target.extent(),
+            Self::Depth(target) => target.extent(),
+        }
     }
 }
 

@@ -219,7 +219,7 @@ pub(super) fn check(storage: &Storage, region: Region, format: Format, call: &'s
 }
 
 /// As [`check`], for pixels, which have one sample.
-fn check_transfer(storage: &Storage, region: Region, format: Format, call: &'static str) -> Result<()> {
+pub(super) fn check_transfer(storage: &Storage, region: Region, format: Format, call: &'static str) -> Result<()> {
     if storage.range.kind.is_multisample() {
         return invalid_operation(call, "texels with samples are neither written nor read as pixels");
     }

@@ -74,15 +74,25 @@ impl ColorTarget {
         self.extent.untile(&self.texels, self.format.bytes(), layer)
     }
 
-    /// Takes the pixels of layer 0, one sample each, from rows without gaps.
-    pub(crate) fn load(&mut self, rows: &[u8]) {
-        let bytes = self.format.bytes();
-        let pixels = (0..self.extent.height).flat_map(|y| (0..self.extent.width).map(move |x| [x, y]));
-        for (pixel, texel) in pixels.zip(rows.chunks_exact(bytes)) {
-            if let Some(place) = self.extent.place(pixel, 0, 0) {
-                self.texels[place * bytes..][..bytes].copy_from_slice(texel);
-            }
+    /// Takes a row of a layer, all samples of each pixel one after the other.
+    pub(crate) fn load(&mut self, y: u32, layer: u32, row: &[u8]) {
+        for (place, texel) in self.row_places(y, layer).zip(row.chunks_exact(self.format.bytes())) {
+            self.texels[place..][..texel.len()].copy_from_slice(texel);
         }
+    }
+
+    /// Gives a row of a layer, all samples of each pixel one after the other.
+    pub(crate) fn store(&self, y: u32, layer: u32, row: &mut [u8]) {
+        for (place, texel) in self.row_places(y, layer).zip(row.chunks_exact_mut(self.format.bytes())) {
+            texel.copy_from_slice(&self.texels[place..][..texel.len()]);
+        }
+    }
+
+    /// First bytes of the samples of a row.
+    fn row_places(&self, y: u32, layer: u32) -> impl Iterator<Item = usize> + use<> {
+        let (extent, bytes) = (self.extent, self.format.bytes());
+        let samples = (0..extent.width).flat_map(move |x| (0..extent.samples).map(move |sample| (x, sample)));
+        samples.filter_map(move |(x, sample)| Some(extent.place([x, y], layer, sample)? * bytes))
     }
 
     /// Means of the samples as a target with one sample. Integer formats keep sample 0.

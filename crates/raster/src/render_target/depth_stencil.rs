@@ -83,6 +83,22 @@ impl DepthTarget {
         self.bounds.fill([depth; 2]);
     }
 
+    /// Takes the depth of each pixel, layer and sample; NaN gives 0.
+    pub(crate) fn load(&mut self, depth: impl Fn([u32; 2], u32, u32) -> f32) {
+        self.bounds.fill([f32::INFINITY, f32::NEG_INFINITY]);
+        for (at, layer, sample) in self.extent.samples_in_order() {
+            let Some(place) = self.extent.place(at, layer, sample) else { continue };
+            let value = depth(at, layer, sample);
+            let value = if value.is_nan() { 0.0 } else { value };
+            self.depths[place] = value;
+            let tile = place / (TILE_PIXELS * self.extent.samples as usize);
+            let [least, largest] = &mut self.bounds[tile * TILE_BLOCKS + place / BLOCK_PIXELS % TILE_BLOCKS];
+            (*least, *largest) = (least.min(value), largest.max(value));
+        }
+        // Blocks that are all outside.
+        self.bounds.iter_mut().filter(|[least, largest]| least > largest).for_each(|bounds| *bounds = [1.0; 2]);
+    }
+
     /// The depth of a sample; `None` outside.
     pub fn sample(&self, pixel: [u32; 2], layer: u32, sample: u32) -> Option<f32> {
         self.extent.place(pixel, layer, sample).map(|place| self.depths[place])
@@ -129,6 +145,15 @@ impl StencilTarget {
     /// Fills all layers and samples.
     pub fn clear(&mut self, value: u8) {
         self.values.fill(value);
+    }
+
+    /// Takes the value of each pixel, layer and sample.
+    pub(crate) fn load(&mut self, value: impl Fn([u32; 2], u32, u32) -> u8) {
+        for (at, layer, sample) in self.extent.samples_in_order() {
+            if let Some(place) = self.extent.place(at, layer, sample) {
+                self.values[place] = value(at, layer, sample);
+            }
+        }
     }
 
     /// The value of a sample; `None` outside.

@@ -75,6 +75,13 @@ impl Extent {
         Ok(())
     }
 
+    /// Pixels, layers and samples.
+    fn samples_in_order(self) -> impl Iterator<Item = ([u32; 2], u32, u32)> {
+        let pixels = (0..self.height).flat_map(move |y| (0..self.width).map(move |x| [x, y]));
+        let layers = (0..self.layers).flat_map(move |layer| pixels.clone().map(move |at| (at, layer)));
+        layers.flat_map(move |(at, layer)| (0..self.samples).map(move |sample| (at, layer, sample)))
+    }
+
     pub(crate) const fn tile_columns(self) -> u32 {
         self.width.div_ceil(TILE)
     }

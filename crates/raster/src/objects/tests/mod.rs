@@ -3,6 +3,7 @@
 mod buffers;
 mod commands;
 mod draws;
+mod framebuffers;
 mod names;
 mod pixels;
 mod queries;

@@ -5,8 +5,8 @@ use crate::{
     Format,
     glam::Vec4,
     objects::{
-        BufferTarget, Contents, Context, Elements, IndexType, Pixels, QueryTarget, Region, ShareGroup, Usage,
-        VertexBuffer,
+        AttachmentPoint, BufferTarget, Contents, Context, Elements, IndexType, Pixels, QueryTarget, Region, ShareGroup,
+        Usage, VertexBuffer,
     },
     texture::{TextureKind, TextureSize},
 };
@@ -165,12 +165,12 @@ fn a_deleted_texture_lives_while_it_is_attached_to_a_framebuffer_that_is_not_bou
     let texture = c.create_textures(TextureKind::D2, 1).unwrap()[0];
     c.texture_storage(texture, 1, Format::Rgba8Unorm, TextureSize::d2(4, 4)).unwrap();
     for framebuffer in &framebuffers {
-        c.named_framebuffer_texture_layer(*framebuffer, 0, texture, (0, 0)).unwrap();
+        c.named_framebuffer_texture(*framebuffer, AttachmentPoint::Color(0), texture, 0).unwrap();
     }
     c.bind_framebuffer(framebuffers[0]).unwrap();
     c.delete_textures(&[texture]);
     assert!(!c.is_texture(texture));
-    assert_refused(c.clear(Vec4::ONE, 1.0, 0), "clear", ["no target", "INVALID_FRAMEBUFFER_OPERATION"]);
+    assert_refused(c.clear(Vec4::ONE, 1.0, 0), "clear", ["MissingAttachment", "INVALID_FRAMEBUFFER_OPERATION"]);
     c.bind_framebuffer(framebuffers[1]).unwrap();
     c.clear(Vec4::ONE, 1.0, 0).unwrap();
 }
@@ -197,12 +197,23 @@ fn each_misuse_of_names_and_attachments_is_refused_by_its_rule() {
     let call = "enable_vertex_array_attrib";
     assert_refused(c.enable_vertex_array_attrib(array, 32), call, ["attribute 32", value]);
     let call = "named_framebuffer_texture_layer";
-    assert_refused(c.named_framebuffer_texture_layer(framebuffer, 0, texture, (0, 0)), call, ["no storage", op]);
     c.texture_storage(texture, 2, Format::R8Uint, TextureSize { layers: 3, ..TextureSize::d2(4, 4) }).unwrap();
-    assert_refused(c.named_framebuffer_texture_layer(framebuffer, 8, texture, (0, 0)), call, ["attachment 8", op]);
-    assert_refused(c.named_framebuffer_texture_layer(framebuffer, 0, texture, (2, 0)), call, ["level 2", value]);
-    assert_refused(c.named_framebuffer_texture_layer(framebuffer, 0, texture, (1, 3)), call, ["layer 3", value]);
-    c.named_framebuffer_texture_layer(framebuffer, 0, texture, (1, 2)).unwrap();
+    assert_refused(
+        c.named_framebuffer_texture_layer(framebuffer, AttachmentPoint::Color(8), texture, (0, 0)),
+        call,
+        ["attachment 8", op],
+    );
+    assert_refused(
+        c.named_framebuffer_texture_layer(framebuffer, AttachmentPoint::Color(0), texture, (2, 0)),
+        call,
+        ["level 2", value],
+    );
+    assert_refused(
+        c.named_framebuffer_texture_layer(framebuffer, AttachmentPoint::Color(0), texture, (1, 3)),
+        call,
+        ["layer 3", value],
+    );
+    c.named_framebuffer_texture_layer(framebuffer, AttachmentPoint::Color(0), texture, (1, 2)).unwrap();
     // Draws without what they need.
     let elements = Elements { count: 1, index: IndexType::U8, offset: 0, base_vertex: 0 };
     assert_refused(c.draw_arrays(0..3, 0..1, |_, _| Ok(())), "draw_arrays", ["no vertex array is bound", op]);
