@@ -66,7 +66,7 @@
 //!
 //! * [`mesh_shading`]: meshlets, and pipelines of task and mesh shaders.
 //! * [`texture`]: textures of all kinds, views that reinterpret them, samplers; [`VertexArray`] reads attributes from
-//!   bytes, [`BlockRules`] knows where members of uniform and storage blocks lie; [`dispatch`] runs [`ComputeShader`]s.
+//!   bytes, [`block!`] and [`BlockRules`] lay out uniform and storage blocks; [`dispatch`] runs [`ComputeShader`]s.
 //!
 //! * [`objects`]: names, buffers, vertex arrays, queries as OpenGL has them, in a context with their calls.
 //!
@@ -101,7 +101,7 @@ mod tile;
 pub mod varyings;
 mod vertex_array;
 
-pub use block_layout::{BlockRules, BlockType};
+pub use block_layout::{Block, BlockMember, BlockRules, BlockType};
 pub use compute::{ComputeShader, Invocation, dispatch};
 pub use counters::Counters;
 pub use draw::Draw;

@@ -6,8 +6,9 @@ use std::ops::{Range, RangeInclusive};
 use super::{
     buffers::Buffer,
     context::{BufferTarget, Context},
-    draws::{Inputs, Output},
+    draws::Output,
     error::{as_operation, invalid_operation, invalid_value},
+    inputs::Inputs,
 };
 use crate::{counters::Counters, draw::Draw, error::Result};
 

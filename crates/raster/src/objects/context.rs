@@ -10,6 +10,8 @@ use super::{
     error::{invalid_operation, invalid_value},
     feedback::Feedback,
     framebuffers::FramebufferObject,
+    images::ImageBinding,
+    indexed::IndexedBuffer,
     names::{Names, Object, refers_to},
     queries::Queries,
     textures::{PixelStore, TextureObject},
@@ -24,7 +26,7 @@ pub(super) const MAX_UNITS: u32 = 80;
 pub enum BufferTarget {
     /// Attributes of vertices, as a handle: vertex arrays refer to their buffers by name.
     Array,
-    /// Atomic counters, as a handle.
+    /// Atomic counters, by index.
     AtomicCounter,
     /// Source of copies.
     CopyRead,
@@ -44,13 +46,13 @@ pub enum BufferTarget {
     PixelUnpack,
     /// Results of queries.
     Query,
-    /// Storage blocks, as a handle.
+    /// Storage blocks, by index.
     ShaderStorage,
     /// Texels of buffer textures, as a handle.
     Texture,
     /// Vertices that transform feedback writes.
     TransformFeedback,
-    /// Uniform blocks, as a handle.
+    /// Uniform blocks, by index.
     Uniform,
 }
 
@@ -112,6 +114,10 @@ pub struct Context {
     pub(super) buffers: BTreeMap<BufferTarget, Object<Buffer>>,
     /// Textures by unit and kind.
     pub(super) textures: BTreeMap<(u32, u8), Object<TextureObject>>,
+    /// Images by unit.
+    pub(super) images: BTreeMap<u32, ImageBinding>,
+    /// Buffers by target and index.
+    pub(super) indexed: BTreeMap<(BufferTarget, u32), IndexedBuffer>,
     pub(super) vertex_arrays: Names<VertexArrayObject>,
     pub(super) vertex_array: Option<Object<VertexArrayObject>>,
     pub(super) framebuffers: Names<FramebufferObject>,
@@ -133,6 +139,8 @@ impl Context {
             shared: Rc::clone(&group.0),
             buffers: BTreeMap::new(),
             textures: BTreeMap::new(),
+            images: BTreeMap::new(),
+            indexed: BTreeMap::new(),
             vertex_arrays: Names::new("vertex array"),
             vertex_array: None,
             framebuffers: Names::new("framebuffer"),
@@ -251,6 +259,7 @@ impl Context {
     /// containers keep it (section 5.1.2).
     pub(super) fn unbind_buffer(&mut self, buffer: &Object<Buffer>) {
         self.buffers.retain(|_, bound| !Rc::ptr_eq(bound, buffer));
+        self.indexed.retain(|_, bound| !Rc::ptr_eq(&bound.buffer, buffer));
         if let Some(array) = &self.vertex_array {
             array.borrow_mut().detach(buffer);
         }
@@ -259,6 +268,7 @@ impl Context {
     /// Takes a deleted texture out of this context's bindings and the framebuffer that it has bound.
     pub(super) fn unbind_texture(&mut self, texture: &Object<TextureObject>) {
         self.textures.retain(|_, bound| !Rc::ptr_eq(bound, texture));
+        self.images.retain(|_, bound| !Rc::ptr_eq(&bound.texture, texture));
         if let Some(framebuffer) = &self.framebuffer {
             framebuffer.borrow_mut().detach(texture);
         }

@@ -1,9 +1,7 @@
 //! Draws over what is bound: attributes, indices, textures, framebuffer, transform feedback (OpenGL 4.6 core, sections
 //! 10.3, 10.4, 13.3 and 17.4).
 
-use std::{cell::Ref, rc::Rc};
-
-use glam::{DVec4, Vec4};
+use glam::Vec4;
 
 use super::{
     attached::{load, store},
@@ -12,9 +10,8 @@ use super::{
     context::Context,
     error::invalid_operation,
     feedback::{Feedback, FeedbackPrimitive},
-    framebuffers::Attachment,
-    names::{self, Object},
-    storage::Storage,
+    inputs::Inputs,
+    names,
 };
 use crate::{
     counters::Counters,
@@ -22,81 +19,10 @@ use crate::{
     error::Result,
     pipeline::Pipeline,
     render_target::{Framebuffer, Layout},
-    stages::{FragmentShader, GeometryShader, Tessellation, Vertex, VertexInput, VertexShader},
-    texture::{Sampler, Texture, TextureKind, TextureView, ViewRange},
+    stages::{FragmentShader, GeometryShader, Tessellation, Vertex, VertexShader},
     varyings::Varyings,
     vertex_array::VertexArray,
 };
-
-/// Attributes and textures as a draw finds them bound. Shaders refer to it.
-#[derive(Debug)]
-pub struct Inputs<'a> {
-    attributes: VertexArray<'a>,
-    /// First instances of the draws.
-    first_instances: Vec<u32>,
-    textures: Vec<Bound<'a>>,
-}
-
-impl<'a> Inputs<'a> {
-    /// Value of an attribute for a vertex, integers as bits. Components that the buffer does not have are 0, the last
-    /// 1; so is all that lies beyond its bytes.
-    #[inline]
-    pub fn attribute(&self, number: usize, vertex: VertexInput) -> Vec4 {
-        self.attributes.fetch(number, vertex, self.first_instance(vertex))
-    }
-
-    /// Value of an attribute in doubles: a shader's input of `Conversion::Long`.
-    pub fn attribute_double(&self, number: usize, vertex: VertexInput) -> DVec4 {
-        self.attributes.fetch_double(number, vertex, self.first_instance(vertex))
-    }
-
-    #[inline]
-    fn first_instance(&self, vertex: VertexInput) -> u32 {
-        self.first_instances.get(vertex.draw as usize).copied().unwrap_or(0)
-    }
-
-    /// The texture of a kind that is bound to a unit, from its base level to its last.
-    ///
-    /// # Errors
-    /// An error for units without a texture, for textures without storage, and for those whose texels are attached to
-    /// the framebuffer that is drawn to: a feedback loop (section 9.3.1).
-    pub fn texture(&self, unit: u32, kind: TextureKind) -> Result<TextureView<'a>> {
-        self.bound_texture(unit, kind, "Inputs::texture").map(|(texture, _)| texture)
-    }
-
-    /// As [`texture`](Self::texture), with the sampler of the texture's parameters.
-    ///
-    /// # Errors
-    /// As there, and for textures that are not complete: filters other than `Nearest` of integers and stencil values,
-    /// and textures of buffers and with samples, which are fetched.
-    pub fn sampler(&self, unit: u32, kind: TextureKind) -> Result<(TextureView<'a>, Sampler)> {
-        const CALL: &str = "Inputs::sampler";
-        let (texture, sampler) = self.bound_texture(unit, kind, CALL)?;
-        match sampler.check(&texture) {
-            Ok(()) => Ok((texture, sampler)),
-            Err(error) => invalid_operation(CALL, error.rule),
-        }
-    }
-
-    fn bound_texture(&self, unit: u32, kind: TextureKind, call: &'static str) -> Result<(TextureView<'a>, Sampler)> {
-        match self.textures.iter().find(|bound| bound.key == (unit, kind as u8)) {
-            Some(Bound { feedback: Some(rule), .. }) => invalid_operation(call, rule),
-            Some(bound) => Ok((bound.texture, bound.sampler)),
-            None => invalid_operation(call, format_args!("no {kind:?} texture with storage is bound to unit {unit}")),
-        }
-    }
-}
-
-/// A texture that is bound, and its sampler.
-#[derive(Debug)]
-struct Bound<'a> {
-    /// Unit and kind.
-    key: (u32, u8),
-    texture: TextureView<'a>,
-    sampler: Sampler,
-    /// The texture and the attachment that are a feedback loop.
-    feedback: Option<String>,
-}
 
 /// Destination of a draw: framebuffer, and transform feedback where that has begun.
 #[derive(Debug)]
@@ -170,9 +96,6 @@ fn captured<V: Varyings>(vertex: &Vertex<V>) -> Vec<u8> {
     position.iter().chain(varyings.as_ref()).flat_map(|x| x.to_le_bytes()).collect()
 }
 
-/// Unit and kind of a bound texture, the part that lookups see, its sampler, its texels, and the rule that it breaks.
-type BoundTexture = ((u32, u8), ViewRange, Sampler, Object<Texture>, Option<String>);
-
 impl Context {
     /// Makes draws with what is bound.
     pub(super) fn submit<P>(&mut self, commands: &[Command], call: &'static str, program: P) -> Result<Counters>
@@ -199,23 +122,6 @@ impl Context {
             let binding = &array.bindings[attribute.binding];
             attributes = attributes.attribute(number, source(buffer.all(call)?, attribute, binding))?;
         }
-        let bound: Vec<BoundTexture> = self
-            .textures
-            .iter()
-            .filter_map(|(key, texture)| {
-                let texture = texture.borrow();
-                let storage = texture.storage.clone()?;
-                let seen = texture.parameters.seen(&storage);
-                let feedback = self.feedback_loop(key.0, &storage, &seen);
-                Some((*key, seen, texture.parameters.sampler(), storage.texels, feedback))
-            })
-            .collect();
-        let borrowed: Vec<Ref<Texture>> = bound.iter().map(|(.., texels, _)| texels.borrow()).collect();
-        let mut textures = Vec::new();
-        for ((key, seen, sampler, _, feedback), texels) in bound.iter().zip(&borrowed) {
-            let texture = texels.view_of(seen.clone())?;
-            textures.push(Bound { key: *key, texture, sampler: *sampler, feedback: feedback.clone() });
-        }
         let feedback = match &self.feedback {
             Some(Feedback { primitive, buffer, end }) => {
                 Some((*primitive, buffer.borrow().all(call)?.len().saturating_sub(*end)))
@@ -230,6 +136,7 @@ impl Context {
         if self.queries.drops() {
             return Ok(Counters::default());
         }
+        let gathered = self.gather();
         let mut output = Output {
             framebuffer: loaded.as_mut().unwrap_or(&mut self.default),
             draws: (0..).zip(commands).map(|(number, command)| command.draw().numbered(number)).collect(),
@@ -240,9 +147,11 @@ impl Context {
             counters: Counters::default(),
         };
         let first_instances = commands.iter().map(|command| command.instances.start).collect();
-        let done = program(&Inputs { attributes, first_instances, textures }, &mut output);
+        let (done, changes) =
+            gathered.with(call, |resources| program(&Inputs { attributes, first_instances, resources }, &mut output));
         let Output { captured, written, counters, .. } = output;
-        drop((buffers, borrowed));
+        drop(buffers);
+        gathered.write_back(changes, call)?;
         self.queries.count(&counters, written);
         if let Some(feedback) = self.feedback.as_mut().filter(|_| !captured.is_empty()) {
             let mut buffer = names::written(&feedback.buffer, call)?;
@@ -253,33 +162,6 @@ impl Context {
             store(&object.borrow(), framebuffer, call)?;
         }
         done.map(|()| counters)
-    }
-
-    /// The attachment of the framebuffer that is drawn to with texels that lookups in a texture see, and both names.
-    fn feedback_loop(&self, unit: u32, storage: &Storage, seen: &ViewRange) -> Option<String> {
-        let framebuffer = self.framebuffer.as_ref()?;
-        let object = framebuffer.borrow();
-        let is_seen = |attachment: &Attachment| {
-            let Some(image) = attachment.storage() else { return false };
-            let level = image.range.levels.start + attachment.level;
-            // Slices of volumes are seen together.
-            let layers = match attachment.layer {
-                Some(layer) if image.range.kind != TextureKind::D3 => {
-                    let layer = image.range.layers.start + layer;
-                    layer..layer + 1
-                }
-                _ => image.range.layers.clone(),
-            };
-            let common = layers.start.max(seen.layers.start)..layers.end.min(seen.layers.end);
-            Rc::ptr_eq(&image.texels, &storage.texels) && seen.levels.contains(&level) && !common.is_empty()
-        };
-        let (point, attachment) = object.attachments.iter().find(|(_, attachment)| is_seen(attachment))?;
-        let names = self.shared.borrow();
-        let texture = names.textures.name_of(&attachment.image);
-        let framebuffer = self.framebuffers.name_of(framebuffer);
-        Some(format!(
-            "the texels of unit {unit} are texture {texture}, {point:?} of framebuffer {framebuffer}: a feedback loop"
-        ))
     }
 
     /// Clears all colour targets, depth and stencil of the framebuffer that is bound (section 17.4.3).

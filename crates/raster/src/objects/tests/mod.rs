@@ -7,6 +7,7 @@ mod framebuffers;
 mod names;
 mod pixels;
 mod queries;
+mod shaders;
 mod textures;
 
 use super::{Context, ShareGroup};

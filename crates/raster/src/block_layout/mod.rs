@@ -1,5 +1,9 @@
 //! Layout of the members of uniform and storage blocks (OpenGL 4.6, section 7.6.2.2: `std140` and `std430`).
 
+mod members;
+
+pub use members::{Block, BlockMember};
+
 /// The type of a member.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum BlockType {
