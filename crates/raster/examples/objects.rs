@@ -1,5 +1,5 @@
 //! A ring of lit, textured cubes, one draw of twelve instances, through the objects of a context: buffers, a vertex
-//! array, a texture from pixels, queries. Written to `objects.png`.
+//! array, a uniform block, a texture from pixels, queries. Written to `objects.png`.
 
 use steradian_raster::{
     glam::{Mat3, Vec2, Vec3, Vec4},
@@ -10,6 +10,7 @@ use steradian_raster::{
 };
 
 varyings! { struct Surface { uv: Vec2, normal: Vec3, } }
+block! { struct Light { direction: Vec3, ambient: f32, } }
 
 fn bytes(floats: impl IntoIterator<Item = f32>) -> Vec<u8> {
     floats.into_iter().flat_map(f32::to_le_bytes).collect()
@@ -32,8 +33,7 @@ fn cube() -> (Vec<u8>, Vec<u8>) {
 
 /// Binds a vertex array: positions, normals and texture coordinates by vertex, the place by instance.
 fn bind_vertices(c: &mut Context) -> Result<()> {
-    let (array, names) = (c.create_vertex_arrays(1)?[0], c.create_buffers(3)?);
-    let (vertices, indices) = cube();
+    let (array, names, (vertices, indices)) = (c.create_vertex_arrays(1)?[0], c.create_buffers(3)?, cube());
     c.buffer_storage(names[0], Contents::Bytes(&vertices), BufferFlags::NONE)?;
     c.buffer_data(names[1], Contents::Bytes(&indices), Usage::StaticDraw)?;
     // Places are twelve points of a circle, of Pythagorean triples. They are written through a mapping.
@@ -46,10 +46,9 @@ fn bind_vertices(c: &mut Context) -> Result<()> {
     }
     c.vertex_array_binding_divisor(array, 2, 1)?;
     c.vertex_array_element_buffer(array, names[1])?;
-    let (three, two) = (AttributeFormat::floats(Components::Three), AttributeFormat::floats(Components::Two));
-    let attributes = [(three, 0, 0), (three, 12, 0), (two, 24, 0), (two, 0, 2)];
-    for (number, (format, relative_offset, binding)) in attributes.into_iter().enumerate() {
-        c.vertex_array_attrib_format(array, number, format, relative_offset)?;
+    let (three, two) = (Components::Three, Components::Two);
+    for (number, binding, count, offset) in [(0, 0, three, 0), (1, 0, three, 12), (2, 0, two, 24), (3, 2, two, 0)] {
+        c.vertex_array_attrib_format(array, number, AttributeFormat::floats(count), offset)?;
         c.vertex_array_attrib_binding(array, number, binding)?;
         c.enable_vertex_array_attrib(array, number)?;
     }
@@ -61,14 +60,12 @@ fn bind_vertices(c: &mut Context) -> Result<()> {
 /// Binds a board of 8 × 8 fields to unit 0, with its levels, from pixels in a buffer.
 fn bind_texture(c: &mut Context) -> Result<()> {
     let (texture, pixels) = (c.create_textures(TextureKind::D2, 1)?[0], c.create_buffers(1)?[0]);
-    let field = |i: u8| if (i / 8 + i % 8).is_multiple_of(2) { [240, 220, 160] } else { [90, 40, 20] };
-    let board: Vec<u8> = (0..64).flat_map(field).collect();
-    c.buffer_data(pixels, Contents::Bytes(&board), Usage::StreamDraw)?;
+    let board: [_; 64] = std::array::from_fn(|i| if (i / 8 + i) % 2 == 0 { [240u8, 220, 160] } else { [90, 40, 20] });
+    c.buffer_data(pixels, Contents::Bytes(board.as_flattened()), Usage::StreamDraw)?;
     c.bind_buffer(BufferTarget::PixelUnpack, pixels)?;
     c.texture_storage(texture, 4, Format::Rgba8Unorm, TextureSize::d2(8, 8))?;
     let region = Region { level: 0, origin: [0; 3], size: [8, 8, 1] };
     c.texture_sub_image(texture, region, Format::Rgb8Unorm, Pixels::Offset(0))?;
-    c.delete_buffers(&[pixels]);
     c.generate_texture_mipmap(texture)?;
     c.texture_parameter(texture, TextureParameter::Minify(Filter::Linear, Some(Filter::Linear)))?;
     c.bind_texture(0, TextureKind::D2, texture)
@@ -83,12 +80,13 @@ fn draw_lit(inputs: &Inputs, output: &mut Output) -> Result<()> {
         let clip = Vec4::new(1.8 * p.x, 2.4 * p.y, (-p.z - 1.0) * 30.0 / 29.0, -p.z);
         Vertex::new(clip, Surface { uv: uv.truncate().truncate(), normal: tilt * normal.truncate() })
     };
-    let (texture, sampler) = inputs.sampler(0, TextureKind::D2)?;
+    let (light, (texture, sampler)) = (inputs.uniform::<Light>(0)?, inputs.sampler(0, TextureKind::D2)?);
     let shader = fragment(|f: &Fragment<Surface>| {
         let s = f.varyings();
         let lod = Lod::Gradients(f.dx(|s| s.uv).extend(0.0), f.dy(|s| s.uv).extend(0.0));
         let color = sampler.sample(&texture, s.uv.extend(0.0).extend(0.0), lod);
-        (color.truncate() * (0.25 + 0.75 * s.normal.dot(Vec3::new(2.0, 6.0, 3.0) / 7.0).max(0.0))).extend(1.0)
+        let share = light.ambient + (1.0 - light.ambient) * s.normal.dot(light.direction).max(0.0);
+        (color.truncate() * share).extend(1.0)
     });
     let state = State { depth: Some(DepthState::LESS), ..State::default() };
     output.draw(&Pipeline::new(Program::new(vertex, shader), state, output.layout())?).map(drop)
@@ -101,7 +99,10 @@ pub fn draw() -> Result<(ColorTarget, u64)> {
     c.clear(Vec4::new(0.6, 0.75, 0.9, 1.0), 1.0, 0)?;
     bind_vertices(&mut c)?;
     bind_texture(&mut c)?;
-    let query = c.gen_queries(1)?[0];
+    let (query, uniforms) = (c.gen_queries(1)?[0], c.create_buffers(1)?[0]);
+    let light = Light { direction: Vec3::new(2.0, 6.0, 3.0) / 7.0, ambient: 0.25 }.to_bytes(BlockRules::Std140);
+    c.buffer_data(uniforms, Contents::Bytes(&light), Usage::StaticDraw)?;
+    c.bind_buffer_base(BufferTarget::Uniform, 0, uniforms)?;
     let cubes = Elements { count: 36, index: IndexType::U16, offset: 0, base_vertex: 0 };
     c.begin_query(QueryTarget::SamplesPassed, query)?;
     c.draw_elements(cubes, 0..11, draw_lit)?;

@@ -68,7 +68,8 @@
 //! * [`texture`]: textures of all kinds, views that reinterpret them, samplers; [`VertexArray`] reads attributes from
 //!   bytes, [`block!`] and [`BlockRules`] lay out uniform and storage blocks; [`dispatch`] runs [`ComputeShader`]s.
 //!
-//! * [`objects`]: names, buffers, vertex arrays, queries as OpenGL has them, in a context with their calls.
+//! * [`objects`]: names, buffers, vertex arrays, textures, framebuffers, images, queries as OpenGL has them, in a
+//!   context with their calls.
 //!
 //! # Rules that always hold
 //!

@@ -1,7 +1,8 @@
 //! Sized pixel formats, and how values become bits and bits values.
 //!
 //! A texel is up to 128 bits, little-endian; channels lie from the lowest bit up in the order of the format's name,
-//! except in those of at most 16 bits with channels of less than 8 (`Rgb565`, `Rgba4`, `Rgba2` and so on), where as in OpenGL red has the highest bits.
+//! except in those of at most 16 bits with channels of less than 8 (`Rgb565`, `Rgba4`, `Rgba2` and so on), where as in
+//! OpenGL red has the highest bits.
 
 mod pack;
 mod small_float;

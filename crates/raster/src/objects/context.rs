@@ -77,8 +77,8 @@ impl From<u32> for BufferRef {
     }
 }
 
-/// Names and objects that several contexts share: buffers, textures and renderbuffers. Containers and queries are not shared
-/// (section 5.1). The contexts of a group live in one thread.
+/// Names and objects that several contexts share: buffers, textures and renderbuffers. Containers and queries are not
+/// shared (section 5.1). The contexts of a group live in one thread.
 #[derive(Clone, Debug)]
 pub struct ShareGroup(pub(super) Rc<RefCell<Shared>>);
 

@@ -63,7 +63,7 @@ impl Context {
         if self.queries.drops() {
             return Ok(());
         }
-        let gathered = self.gather();
+        let gathered = self.gather(false);
         let (done, changes) =
             gathered.with(call, |resources| program(&Inputs::of_dispatch(resources), &Groups(groups)));
         gathered.write_back(changes, call)?;

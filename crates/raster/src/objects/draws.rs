@@ -136,7 +136,7 @@ impl Context {
         if self.queries.drops() {
             return Ok(Counters::default());
         }
-        let gathered = self.gather();
+        let gathered = self.gather(true);
         let mut output = Output {
             framebuffer: loaded.as_mut().unwrap_or(&mut self.default),
             draws: (0..).zip(commands).map(|(number, command)| command.draw().numbered(number)).collect(),

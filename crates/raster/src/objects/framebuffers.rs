@@ -87,7 +87,9 @@ impl FramebufferObject {
         let mut images = Vec::new();
         for (point, attachment) in &self.attachments {
             match attachment.storage() {
-                Some(storage) if takes(*point, &storage) => images.push((point, attachment, storage)),
+                Some(storage) if takes(*point, &storage) && attachment.is_within(&storage) => {
+                    images.push((point, attachment, storage))
+                }
                 _ => return FramebufferStatus::IncompleteAttachment,
             }
         }
@@ -122,6 +124,11 @@ impl FramebufferObject {
 }
 
 impl Attachment {
+    /// True if level and layer are there: storage may have come after the attachment.
+    fn is_within(&self, storage: &Storage) -> bool {
+        self.level < storage.levels() && self.layer.is_none_or(|layer| layer < storage.sides(self.level)[2])
+    }
+
     pub fn storage(&self) -> Option<Storage> {
         self.image.borrow().storage.clone()
     }
@@ -158,8 +165,8 @@ impl Context {
     /// framebuffer; the name 0 detaches (section 9.2.8).
     ///
     /// # Errors
-    /// As [`named_framebuffer_texture`](Self::named_framebuffer_texture), for kinds without layers, and for a layer that
-    /// the storage lacks.
+    /// As [`named_framebuffer_texture`](Self::named_framebuffer_texture), for kinds without layers, and for a layer
+    /// that the storage lacks.
     pub fn named_framebuffer_texture_layer(
         &mut self,
         framebuffer: u32,

@@ -1,15 +1,19 @@
 //! Objects of a graphics API as OpenGL 4.6 (core profile) has them: names, bindings, attachments and deletion, buffers
-//! with mappings, queries. A thin layer over the pipeline, for who learns the API or ports a program.
+//! with mappings, vertex arrays, textures with views, framebuffers, images, queries. A thin layer over the pipeline,
+//! for who learns the API or ports a program.
 //!
 //! A [`Context`] has the calls under their names, `bind_buffer` for `glBindBuffer`. Contexts that were made from one
-//! [`ShareGroup`] share buffers and textures; vertex arrays, framebuffers and queries are of one context. Calls that
-//! take a buffer take a target, as calls before OpenGL 4.5 do, or a name, as those of direct state access do.
+//! [`ShareGroup`] share buffers, textures and renderbuffers; vertex arrays, framebuffers and queries are of one
+//! context. Calls that take a buffer take a target, as calls before OpenGL 4.5 do, or a name, as those of direct state
+//! access do.
 //!
 //! Each call that breaks a rule returns an [`Error`](crate::Error) with the call, the rule and OpenGL's code, and
 //! changes nothing. Nothing panics, and nothing is left undefined: bytes that OpenGL leaves undefined are zero.
 //!
-//! Shaders stay Rust: a draw is handed a closure that makes a [`Pipeline`](crate::Pipeline) over the attributes and
-//! textures that are bound.
+//! Shaders stay Rust: a draw is handed a closure that makes a [`Pipeline`](crate::Pipeline) over the attributes,
+//! textures, images and blocks that are bound ([`Inputs`]), and a dispatch one that makes a kernel over them. Atomics
+//! are those of Rust: images of 32-bit integers, storage and counters are seen as
+//! [`AtomicU32`](std::sync::atomic::AtomicU32).
 //!
 //! ```
 //! use steradian_raster::{

@@ -1,5 +1,5 @@
-//! Resources of shaders as a draw or a dispatch finds them bound: textures, images, and blocks in buffers. Shaders change
-//! images and storage in words of their own, which are written back when the command has ended.
+//! Resources of shaders as a draw or a dispatch finds them bound: textures, images, and blocks in buffers. Shaders
+//! change images and storage in words of their own, which are written back when the command has ended.
 
 use std::{
     cell::Ref,
@@ -218,13 +218,16 @@ fn place<T>(list: &mut Vec<T>, item: T, is_same: impl Fn(&T, &T) -> bool) -> usi
 }
 
 impl Context {
-    /// References to the resources that are bound.
-    pub(super) fn gather(&self) -> Gathered {
+    /// References to the resources that are bound, for a draw to the framebuffer or a dispatch, which has none.
+    pub(super) fn gather(&self, draws: bool) -> Gathered {
+        let feedback_loop = |of: String, storage: &Storage, seen: &ViewRange| {
+            if draws { self.feedback_loop(&of, storage, seen) } else { None }
+        };
         let textures = self.textures.iter().filter_map(|(key, texture)| {
             let texture = texture.borrow();
             let storage = texture.storage.clone()?;
             let seen = texture.parameters.seen(&storage);
-            let feedback = self.feedback_loop(&format!("unit {}", key.0), &storage, &seen);
+            let feedback = feedback_loop(format!("unit {}", key.0), &storage, &seen);
             Some((*key, seen, texture.parameters.sampler(), storage.texels, feedback))
         });
         let mut gathered = Gathered {
@@ -247,7 +250,7 @@ impl Context {
             let (first, depth) = image.layer.map_or((start, depth), |layer| (start + layer, 1));
             let same = |a: &(Object<Texture>, u32), b: &(Object<Texture>, u32)| Rc::ptr_eq(&a.0, &b.0) && a.1 == b.1;
             let of_image = GatheredImage {
-                feedback: self.feedback_loop(&format!("image unit {unit}"), &storage, &seen),
+                feedback: feedback_loop(format!("image unit {unit}"), &storage, &seen),
                 place: place(&mut gathered.levels, (storage.texels, level), same),
                 format: image.format,
                 size: [width, height, depth],

@@ -118,6 +118,19 @@ fn attachments_are_complete_if_their_point_takes_their_format() {
         },
         IncompleteAttachment,
     );
+    // With storage that came later and lacks the level.
+    for level in [2, u32::MAX] {
+        assert_status(
+            |c| {
+                let image = c.create_textures(TextureKind::D2, 1).unwrap()[0];
+                c.named_framebuffer_texture(1, Color(0), image, level).unwrap();
+                c.texture_storage(image, 2, Format::R8Unorm, TextureSize::d2(8, 4)).unwrap();
+                c.bind_texture(0, TextureKind::D2, image).unwrap();
+                c.dispatch_compute([1; 3], |inputs, _| inputs.texture(0, TextureKind::D2).map(drop)).unwrap();
+            },
+            IncompleteAttachment,
+        );
+    }
     assert_status(
         |c| {
             let image = c.create_renderbuffers(1).unwrap()[0];
