@@ -1,6 +1,6 @@
 //! The memory of a hierarchy: nodes, then blocks, in one piece. A reference says where either begins, so that it
 //! becomes an address without asking what it is to.
-#![allow(unsafe_code)]
+#![expect(unsafe_code, reason = "unchecked reads; each place states why it is sound")]
 
 use crate::layout::{Block, ChildRef, Node};
 use crate::storage::Storage;

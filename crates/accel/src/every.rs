@@ -1,5 +1,5 @@
 //! All hits of a ray.
-#![allow(unsafe_code)]
+#![expect(unsafe_code, reason = "unchecked reads; each place states why it is sound")]
 
 use crate::layout::{Block, ChildRef};
 use crate::leaves::UserLeaves;

@@ -1,5 +1,5 @@
 //! The hierarchy as it lies in memory.
-#![allow(unsafe_code)]
+#![expect(unsafe_code, reason = "unchecked reads; each place states why it is sound")]
 
 use crate::simd::{LANES, Row};
 use crate::widened::widened;

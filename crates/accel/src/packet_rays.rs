@@ -1,5 +1,5 @@
 //! The rays that are traced together.
-#![allow(unsafe_code)]
+#![expect(unsafe_code, reason = "unchecked reads; each place states why it is sound")]
 
 use crate::simd::{COLUMNS, Lanes, WIDE, Wide};
 use glam::Mat4;

@@ -1,6 +1,6 @@
 //! Queries of single rays, nearest children first, step by step: a step is the test of a node or of a leaf, so that
 //! several rays can be on their way at once.
-#![allow(unsafe_code)]
+#![expect(unsafe_code, reason = "unchecked reads; each place states why it is sound")]
 
 use crate::UserHit;
 use crate::layout::{Block, ChildRef};

@@ -1,5 +1,5 @@
 //! Queries of single rays, compiled for each instruction set.
-#![allow(unsafe_code)]
+#![expect(unsafe_code, reason = "unchecked reads; each place states why it is sound")]
 
 use crate::Hit;
 use crate::dispatch::queries;

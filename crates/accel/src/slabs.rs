@@ -1,5 +1,5 @@
 //! The test of a ray against the boxes of a node.
-#![allow(unsafe_code)]
+#![expect(unsafe_code, reason = "unchecked reads; each place states why it is sound")]
 
 use crate::layout::Node;
 use crate::ray_constants::RayConstants;

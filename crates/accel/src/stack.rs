@@ -1,5 +1,5 @@
 //! The stacks of a traversal: arrays on the machine's stack that are not initialised beyond their length.
-#![allow(unsafe_code)]
+#![expect(unsafe_code, reason = "unchecked reads; each place states why it is sound")]
 
 use crate::construct::MAX_DEPTH;
 use crate::layout::ChildRef;

@@ -1,6 +1,6 @@
 //! Memory for the large arrays of a hierarchy, on huge pages where the system has them: rays that go everywhere then
 //! miss the translation buffer less.
-#![allow(unsafe_code)]
+#![expect(unsafe_code, reason = "unchecked reads; each place states why it is sound")]
 
 use rayon::prelude::*;
 use std::alloc::{Layout, alloc, dealloc, handle_alloc_error};

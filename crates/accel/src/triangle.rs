@@ -12,7 +12,7 @@
 //! there, to the greatest of the least distances of the vertices along each axis. The boxes of nodes, which are widened
 //! by more than that rounds, never begin later. So no box that is left out because it begins behind a hit has a nearer
 //! one, and hits do not depend on the order in which boxes are visited.
-#![allow(unsafe_code)]
+#![expect(unsafe_code, reason = "unchecked reads; each place states why it is sound")]
 
 use crate::layout::Block;
 use crate::ray_constants::{RayConstants, at};

@@ -5,7 +5,7 @@
 //! name is given. Each figure is the median over repetitions, that in brackets the least, which a busy machine disturbs
 //! less. Values are drawn from all cases of the registry; in the shuffled run, of the first case of each, neighbours
 //! are of different models, as in a scene.
-#![allow(clippy::print_stdout, reason = "a benchmark's output")]
+#![expect(clippy::print_stdout, reason = "a benchmark's output")]
 
 use std::{hint::black_box, time::Instant};
 use steradian_bsdf::{Bsdf, Model, TransportMode, models};

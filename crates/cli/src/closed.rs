@@ -3,7 +3,7 @@
 //! looked at earlier, where the system lets a program do so.
 
 // A function in the table of those that run before `main` cannot be declared otherwise.
-#![allow(unsafe_code)]
+#![allow(unsafe_code, reason = "file descriptors of the system")]
 
 use std::{
     io::{Error, Result},

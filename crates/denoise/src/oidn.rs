@@ -14,7 +14,7 @@
 //!   They are used by one thread at a time: [`Oidn`] is neither `Send` nor `Sync`.
 //! - Images are slices of [`Vec3`], three `f32` without padding, with as many pixels as the library is told. They are
 //!   borrowed until their filter is released, and only the outcome's, which is borrowed exclusively, is written to.
-#![allow(unsafe_code)]
+#![expect(unsafe_code, reason = "calls of a C library")]
 
 use crate::{error, gbuffer::check_size, image::Image};
 use libloading::Library;

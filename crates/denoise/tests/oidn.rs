@@ -1,7 +1,7 @@
 //! Open Image Denoise, where `STERADIAN_OIDN` names its library; without, what is no such library is refused.
 
 // Tests say on stdout what they skip.
-#![allow(clippy::print_stdout)]
+#![expect(clippy::print_stdout, reason = "output of the program or test")]
 
 use std::{env, fs, path::Path};
 use steradian_denoise::{

@@ -21,14 +21,16 @@ pub struct MethodKind {
     pub name: &'static str,
     /// Makes the method with the options of a request.
     pub new: fn(&Asked<'_>) -> Result<Arc<dyn Method>, Refusal>,
+    /// Refuses options that exclude each other in every scene.
+    pub check: fn(&MethodRequest) -> Result<(), Refusal>,
     /// Colour mode that suits it where the format of a scene has no say.
     pub mode: Option<ColorMode>,
 }
 
 impl MethodKind {
-    /// A kind without a colour mode of its own.
+    /// A kind without a colour mode of its own, whose options go together.
     pub const fn new(name: &'static str, new: fn(&Asked<'_>) -> Result<Arc<dyn Method>, Refusal>) -> Self {
-        Self { name, new, mode: None }
+        Self { name, new, check: |_| Ok(()), mode: None }
     }
 }
 

@@ -115,7 +115,7 @@ pub(crate) fn outcomes<V: Clone>(parameters: &[(String, Vec<V>)], read: impl Fn(
 }
 
 /// Fails where parameters are silent, or where so few were tried that the law holds nothing.
-#[allow(clippy::print_stdout, reason = "says the counts")]
+#[expect(clippy::print_stdout, reason = "says the counts")]
 pub(crate) fn judge(outcomes: &[(String, Outcome)], least: usize) {
     let of = |wanted: Outcome| outcomes.iter().filter(move |(_, o)| *o == wanted).map(|(name, _)| name.as_str());
     let [silent, refused, told, followed] =

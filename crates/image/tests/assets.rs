@@ -1,5 +1,5 @@
 //! Every picture of the shared assets is read, or refused by name.
-#![allow(clippy::print_stdout, reason = "a skipped test says so")]
+#![expect(clippy::print_stdout, reason = "a skipped test says so")]
 
 use half::f16;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,5 @@
 //! Written pictures are read back unchanged, the same bytes every time, and files appear whole or not at all.
-#![allow(clippy::print_stdout, reason = "a skipped test says so")]
+#![expect(clippy::print_stdout, reason = "a skipped test says so")]
 
 use steradian_image::{
     Compression, Error, FileKind, Image, Limits, Precision, TexelData, Texels, Value, Window, WriteOptions, encode,

@@ -28,7 +28,7 @@ pyo3::create_exception!(steradian, SceneError, pyo3::exceptions::PyValueError, "
 #[pymodule]
 mod _steradian {
     #[pymodule_export]
-    #[allow(non_upper_case_globals)]
+    #[expect(non_upper_case_globals, reason = "the name of the attribute in Python")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
     use super::SceneError;

@@ -149,7 +149,7 @@ impl Material {
     /// `f·|cosθ_i|` of pairs of directions, sr⁻¹, and the density of sampling `wi`: N × 3 colours (N × 4
     /// wavelengths), N densities.
     #[pyo3(signature = (wo, wi, *, uv = [0.5, 0.5]))]
-    #[allow(clippy::type_complexity)]
+    #[expect(clippy::type_complexity, reason = "used once")]
     fn evaluate<'py>(
         &self,
         py: Python<'py>,

@@ -328,7 +328,7 @@ impl Scene {
     /// Renders the scene. Ctrl-C ends it, and the picture of the samples that there are is returned.
     #[pyo3(signature = (*, spp = None, size = None, crop = None, camera = None, integrator = None, sampler = None, max_depth = None,
         seed = None, threads = 0, color = "auto", adaptive = false, error = None, time = None, layers = Vec::new(), transparent = false, progress = None))]
-    #[allow(clippy::too_many_arguments)]
+    #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn render(
         &self,
         py: Python<'_>,

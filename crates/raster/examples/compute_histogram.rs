@@ -78,7 +78,7 @@ pub fn picture() -> Result<ColorTarget> {
     })
 }
 
-#[allow(dead_code)]
+#[allow(dead_code, reason = "tests include this file")]
 fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
     Ok(steradian_image::write("compute_histogram.png".as_ref(), &picture()?.to_image()?, &Default::default())?)
 }

@@ -160,7 +160,7 @@ pub fn picture() -> Result<steradian_raster::ColorTarget> {
     Ok(framebuffer.color(0).clone())
 }
 
-#[allow(dead_code)]
+#[allow(dead_code, reason = "tests include this file")]
 fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
     Ok(steradian_image::write("icosphere_lod.png".as_ref(), &picture()?.to_image()?, &Default::default())?)
 }

@@ -114,7 +114,7 @@ pub fn draw() -> Result<(ColorTarget, MeshCounters)> {
     Ok((target.color(0).clone(), counters))
 }
 
-#[allow(dead_code)]
+#[allow(dead_code, reason = "tests include this file")]
 fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
     Ok(steradian_image::write("meshlets.png".as_ref(), &draw()?.0.to_image()?, &Default::default())?)
 }

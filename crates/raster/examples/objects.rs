@@ -114,7 +114,7 @@ pub fn draw() -> Result<(ColorTarget, u64)> {
     Ok((c.default_framebuffer().color(0).clone(), c.get_query_object(query)?))
 }
 
-#[allow(dead_code)]
+#[allow(dead_code, reason = "tests include this file")]
 fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
     Ok(steradian_image::write("objects.png".as_ref(), &draw()?.0.to_image()?, &Default::default())?)
 }

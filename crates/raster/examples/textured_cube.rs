@@ -75,7 +75,7 @@ pub fn picture() -> Result<ColorTarget> {
     Ok(framebuffer.color(0).resolve())
 }
 
-#[allow(dead_code)]
+#[allow(dead_code, reason = "tests include this file")]
 fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
     Ok(steradian_image::write("textured_cube.png".as_ref(), &picture()?.to_image()?, &Default::default())?)
 }

@@ -225,7 +225,7 @@ macro_rules! varyings {
                 modes
             };
             #[inline(always)]
-            #[allow(unused_mut, unused_variables, unused_assignments)]
+            #[allow(unused_mut, unused_variables, unused_assignments, reason = "without fields")]
             fn to_floats(&self) -> Self::Floats {
                 let mut floats = <Self::Floats as $crate::varyings::Floats>::ZERO;
                 let mut next = 0;
@@ -236,7 +236,7 @@ macro_rules! varyings {
                 floats
             }
             #[inline(always)]
-            #[allow(unused_mut, unused_variables)]
+            #[allow(unused_mut, unused_variables, reason = "without fields")]
             fn from_floats(float: impl Fn(usize) -> f32) -> Self {
                 let mut next = 0;
                 let mut get = || {

@@ -13,8 +13,12 @@ use steradian_engine::{
 const LARGEST_PREVIEW: u64 = 1 << 24;
 
 /// `raster`. One sample of wavelengths would be noise: RGB suits it.
-pub const RASTER: MethodKind =
-    MethodKind { name: "raster", mode: Some(ColorMode::Rgb), new: |asked| Ok(Arc::new(Raster::of(asked)?)) };
+pub const RASTER: MethodKind = MethodKind {
+    name: "raster",
+    new: |asked| Ok(Arc::new(Raster::of(asked)?)),
+    check: |options| Ok(Options::of(options).map(drop)?),
+    mode: Some(ColorMode::Rgb),
+};
 
 /// All methods of this crate, by name.
 pub const METHODS: &[MethodKind] = &[RASTER];
@@ -35,8 +39,7 @@ impl Raster {
         let mut options = Options::of(asked.options)?;
         let is_small = u64::from(crop.width()) * u64::from(crop.height()) <= LARGEST_PREVIEW;
         let by_light = request.layers.contains(&steradian_core::film::Layer::LIGHT_GROUPS);
-        let is_plain =
-            asked.options.model().all().all(|p| p.name == "hide_emitters" || asked.options.given(p.name).is_none());
+        let is_plain = asked.options.sets_nothing_but(&["hide_emitters"]);
         if is_plain && request.spp.is_none() && !by_light && !request.transparent && is_small {
             options.frame = FrameKind::Preview;
         }

@@ -138,9 +138,9 @@ impl MethodRequest {
         self.model.kind
     }
 
-    /// True if no option is set.
-    pub fn is_plain(&self) -> bool {
-        self.options.is_empty()
+    /// True if no option is set, apart from those in `names`.
+    pub fn sets_nothing_but(&self, names: &[&str]) -> bool {
+        self.options.iter().all(|(p, _)| names.contains(&p.name))
     }
 
     /// The value that an option is set to.
@@ -267,7 +267,7 @@ mod tests {
         assert!(said("path:reuse").contains("'reuse' takes auto, 1, 4, 16"));
         let node = Node::new(Family::Integrator, "pssmlt", None).with("large_step", 2.0).with("samples", "many");
         let (request, faults) = MethodRequest::of_node(&node, &["samples"]).unwrap();
-        assert!(request.is_plain() && faults.len() == 1, "{faults:?}");
+        assert!(request.sets_nothing_but(&[]) && faults.len() == 1, "{faults:?}");
         assert!(
             faults[0].message.contains("'large_step' of integrator 'pssmlt' must be number, above 0 and at most 1")
         );

@@ -106,7 +106,7 @@ pub fn picture() -> Result<Image, Box<dyn Error>> {
     Ok(Image::from_rgb(SIZE[0] as usize, SIZE[1] as usize, &colors)?)
 }
 
-#[allow(dead_code)]
+#[allow(dead_code, reason = "tests include this file")]
 fn main() -> Result<(), Box<dyn Error>> {
     Ok(steradian_image::write("leaves.png".as_ref(), &picture()?, &Default::default())?)
 }

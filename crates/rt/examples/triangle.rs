@@ -70,7 +70,7 @@ pub fn picture() -> Result<(Image, Inspection<Vec3>), Box<dyn Error>> {
     Ok((image, pipeline.inspect(&tables, SIZE, [width / 2, height / 2, 0])?))
 }
 
-#[allow(dead_code, clippy::print_stdout)]
+#[allow(dead_code, clippy::print_stdout, reason = "tests include this file")]
 fn main() -> Result<(), Box<dyn Error>> {
     let (image, middle) = picture()?;
     print!("{middle}");

@@ -135,7 +135,7 @@ impl HitIndex {
 /// Terms of a shader table's indexing formula, and the resulting record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(tag = "table", rename_all = "snake_case")]
-#[allow(missing_docs)]
+#[expect(missing_docs, reason = "names say what they are")]
 pub enum Place {
     /// `place = base + stride · (ray contribution + geometry multiplier · geometry index + instance offset)`.
     HitGroup {

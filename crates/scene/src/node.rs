@@ -46,7 +46,7 @@ pub enum SpectrumValue {
 
 /// The value of a parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[allow(missing_docs)]
+#[expect(missing_docs, reason = "names say what they are")]
 pub enum Value {
     Bool(bool),
     Int(i64),

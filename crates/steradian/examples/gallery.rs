@@ -4,7 +4,7 @@
 //! `cargo run --release -p steradian --example gallery [KIND…]` in the folder of the repository; with kinds, only their
 //! pictures are taken anew. Materials of the catalogue without a row here are shown with their defaults, so that none
 //! is forgotten.
-#![allow(clippy::print_stdout, reason = "tells what it does")]
+#![expect(clippy::print_stdout, reason = "tells what it does")]
 
 use std::{collections::HashMap, error::Error, fmt::Write, fs, path::Path};
 use steradian::{

@@ -1,7 +1,7 @@
 //! A method by passes of one's own: rays through places anywhere on the film, each of which shows the albedo of what it
 //! meets, spread by the pixel filter. Errors, layers and resuming come with the session:
 //! `cargo run --release -p steradian --example own_pass -- scenes/showcase.pbrt own.exr`
-#![allow(clippy::print_stderr)]
+#![expect(clippy::print_stderr, reason = "output of the program")]
 
 use std::{error::Error, path::Path, sync::Arc};
 use steradian::engine::{Control, Counters, Pass, Passes, Run, Session, Sight, first_hit};

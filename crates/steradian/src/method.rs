@@ -30,18 +30,31 @@ pub struct Render {
 /// Something of a scene that a method does not render.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LeftOut {
-    /// Features that are missing, in words; may be empty.
-    pub what: String,
-    /// Features that are rendered otherwise than they are, in words; may be empty.
-    pub approximated: String,
+    /// Limits of the method on the scene.
+    pub limits: Vec<Limit>,
     /// Name of a method that renders it.
     pub instead: &'static str,
 }
 
 impl LeftOut {
+    /// Features that are missing, in words; may be empty.
+    pub fn missing(&self) -> String {
+        self.told(false)
+    }
+
+    /// Features that are rendered otherwise than they are, in words; may be empty.
+    pub fn approximated(&self) -> String {
+        self.told(true)
+    }
+
+    fn told(&self, approximated: bool) -> String {
+        let of = self.limits.iter().filter(|limit| matches!(limit.support, Support::Approximates(_)) == approximated);
+        of.map(|limit| limit.what.as_str()).collect::<Vec<_>>().join("; ")
+    }
+
     /// The sentence about a method that leaves this out.
     pub fn of(&self, name: &str) -> String {
-        let parts = [("leaves out", &self.what), ("approximates", &self.approximated)];
+        let parts = [("leaves out", self.missing()), ("approximates", self.approximated())];
         let parts = parts.into_iter().filter(|(_, what)| !what.is_empty());
         let parts: Vec<String> = parts.map(|(verb, what)| format!("{verb} {what}")).collect();
         format!("integrator '{name}' {}; '{}' renders it", parts.join(" and "), self.instead)
@@ -169,18 +182,12 @@ impl Render {
     /// there are none.
     pub fn left_out(&self, scene: &Scene) -> Option<LeftOut> {
         let limits = self.method.limits(scene);
-        let told = |is: fn(&Support) -> bool| {
-            let of = limits.iter().filter(|limit| is(&limit.support)).map(|limit| limit.what.as_str());
-            of.collect::<Vec<_>>().join("; ")
-        };
-        let what = told(|s| !matches!(s, Support::Approximates(_)));
-        let approximated = told(|s| matches!(s, Support::Approximates(_)));
         // Connections from the camera find what light tracing alone cannot, and its caustics.
         let instead = match self.method.supports(Feature::SpecularView) {
             Support::Exact => path_tracer(scene.has_media()).kind,
             _ => "bdpt",
         };
-        (!limits.is_empty()).then_some(LeftOut { what, approximated, instead })
+        (!limits.is_empty()).then_some(LeftOut { limits, instead })
     }
 
     /// Reason why a denoiser cannot estimate the noise of the picture: errors of pixels that are not independent, or
@@ -204,18 +211,16 @@ impl Render {
 
 /// The method of a request.
 fn made(asked: &Asked<'_>) -> Result<Arc<dyn Method>, Error> {
-    let name = asked.options.name();
-    check_options(asked.options)?;
-    let nothing = || Error::CannotRender { integrator: name.into(), what: "anything: it has no method".into() };
-    Ok((kind(name).ok_or_else(nothing)?.new)(asked)?)
+    let kind = check_options(asked.options)?;
+    Ok((kind.new)(asked)?)
 }
 
-/// Refuses options that no scene can have: numbers beyond single precision, in which methods compute, and those of
-/// frames that exclude each other.
+/// The kind of the method that is asked for. Refuses options that no scene can have: numbers beyond single precision, in
+/// which methods compute, and options that exclude each other.
 ///
 /// # Errors
-/// [`Error::Refused`].
-pub(crate) fn check_options(options: &MethodRequest) -> Result<(), Error> {
+/// [`Error::Refused`], and [`Error::CannotRender`] for names without a method.
+pub(crate) fn check_options(options: &MethodRequest) -> Result<&'static MethodKind, Error> {
     let name = options.name();
     for parameter in options.model().all() {
         let Some(value) = options.given(parameter.name).and_then(|v| v.number()) else { continue };
@@ -226,10 +231,10 @@ pub(crate) fn check_options(options: &MethodRequest) -> Result<(), Error> {
             return Err(Refusal(what).into());
         }
     }
-    if name == steradian_realtime::RASTER.name {
-        steradian_realtime::Options::of(options).map_err(Refusal::from)?;
-    }
-    Ok(())
+    let nothing = || Error::CannotRender { integrator: name.into(), what: "anything: it has no method".into() };
+    let kind = kind(name).ok_or_else(nothing)?;
+    (kind.check)(options)?;
+    Ok(kind)
 }
 
 /// Samples, layers and limits of a request.

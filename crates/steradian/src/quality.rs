@@ -57,7 +57,7 @@ impl Quality {
         within("samples per pixel", 1, MAX_SPP as usize, self.spp.unwrap_or(1) as usize)?;
         within("threads", 0, MAX_THREADS, self.threads)?;
         let method = self.integrator.as_deref().map(MethodRequest::parse).transpose()?;
-        method.as_ref().map_or(Ok(()), check_options)?;
+        method.as_ref().map(check_options).transpose()?;
         Ok(Request {
             method,
             sampler: self.sampler.as_deref().map(sampler).transpose()?,

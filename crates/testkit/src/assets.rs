@@ -9,7 +9,7 @@ const REQUIRED: &str = "STERADIAN_REQUIRE_ASSETS";
 ///
 /// # Panics
 /// Where it is not there and the environment says that it must be (`STERADIAN_REQUIRE_ASSETS`).
-#[allow(clippy::print_stdout, reason = "says that something was skipped")]
+#[expect(clippy::print_stdout, reason = "says that something was skipped")]
 pub fn asset(name: &str) -> Option<PathBuf> {
     let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/assets")).join(name);
     if path.exists() {

@@ -1,6 +1,6 @@
 //! Nanoseconds that texture lookups take: the median over batches of random places, for a picture of 1024² that is in
 //! the caches for the most part. `cargo bench -p steradian-texture --bench lookups [-- FILTER… KIND…]`.
-#![allow(clippy::print_stdout, reason = "it is what benchmarks are for")]
+#![expect(clippy::print_stdout, reason = "it is what benchmarks are for")]
 
 use std::{hint::black_box, sync::Arc, time::Instant};
 use steradian_image::{Encoding, TexelData, Texels};

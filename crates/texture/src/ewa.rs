@@ -1,6 +1,6 @@
 //! Elliptical weighted averages (Heckbert, "Fundamentals of Texture Mapping and Image Warping", 1989, § 3.5; M210).
 
-#![allow(clippy::needless_range_loop, reason = "loops over lanes are unrolled for certain this way")]
+#![expect(clippy::needless_range_loop, reason = "loops over lanes are unrolled for certain this way")]
 
 use super::{
     filter::Source,

@@ -9,7 +9,7 @@
 //! pbrt, it is that of the camera seeing the point directly. Scenes without filtered textures carry no footprints, and
 //! pay one branch.
 
-#![allow(clippy::needless_range_loop, reason = "loops over lanes are unrolled for certain this way")]
+#![expect(clippy::needless_range_loop, reason = "loops over lanes are unrolled for certain this way")]
 
 pub use super::detail::level_of;
 use super::{

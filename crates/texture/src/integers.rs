@@ -1,8 +1,6 @@
 //! Whole numbers below floats, without the library's `floor`, which is a call on processors that are not known to have
 //! SSE 4.1, and without conversions that have to look for numbers out of range.
 
-#![allow(clippy::needless_range_loop, reason = "loops over lanes are unrolled for certain this way")]
-
 use steradian_math::Vec4;
 
 /// Limit to which numbers are clamped, 2²²: floats have hardly any fractions there.

@@ -1,7 +1,7 @@
 //! Texel storage: in memory as the file has them (8 and 16 bits, half, float), decoded at lookup, or in tiles that are
 //! brought in on demand (`pages`). The bits of a lookup do not depend on the storage.
 
-#![allow(clippy::needless_range_loop, reason = "loops over lanes are unrolled for certain this way")]
+#![expect(clippy::needless_range_loop, reason = "loops over lanes are unrolled for certain this way")]
 
 use super::{
     pages::{PagedTexels, TILE, TileView},

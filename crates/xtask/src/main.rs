@@ -2,7 +2,7 @@
 //! untidy in the code.
 //!
 //! Nothing here is a test: no figure of time makes a command fail.
-#![allow(clippy::print_stdout, clippy::print_stderr)]
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "output of the program")]
 
 mod arguments;
 mod bench;

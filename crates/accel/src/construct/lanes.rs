@@ -1,6 +1,6 @@
 //! Binning with a box in one register: its least corner and its greatest one with the sign changed, so that one minimum
 //! makes the box around two of them. The same numbers as without.
-#![allow(unsafe_code)]
+#![expect(unsafe_code, reason = "unchecked reads; each place states why it is sound")]
 
 use super::primitives::{PrimRef, Span};
 use super::split::{Bins, Cut, Extent, Grid, HALVES, MAX_BINS, MIN_BINS};

@@ -1,5 +1,5 @@
 //! Which rays of a packet hit anything.
-#![allow(unsafe_code)]
+#![expect(unsafe_code, reason = "unchecked reads; each place states why it is sound")]
 
 use super::beam::{Beam, BeamConstants, ShearedRays, SingleRays};
 use super::bundle::{AnyHit, Bundle, RemainingRays};

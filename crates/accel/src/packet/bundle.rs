@@ -2,7 +2,7 @@
 //!
 //! The boxes of such nodes are tested one after the other with all rays; for nearest hits, from those near the origins
 //! to those far away. Where few of the rays are left in a part of the tree, they go on alone.
-#![allow(unsafe_code)]
+#![expect(unsafe_code, reason = "unchecked reads; each place states why it is sound")]
 
 use super::Set;
 use super::any::at_user_alone;

@@ -1,5 +1,5 @@
 //! Single rays, several on their way at once: while one waits for memory the others go on.
-#![allow(unsafe_code)]
+#![expect(unsafe_code, reason = "unchecked reads; each place states why it is sound")]
 
 use crate::leaves::UserLeaves;
 use crate::ray_constants::{RayConstants, is_traceable};

@@ -1,5 +1,5 @@
 //! The nearest hits of the rays of a packet.
-#![allow(unsafe_code)]
+#![expect(unsafe_code, reason = "unchecked reads; each place states why it is sound")]
 
 use super::beam::{Beam, BeamConstants, ShearedRays, SingleRays};
 use super::bundle::{Bundle, RemainingRays};

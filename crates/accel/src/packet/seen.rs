@@ -2,7 +2,7 @@
 //!
 //! First the edge functions of all triangles are computed, and only then the question is asked which of them are hit:
 //! nothing waits for the answer to a question that is hard to guess.
-#![allow(unsafe_code)]
+#![expect(unsafe_code, reason = "unchecked reads; each place states why it is sound")]
 
 use super::beam::ShearedRays;
 use super::interval::Interval;

@@ -1,6 +1,6 @@
 //! The stack of a packet: children that wait, with the node whose slot they are in, so that their box can be tested
 //! when their turn comes.
-#![allow(unsafe_code)]
+#![expect(unsafe_code, reason = "unchecked reads; each place states why it is sound")]
 
 use crate::construct::MAX_DEPTH;
 use crate::layout::ChildRef;

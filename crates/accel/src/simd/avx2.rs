@@ -1,5 +1,5 @@
 //! Lanes in one 256-bit register, masks in another.
-#![allow(unsafe_code)]
+#![expect(unsafe_code, reason = "unchecked reads; each place states why it is sound")]
 
 use super::sort::{nearest, sort_descending};
 use super::{LANES, Lanes, Row, Simd, Wide};

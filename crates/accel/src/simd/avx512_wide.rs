@@ -1,5 +1,5 @@
 //! Sixteen lanes in one 512-bit register, masks in mask registers: for packets of rays.
-#![allow(unsafe_code)]
+#![expect(unsafe_code, reason = "unchecked reads; each place states why it is sound")]
 
 use super::{COLUMNS, Lanes, Wide};
 use std::arch::x86_64::*;

@@ -5,8 +5,6 @@
 //! so that its operations are safe to call. They are fast only when inlined into a function compiled for that
 //! instruction set.
 
-#![allow(unsafe_code)]
-
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
@@ -339,7 +337,7 @@ mod tests {
 
     #[test]
     #[cfg(target_arch = "x86_64")]
-    #[allow(unsafe_code)]
+    #[expect(unsafe_code, reason = "unchecked reads; each place states why it is sound")]
     fn every_level_gives_the_same_bits() {
         use crate::Isa;
         // SAFETY: each level is tried only where it is supported.

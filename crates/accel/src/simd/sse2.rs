@@ -1,5 +1,5 @@
 //! Lanes in two 128-bit registers: the baseline of x86-64.
-#![allow(unsafe_code)]
+#![expect(unsafe_code, reason = "unchecked reads; each place states why it is sound")]
 
 use super::{LANES, Lanes, Row, Simd, Wide};
 use std::arch::x86_64::*;

@@ -1,7 +1,7 @@
 //! The program as a user meets it: command lines in, files, text and exit codes out.
 
 // Tests say on stdout what they skip.
-#![allow(clippy::print_stdout)]
+#![expect(clippy::print_stdout, reason = "output of the program or test")]
 
 mod benches;
 mod denoising;

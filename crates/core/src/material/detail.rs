@@ -6,7 +6,7 @@
 //! (`shape::displacement`). `relief` traces height fields without geometry.
 
 // Comparisons are negated on purpose: NaN takes the way of the exception.
-#![allow(clippy::neg_cmp_op_on_partial_ord)]
+#![expect(clippy::neg_cmp_op_on_partial_ord, reason = "a NaN takes the branch, too")]
 
 use super::{Fold, Ground, normal_code::NormalCode, normal_filter::FilteredNormals};
 use std::sync::Arc;

@@ -62,7 +62,7 @@ fn rows(scene: &Scene, integrator: &'static str, spp: u32, rows: std::ops::Range
 
 /// The classic check: one sample with an elliptical filter against very many points, and against one point.
 #[test]
-#[allow(clippy::print_stdout, reason = "figures of the other filters, for who asks with --nocapture")]
+#[expect(clippy::print_stdout, reason = "figures of the other filters, for who asks with --nocapture")]
 fn a_checkerboard_to_the_horizon() {
     let folder = tempfile::tempdir().unwrap();
     let file = checks(folder.path());
@@ -91,7 +91,7 @@ fn a_checkerboard_to_the_horizon() {
 /// The checkerboard in a mirror that stands across the plane, where path tracers carry differentials: the light's way
 /// is longer than the camera is far, and the plane is seen at another angle.
 #[test]
-#[allow(clippy::print_stdout, reason = "figures, for who asks with --nocapture")]
+#[expect(clippy::print_stdout, reason = "figures, for who asks with --nocapture")]
 fn a_checkerboard_in_a_mirror() {
     let folder = tempfile::tempdir().unwrap();
     let file = checks(folder.path());

@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    #[allow(clippy::print_stdout, reason = "says that it was skipped")]
+    #[expect(clippy::print_stdout, reason = "says that it was skipped")]
     fn measured_files_agree_with_the_tables_of_the_same_metals() {
         let dir = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/assets/spectra");
         for metal in ["Ag", "Al", "Au", "Cu"] {

@@ -17,7 +17,7 @@ macro_rules! formats {
     ($($(#[$meta:meta])* $name:ident $numeric:ident [$r:literal $g:literal $b:literal $a:literal] $order:ident;)*) => {
         /// A sized format: channels and their bits, then what the bits mean.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-        #[allow(missing_docs)]
+        #[expect(missing_docs, reason = "names say what they are")]
         pub enum Format { $($(#[$meta])* $name,)* }
 
         impl Format {

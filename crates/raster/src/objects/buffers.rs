@@ -81,7 +81,7 @@ const MUTABLE: BufferFlags = BufferFlags(0x103);
 /// Hint about how a mutable store will be used: how often it is written and read, and by whom (table 6.2). It changes
 /// nothing here.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[allow(missing_docs)]
+#[expect(missing_docs, reason = "names say what they are")]
 pub enum Usage {
     StreamDraw,
     StreamRead,

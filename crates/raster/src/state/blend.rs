@@ -4,7 +4,7 @@ use glam::Vec4;
 
 /// Factor on a colour before the blend equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)]
+#[expect(missing_docs, reason = "names say what they are")]
 pub enum BlendFactor {
     Zero,
     One,
@@ -162,7 +162,7 @@ impl ColorState {
 
 /// A bitwise operation on the stored bits of source s and target t.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)]
+#[expect(missing_docs, reason = "names say what they are")]
 pub enum LogicOp {
     Clear,
     And,

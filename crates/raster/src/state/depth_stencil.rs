@@ -2,7 +2,7 @@
 
 /// A comparison of a new value with the one that is there: `new < old` for [`Compare::Less`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)]
+#[expect(missing_docs, reason = "names say what they are")]
 pub enum Compare {
     Never,
     Less,
@@ -61,7 +61,7 @@ impl DepthState {
 
 /// Operation on a stencil value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)]
+#[expect(missing_docs, reason = "names say what they are")]
 pub enum StencilOp {
     Keep,
     Zero,

@@ -17,7 +17,7 @@ pub enum FrontFace {
 
 /// Which triangles are dropped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)]
+#[expect(missing_docs, reason = "names say what they are")]
 pub enum Cull {
     None,
     Front,

@@ -91,7 +91,7 @@ pub fn picture() -> Result<(Image, String), Box<dyn Error>> {
     Ok((Image::from_rgb(SIZE[0] as usize, SIZE[1] as usize, &colors)?, said))
 }
 
-#[allow(dead_code, clippy::print_stdout)]
+#[allow(dead_code, clippy::print_stdout, reason = "tests include this file")]
 fn main() -> Result<(), Box<dyn Error>> {
     let (image, said) = picture()?;
     print!("{said}");

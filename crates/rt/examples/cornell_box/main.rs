@@ -112,7 +112,7 @@ pub fn render(width: u32, samples: u32, seed: u64, is_recursive: bool) -> Result
     Ok(pipeline.launch(&tables, [width, width, 1])?)
 }
 
-#[allow(dead_code)]
+#[allow(dead_code, reason = "tests include this file")]
 fn main() -> Result<(), Box<dyn Error>> {
     let is_recursive = std::env::args().any(|argument| argument == "recursive");
     let colors: Vec<_> = render(256, 16, 0, is_recursive)?.iter().map(Vec3::to_array).collect();

@@ -1,6 +1,6 @@
 //! Memory taken by builds, counted by the allocator, is within the sizes given before. A program of its own, since it
 //! counts everything that is allocated.
-#![allow(unsafe_code)]
+#![expect(unsafe_code, reason = "a counting allocator")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::Arc;

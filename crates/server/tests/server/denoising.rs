@@ -104,7 +104,7 @@ fn a_library_that_is_not_there_is_refused() {
 }
 
 /// Open Image Denoise, where `STERADIAN_OIDN` names its library.
-#[allow(clippy::print_stdout, reason = "a skipped test says so")]
+#[expect(clippy::print_stdout, reason = "a skipped test says so")]
 #[test]
 fn open_image_denoise_has_the_last_word() {
     let Some(library) = std::env::var_os("STERADIAN_OIDN").map(PathBuf::from).filter(|path| path.is_file()) else {

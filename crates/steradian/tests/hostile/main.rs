@@ -4,7 +4,7 @@
 //!
 //! Tables of cases run in child processes of this test ([`bounded`]), so that a crash or a hang is one fault of one
 //! case, and time and memory can be measured for each.
-#![allow(clippy::print_stdout, reason = "tests say what they skipped and measured")]
+#![expect(clippy::print_stdout, reason = "tests say what they skipped and measured")]
 
 mod bombs;
 mod bounded;

@@ -1,7 +1,7 @@
 //! Scenes that are written in the languages of other programs and read again give the same pictures, or the writer says
 //! why not.
 
-#![allow(clippy::print_stdout, reason = "tests say what they skipped and measured")]
+#![expect(clippy::print_stdout, reason = "tests say what they skipped and measured")]
 
 use std::path::{Path, PathBuf};
 use steradian::{

@@ -2,7 +2,7 @@
 //! word; what is no parameter, and what there is not, is named. And what glowing ones look like.
 
 use std::path::Path;
-use steradian::{CompileOptions, LeftOut, Quality, compile, formats::Options, load, render};
+use steradian::{CompileOptions, Quality, compile, formats::Options, load, render};
 
 /// A box of a medium, from z = 0 to 1, before an orthographic camera.
 fn boxed(medium: &str, light: &str) -> String {
@@ -179,7 +179,8 @@ fn media_are_rendered_unless_a_path_tracer_is_named() {
         let (scene, said) = read(&file(name, &text));
         for quality in [Quality::default(), Quality::of("path")] {
             let render = quality.render(&scene).unwrap();
-            let LeftOut { what, instead, .. } = render.left_out(&scene).expect("media are left out");
+            let left_out = render.left_out(&scene).expect("media are left out");
+            let (what, instead) = (left_out.missing(), left_out.instead);
             assert_eq!((render.name, &*what, instead), ("path", "participating media", "volpath"), "{name}: {said:?}");
         }
     }

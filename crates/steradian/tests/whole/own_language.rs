@@ -1,6 +1,6 @@
 //! Scenes of other formats, written in Steradian's own language and read again, give the same pictures bit for bit.
 
-#![allow(clippy::print_stdout, reason = "tests say what they skipped and measured")]
+#![expect(clippy::print_stdout, reason = "tests say what they skipped and measured")]
 
 use std::path::{Path, PathBuf};
 use steradian::{

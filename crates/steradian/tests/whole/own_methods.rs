@@ -1,13 +1,13 @@
 //! Methods of a user's own, as the examples have them: they run in the engine's sessions, and their pictures are right.
 
 #[path = "../../examples/own_integrator.rs"]
-#[allow(dead_code)]
+#[allow(dead_code, reason = "tests include this file")]
 mod own_integrator;
 #[path = "../../examples/own_pass.rs"]
-#[allow(dead_code)]
+#[allow(dead_code, reason = "tests include this file")]
 mod own_pass;
 #[path = "../../examples/path_recursive.rs"]
-#[allow(dead_code)]
+#[allow(dead_code, reason = "tests include this file")]
 mod path_recursive;
 
 use own_integrator::ByChance;

@@ -3,7 +3,7 @@
 //!
 //! Few samples are enough: means over a frame and over blocks are compared within the noise of both pictures.
 
-#![allow(clippy::print_stdout)]
+#![expect(clippy::print_stdout, reason = "output of the program or test")]
 
 use std::{path::PathBuf, sync::Arc};
 use steradian::{

@@ -2,7 +2,7 @@
 //!
 //! Embree API, version 4: <https://github.com/RenderKit/embree/blob/master/doc/src/api.md>. Structures and numbers are
 //! those of its headers for one level of instances.
-#![allow(unsafe_code)]
+#![expect(unsafe_code, reason = "calls of a C library")]
 
 use super::{
     judge::Claim,

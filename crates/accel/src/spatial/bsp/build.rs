@@ -74,7 +74,7 @@ impl Builder {
     }
 
     /// Plane, what lies in it, what behind and in front, and the budget that remains; or the fragments again.
-    #[allow(clippy::type_complexity)]
+    #[expect(clippy::type_complexity, reason = "used once")]
     fn divide(
         &self,
         fragments: Vec<Fragment>,

@@ -69,12 +69,12 @@ macro_rules! stored {
                 if big { Self::from_be_bytes(raw) } else { Self::from_le_bytes(raw) }
             }
             #[inline(always)]
-            #[allow(trivial_numeric_casts, clippy::unnecessary_cast)]
+            #[allow(trivial_numeric_casts, clippy::unnecessary_cast, reason = "for all types")]
             fn f32(self) -> f32 {
                 self as f32
             }
             #[inline(always)]
-            #[allow(trivial_numeric_casts, clippy::unnecessary_cast, clippy::cast_lossless)]
+            #[allow(trivial_numeric_casts, clippy::unnecessary_cast, clippy::cast_lossless, reason = "for all types")]
             fn f64(self) -> f64 {
                 self as f64
             }

@@ -1,6 +1,6 @@
 //! Tests of the whole reader.
 
-#![allow(clippy::print_stdout, reason = "says what was skipped")]
+#![expect(clippy::print_stdout, reason = "says what was skipped")]
 
 mod families;
 mod faults;

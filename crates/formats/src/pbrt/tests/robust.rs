@@ -142,7 +142,7 @@ fn mutants_of_scenes_never_break_the_reader() {
 
 #[test]
 #[ignore = "a measurement: cargo test --release -- --ignored throughput --nocapture"]
-#[allow(clippy::print_stdout, reason = "the measurement")]
+#[expect(clippy::print_stdout, reason = "the measurement")]
 fn throughput() {
     let mut rng = HashRng::new(1);
     let count = 2_000_000;

@@ -1,5 +1,5 @@
 //! Tables of measured and standard spectra.
-#![allow(clippy::approx_constant, reason = "measured values that happen to be near π")]
+#![expect(clippy::approx_constant, reason = "measured values that happen to be near π")]
 
 pub(crate) mod cameras;
 pub(crate) mod cie1931;

@@ -89,7 +89,7 @@ fn other_methods_say_that_they_do_not_follow_it() {
     }
     let quality = Quality { integrator: Some("raster".into()), spp: Some(4), ..Quality::default() };
     let left_out = quality.render(&scene).expect("a method").left_out(&scene).expect("it is told");
-    assert!(left_out.approximated.contains("below surfaces"), "{left_out:?}");
+    assert!(left_out.approximated().contains("below surfaces"), "{left_out:?}");
     let picture = render(&scene, &quality).expect("a picture");
     let middle = picture.channel("G").expect("green")[12 * 24 + 12];
     assert!((middle - 0.6).abs() < 0.1, "{middle}");

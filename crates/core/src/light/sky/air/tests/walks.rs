@@ -204,7 +204,7 @@ fn second_and_higher_orders() {
 /// Prints errors by direction, with as many walks as `WALKS` says.
 #[test]
 #[ignore = "a survey of minutes"]
-#[allow(clippy::print_stdout)]
+#[expect(clippy::print_stdout, reason = "output of the program or test")]
 fn survey() {
     let number = |name: &str, or: f64| std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(or);
     let walks = number("WALKS", 200_000.0) as usize;
