@@ -183,8 +183,8 @@ pub struct FileOptions {
     /// Compression of .exr; all are lossless
     #[arg(long, value_enum, default_value_t, help_heading = "Files")]
     pub compression: ExrCompression,
-    /// Block compression of .dds and .ktx2: bc1 and bc3 without and with alpha, bc4 one channel, bc5 two, bc7 colour
-    /// and alpha
+    /// Block compression of .dds and .ktx2: bc1 colour, bc2 and bc3 with coarse and smooth alpha, bc4 one channel, bc5
+    /// two, bc6h linear colour of any brightness, bc7 colour and alpha
     #[arg(long, value_name = "NAME", default_value = "bc7", value_parser = PossibleValuesParser::new(WRITABLE.map(|w| w.0)), help_heading = "Files")]
     pub block: String,
 }

@@ -10,6 +10,7 @@
 mod assets;
 mod bezier;
 mod coats;
+mod cube;
 mod description_checks;
 mod dispersion;
 mod displacement;
@@ -32,6 +33,7 @@ mod parametric;
 mod params;
 mod patterns;
 mod pbr;
+mod plane;
 mod polygon;
 mod precision;
 mod principled;
@@ -62,7 +64,7 @@ use steradian_accel::{Accel, Accelerator, Object};
 use steradian_core::{
     camera::Camera,
     film::FilmSpec,
-    light::{Emitter, Light, LightGroups, Lights, Schedule},
+    light::{Ambient, Emitter, Light, LightGroups, Lights, Schedule},
     material::Material,
     medium::Medium,
     scene::{Geometry, Parts, Placement, Scene},
@@ -169,6 +171,8 @@ struct Compiler<'a> {
     unnamed_lights: HashMap<NodeId, usize>,
     /// Lights that are no part of shapes, with their groups.
     grouped: Vec<(u32, u32)>,
+    /// Ambient lights.
+    ambient: Vec<Ambient>,
     /// Lights that do not always shine, those of areas by their emitters.
     schedules: Vec<(Lamp, Schedule)>,
     geometries: Vec<Geometry>,
@@ -243,6 +247,7 @@ impl<'a> Compiler<'a> {
             light_groups: LightGroups::default(),
             unnamed_lights: HashMap::new(),
             grouped: Vec::new(),
+            ambient: Vec::new(),
             schedules: Vec::new(),
             geometries: Vec::new(),
             kept_shapes: None,
@@ -316,10 +321,11 @@ impl Compiler<'_> {
         let textures = std::mem::take(&mut self.textures);
         let mut lights = Lights::new(std::mem::take(&mut self.lights), std::mem::take(&mut self.emitters), self.mode);
         lights.timetable = self.timetable(&lights);
+        lights.ambient = std::mem::take(&mut self.ambient);
         let mut light_groups = std::mem::take(&mut self.light_groups);
         light_groups.assign(&lights, &self.grouped);
         let glows = self.media.iter().any(|m| m.glow.is_some());
-        if lights.lights.is_empty() && lights.emitters.is_empty() && !glows {
+        if lights.lights.is_empty() && lights.emitters.is_empty() && lights.ambient.is_empty() && !glows {
             self.diagnostics.warn(&self.desc.sources, None, "the scene has no lights: the picture will be black");
         }
         let spp = self.options.spp.unwrap_or(settings.spp);

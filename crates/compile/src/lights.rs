@@ -1,8 +1,8 @@
 //! Compiling lights that are not attached to shapes.
 
-use super::{Compiler, schedule::Lamp};
+use super::{Compiler, cube, schedule::Lamp};
 use steradian_core::light::{
-    Environment, Goniometric, Isotropic, Light, Projection, Spot,
+    Ambient, Environment, Goniometric, Isotropic, Light, Projection, Spot,
     environment::{EnvironmentImage, Parametrization},
     punctual::{Falloff, Slide},
 };
@@ -124,6 +124,12 @@ impl Compiler<'_> {
                 lights.into_iter().for_each(|light| self.add_light(node, id, light));
                 return;
             }
+            "ambient" => {
+                let (radiance, scale) = self.emission_color(node, "radiance");
+                let group = self.light_group(node.name.as_deref(), id);
+                self.ambient.push(Ambient { radiance, scale, group });
+                return;
+            }
             "point" => self.point(node),
             "spot" => self.spot(node),
             "distant" => self.distant(node),
@@ -223,20 +229,37 @@ impl Compiler<'_> {
         let (radiance, mut scale) = self.emission_color(node, "radiance");
         let illuminance = self.luminous_target(node, "illuminance", radiance.luminance(self.mode));
         let image = if node.get("file").is_some() {
-            let texels = (*self.image(node)?).clone();
+            let texels = cube::strip((*self.image(node)?).clone());
             let octahedral = texels.width == texels.height;
             let poles = self.choice(node, "rows", &[("centers", false), ("poles", true)]);
             let latlong = match self.desc.format {
                 Format::Pbrt => Parametrization::LatLongZ,
                 _ => Parametrization::LatLongY { poles },
             };
-            let auto = if octahedral { Parametrization::Octahedral } else { latlong };
+            let is_cube = texels.height == 6 * texels.width;
+            let auto = match octahedral {
+                true => Parametrization::Octahedral,
+                false if is_cube => Parametrization::Cube,
+                false => latlong,
+            };
             let parametrization = self.choice_or(
                 node,
                 "parametrization",
                 auto,
-                &[("auto", auto), ("latlong", latlong), ("octahedral", Parametrization::Octahedral)],
+                &[
+                    ("auto", auto),
+                    ("latlong", latlong),
+                    ("octahedral", Parametrization::Octahedral),
+                    ("cube", Parametrization::Cube),
+                ],
             );
+            if parametrization == Parametrization::Cube && !is_cube {
+                self.error(
+                    node.span,
+                    "this picture has no six faces: a cross of 4 x 3 or 3 x 4, or a row or column of 6",
+                );
+                return None;
+            }
             let texels = self.emitted_texels(node, texels);
             if let Some(e) = illuminance {
                 scale *= e / upper_illuminance(&texels, parametrization).max(1e-20);
@@ -365,6 +388,10 @@ fn upper_illuminance(t: &Texels, parametrization: Parametrization) -> f32 {
             let uv = Vec2::new((x as f32 + 0.5) / t.width as f32, (y as f32 + 0.5) / t.height as f32);
             let (cos, solid_angle) = match parametrization {
                 Parametrization::Octahedral => (steradian_math::warp::equal_area_square_to_sphere(uv).z, 4.0 * PI),
+                Parametrization::Cube => {
+                    let (d, solid_angle) = steradian_core::light::cube::direction(uv);
+                    (d.y, solid_angle)
+                }
                 _ => ((uv.y * PI).cos(), 2.0 * PI * PI * (uv.y * PI).sin()),
             };
             sum += f64::from(texel_luminance(t, x, y) * cos.max(0.0) * solid_angle);

@@ -46,7 +46,9 @@ impl Compiler<'_> {
         let before = self.materials.len();
         let node = &*self.within_ranges(node);
         let mut resolved = self.new_material(node, depth);
-        if let Some(detail) = self.surface_detail(node) {
+        let ambient = node.get("ambient").is_some().then(|| self.spectrum_or(node, "ambient", Role::Albedo, HALF));
+        let detail = self.surface_detail(node);
+        if detail.is_some() || ambient.is_some() {
             // What stands for this node alone is changed, what others share is copied.
             if (resolved.id as usize) < before {
                 let inner = self.materials[resolved.id as usize].clone();
@@ -54,7 +56,9 @@ impl Compiler<'_> {
                 self.material_names.push(node.name.clone().unwrap_or_else(|| node.kind.clone()));
                 resolved.id = self.materials.len() as u32 - 1;
             }
-            self.materials[resolved.id as usize].detail = Some(detail);
+            let material = &mut self.materials[resolved.id as usize];
+            material.detail = detail.or(material.detail.take());
+            material.ambient = ambient;
         }
         self.open.remove(&id);
         self.material_ids.insert(id, resolved);

@@ -11,7 +11,7 @@ use steradian_core::{
     material::Needs,
     scene::{self, Geometry, Shape},
     shape::{
-        self, Curves, PatchMesh, Plane, Quadric, QuadricKind, SdfGrid, TriMesh,
+        self, Curves, PatchMesh, Quadric, QuadricKind, SdfGrid, TriMesh,
         curve::{CurveBasis, CurveKind, CurveParams},
         subdivision::loop_subdivide,
     },
@@ -204,19 +204,7 @@ impl Compiler<'_> {
                 placed.quadric(kind, self.float(node, "phi_max").clamp(0.0, 360.0), placed.place)
             }
             "cylinder" => self.cylinder(shape.world_from_object, placed),
-            "plane" => {
-                let n = self.vec3(node, "normal");
-                let d = self.float(node, "distance");
-                // n·x + d = 0 in object space: the plane's covector goes by the inverse transpose.
-                let covector = placed.place.inv.transpose() * n.extend(d);
-                match Plane::new(covector.truncate(), covector.w, placed.reverse) {
-                    Some(plane) => vec![Shape::Plane(plane)],
-                    None => {
-                        self.error(node.span, "the normal of this plane is zero or not finite");
-                        Vec::new()
-                    }
-                }
-            }
+            "plane" => self.plane(placed),
             "curve" => self.curve(placed),
             "height_field" => {
                 let most = if placed.emits { height_field::MOST_EMITTING } else { height_field::MOST };

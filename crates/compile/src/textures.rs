@@ -33,6 +33,9 @@ use steradian_texture::{
 const CHANNELS: [(&str, Option<usize>); 5] =
     [("color", None), ("r", Some(0)), ("g", Some(1)), ("b", Some(2)), ("a", Some(3))];
 
+/// Most texels that the filter `sinc`, which looks at all of them, takes.
+const MOST_OF_SINC: usize = 1 << 14;
+
 impl Compiler<'_> {
     /// Loads every image that a node names, each once, in parallel. Failures are reported where the image is used.
     /// `film` is what the film takes, bytes.
@@ -383,6 +386,16 @@ impl Compiler<'_> {
         } else {
             filter
         };
+        let size = (base.width(), base.height());
+        let filter = if filter == Filter::Sinc && (wrap != [Wrap::Repeat; 2] || size.0 * size.1 > MOST_OF_SINC) {
+            let what = format!(
+                "filter 'sinc' is for pictures that repeat, of up to {MOST_OF_SINC} texels; 'spline' stands in"
+            );
+            self.approximated(node.span, what);
+            Filter::Spline
+        } else {
+            filter
+        };
         let recipe = Recipe {
             shape: match filter {
                 Filter::Trilinear | Filter::Ewa(_) => Shape::Mip,
@@ -392,6 +405,7 @@ impl Compiler<'_> {
             kernel: self.choice(node, "mip_filter", &MIP_KERNELS),
             wrap,
             keep_coverage: node.get("keep_coverage").map(|_| self.float_or(node, "keep_coverage", 0.5)),
+            bleed: self.bool(node, "bleed"),
         };
         let channels = base.channels();
         let channel = match self.choice(node, "channel", &CHANNELS) {
@@ -443,7 +457,7 @@ impl Compiler<'_> {
     /// The sizes of a picture, made once for all textures that need the same.
     fn levels(&mut self, node: &Node, base: Level, recipe: &Recipe) -> Arc<Levels> {
         // Images of lights, which were changed after they were read, are looked at point by point.
-        if recipe.shape == Shape::Flat || node.family != Family::Texture {
+        if recipe.shape == Shape::Flat && !recipe.bleed || node.family != Family::Texture {
             return Arc::new(Levels::flat(base));
         }
         let file = node.path("file").map(Path::to_path_buf).unwrap_or_default();

@@ -19,6 +19,8 @@ pub enum Feature {
     Schedules,
     /// Emitters that light sampling does not reach, such as infinite planes.
     UnsampledEmitters,
+    /// Ambient lights.
+    AmbientLight,
     /// Light from infinity on infinite planes.
     InfinitePlanes,
     /// Curves, whose surface faces the ray.
@@ -75,7 +77,7 @@ impl Support {
 
 impl Feature {
     /// Features of scenes, in the order in which limits are told.
-    pub(crate) const OF_SCENES: [Self; 14] = [
+    pub(crate) const OF_SCENES: [Self; 15] = [
         Self::MovingCamera,
         Self::Media,
         Self::Subsurface,
@@ -85,6 +87,7 @@ impl Feature {
         Self::RealisticLens,
         Self::UnconnectedCamera,
         Self::Curves,
+        Self::AmbientLight,
         Self::InfinitePlanes,
         Self::Motion,
         Self::SpecularView,
@@ -93,13 +96,14 @@ impl Feature {
     ];
 
     /// All features: those of scenes, then those of requests.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::Media,
         Self::GlowingMedia,
         Self::Subsurface,
         Self::Fluorescence,
         Self::Schedules,
         Self::UnsampledEmitters,
+        Self::AmbientLight,
         Self::InfinitePlanes,
         Self::Curves,
         Self::SurfaceDetail,
@@ -125,6 +129,7 @@ impl Feature {
             Self::Fluorescence => "light that changes its wavelength (material 'fluorescent')",
             Self::Schedules => "lights that go on and off (parameters 'on' and 'off')",
             Self::UnsampledEmitters => "light of shapes of which no point can be drawn, such as an infinite plane",
+            Self::AmbientLight => "lights 'ambient'",
             Self::InfinitePlanes => "light from infinity on infinite planes",
             Self::Curves => "curves",
             Self::SurfaceDetail => "normal and bump maps",
@@ -162,6 +167,7 @@ impl Feature {
                 return specular_material(scene).map(|name| format!("{}, such as '{name}'", self.name()));
             }
             Self::Media => scene.has_media(),
+            Self::AmbientLight => !scene.lights().ambient.is_empty(),
             Self::GlowingMedia => scene.media().iter().any(|m| m.glow.is_some()),
             Self::Fluorescence => scene.is_fluorescent(),
             Self::Schedules => scene.has_schedules(),

@@ -85,6 +85,50 @@ pub(crate) fn decode(
     })
 }
 
+/// Decodes the six faces of a cube map below each other, +x, −x, +y, −y, +z, −z; `stride` is the distance in bytes from
+/// face to face.
+pub(crate) fn decode_faces(
+    kind: FileKind,
+    (layout, srgb): (Layout, bool),
+    (width, height): (u64, u64),
+    (data, stride): (&[u8], u64),
+    limits: &Limits,
+) -> Result<Texels> {
+    if width != height {
+        return Err(Error::malformed(kind, "the faces of a cube map are squares"));
+    }
+    limits.check(kind, width, height.saturating_mul(6), 8)?;
+    let face = |k: u64| {
+        let start = k.saturating_mul(stride).min(data.len() as u64) as usize;
+        decode(kind, layout, srgb, (width, height), &data[start..], limits)
+    };
+    let faces = (0..6).map(face).collect::<Result<Vec<_>>>()?;
+    // Blocks whose alpha is one everywhere came without it.
+    let channels = faces.iter().map(|f| f.channels).min().unwrap_or(0);
+    fn join<'t, T: Copy + 't>(faces: impl Iterator<Item = (&'t Vec<T>, usize)>, channels: usize) -> Vec<T> {
+        faces.flat_map(|(data, n)| data.chunks_exact(n).flat_map(move |texel| &texel[..channels])).copied().collect()
+    }
+    macro_rules! joined {
+        ($kind:ident) => {
+            TexelData::$kind(join(
+                faces.iter().filter_map(|f| match &f.data {
+                    TexelData::$kind(data) => Some((data, f.channels)),
+                    _ => None,
+                }),
+                channels,
+            ))
+        };
+    }
+    let data = match faces.first().map(|f| &f.data) {
+        Some(TexelData::U16(_)) => joined!(U16),
+        Some(TexelData::F16(_)) => joined!(F16),
+        Some(TexelData::F32(_)) => joined!(F32),
+        _ => joined!(U8),
+    };
+    let encoding = faces.first().map_or(Encoding::Linear, |f| f.encoding);
+    Ok(Texels::new(width as usize, 6 * height as usize, channels, data, encoding))
+}
+
 /// Two channels are red and green in these files, not grey and alpha: blue is zero.
 fn two_channels_as_three(w: usize, h: usize, channels: usize, data: TexelData, encoding: Encoding) -> Texels {
     fn widen<T: Copy + Default>(v: &[T]) -> Vec<T> {

@@ -68,8 +68,9 @@ pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
     let (height, width) = (u64::from(at(12)?), u64::from(at(16)?));
     // DDSCAPS2: cube maps and volumes.
     let caps2 = at(112)?;
-    if caps2 & 0x200 != 0 {
-        return Err(Error::unsupported(KIND, "cube maps"));
+    let mut is_cube = caps2 & 0x200 != 0;
+    if is_cube && caps2 & 0xfc00 != 0xfc00 {
+        return Err(Error::unsupported(KIND, "cube maps without all six faces"));
     }
     if caps2 & 0x20_0000 != 0 {
         return Err(Error::unsupported(KIND, "volumes"));
@@ -79,9 +80,10 @@ pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
     if at(80)? & 4 != 0 {
         if &four_cc == b"DX10" {
             let number = at(128)?;
-            if at(132)? != 3 || at(136)? & 4 != 0 {
+            if at(132)? != 3 {
                 return Err(Error::unsupported(KIND, "what is not a flat picture"));
             }
+            is_cube |= at(136)? & 4 != 0;
             start = 148;
             let known = DXGI.iter().chain(&DXGI_LATE).find(|f| f.0 == number);
             let Some(known) = known else { return Err(Error::unsupported(KIND, format!("DXGI format {number}"))) };
@@ -93,7 +95,7 @@ pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
             let name = String::from_utf8_lossy(&four_cc).escape_default().to_string();
             return Err(Error::unsupported(KIND, format!("the format '{name}'")));
         };
-        return container::decode(KIND, layout, srgb, (width, height), bytes.get(start..).unwrap_or(&[]), limits);
+        return pixels(bytes, (layout, srgb), (width, height), (start, is_cube), limits);
     }
     // Plain pixels, told by masks: bits per pixel, then red, green, blue, alpha.
     let [bits, red, green, blue, alpha] = [at(88)?, at(92)?, at(96)?, at(100)?, at(104)?];
@@ -106,7 +108,25 @@ pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
         (8, 0xff, ..) => Layout::Codes(1),
         _ => return Err(Error::unsupported(KIND, format!("{bits} bits per pixel with these masks"))),
     };
-    container::decode(KIND, layout, srgb, (width, height), bytes.get(start..).unwrap_or(&[]), limits)
+    pixels(bytes, (layout, srgb), (width, height), (start, is_cube), limits)
+}
+
+/// The largest level of the picture, or of all faces of a cube map, each of which is followed by its smaller levels.
+fn pixels(
+    bytes: &[u8],
+    (layout, srgb): (Layout, bool),
+    (width, height): (u64, u64),
+    (start, is_cube): (usize, bool),
+    limits: &Limits,
+) -> Result<Texels> {
+    let data = bytes.get(start..).unwrap_or(&[]);
+    if !is_cube {
+        return container::decode(KIND, layout, srgb, (width, height), data, limits);
+    }
+    let levels = u64::from(u32_at(KIND, bytes, 28)?.clamp(1, 32));
+    let level = |i: u64| layout.bytes((width >> i).max(1), (height >> i).max(1)).unwrap_or(u64::MAX);
+    let stride = (0..levels).fold(0, |sum: u64, i| sum.saturating_add(level(i)));
+    container::decode_faces(KIND, (layout, srgb), (width, height), (data, stride), limits)
 }
 
 /// A file with the extended header that holds one level of blocks.

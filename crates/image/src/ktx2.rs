@@ -66,12 +66,15 @@ pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
     if depth > 0 {
         return Err(Error::unsupported(KIND, "volumes"));
     }
-    if layers > 1 || faces != 1 {
-        return Err(Error::unsupported(KIND, "arrays and cube maps"));
+    if layers > 1 || !matches!(faces, 1 | 6) {
+        return Err(Error::unsupported(KIND, "arrays"));
     }
     // A height of zero stands for one row.
     let size = (width, height.max(1));
     if number == 0 {
+        if faces == 6 {
+            return Err(Error::unsupported(KIND, "cube maps of Basis Universal"));
+        }
         let mut texels = crate::basis::decode(bytes, size, limits)?;
         if is_bottom_up(bytes) {
             flip(&mut texels);
@@ -89,12 +92,21 @@ pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
         return Err(Error::TooShort { kind: KIND, width, height, bytes: bytes.len() as u64 });
     };
     let data = &bytes[offset as usize..end as usize];
+    // The faces of a level follow each other.
+    let decode = |data: &[u8]| match faces {
+        6 => {
+            let stride = layout.bytes(size.0, size.1).unwrap_or(u64::MAX);
+            container::decode_faces(KIND, (layout, srgb), size, (data, stride), limits)
+        }
+        _ => container::decode(KIND, layout, srgb, size, data, limits),
+    };
     let mut texels = match scheme {
-        0 => container::decode(KIND, layout, srgb, size, data, limits)?,
+        0 => decode(data)?,
         3 => {
             limits.check(KIND, size.0, size.1, 8)?;
             let most = (data.len() as u64).saturating_mul(MOST_DEFLATED);
-            let needed = layout.bytes(size.0, size.1).filter(|&n| n <= most && n <= inflated);
+            let needed = layout.bytes(size.0, size.1).and_then(|n| n.checked_mul(u64::from(faces)));
+            let needed = needed.filter(|&n| n <= most && n <= inflated);
             let Some(needed) = needed else {
                 return Err(Error::TooShort { kind: KIND, width, height, bytes: data.len() as u64 });
             };
@@ -105,13 +117,14 @@ pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Texels> {
             if plain.len() as u64 > needed {
                 return Err(Error::malformed(KIND, "its deflated data are longer than its pixels"));
             }
-            container::decode(KIND, layout, srgb, size, &plain, limits)?
+            decode(&plain)?
         }
         1 => return Err(Error::unsupported(KIND, "Basis Universal")),
         2 => return Err(Error::unsupported(KIND, "Zstandard")),
         n => return Err(Error::unsupported(KIND, format!("supercompression scheme {n}"))),
     };
-    if is_bottom_up(bytes) {
+    // Cube maps have one orientation.
+    if faces == 1 && is_bottom_up(bytes) {
         flip(&mut texels);
     }
     Ok(texels)
@@ -169,6 +182,7 @@ pub(crate) fn encode(width: u32, height: u32, format: BlockFormat, blocks: &[u8]
 fn descriptor(format: BlockFormat, srgb: bool) -> Vec<u8> {
     const ALPHA: u32 = 15;
     const LINEAR: u32 = 0x10;
+    const FLOAT: u32 = 0x80;
     let all = format.block_bytes() as u32 * 8;
     // Colour model, and channels with first bit and number of bits.
     let (model, samples): (u32, Vec<(u32, u32, u32)>) = match format {
@@ -177,14 +191,15 @@ fn descriptor(format: BlockFormat, srgb: bool) -> Vec<u8> {
         BlockFormat::Bc3 => (130, vec![(ALPHA | LINEAR, 0, 64), (0, 64, 64)]),
         BlockFormat::Bc4 => (131, vec![(0, 0, all)]),
         BlockFormat::Bc5 => (132, vec![(0, 0, 64), (1, 64, 64)]),
-        BlockFormat::Bc6h => (133, vec![(0, 0, all)]),
+        BlockFormat::Bc6h => (133, vec![(FLOAT, 0, all)]),
         BlockFormat::Bc7 => (134, vec![(0, 0, all)]),
     };
     let size = 24 + 16 * samples.len() as u32;
     let transfer = if srgb { 2 } else { 1 };
     let mut words = vec![size + 4, 0, 2 | size << 16, model | 1 << 8 | transfer << 16, 3 | 3 << 8, all / 8, 0];
     for (channel, first, bits) in samples {
-        words.extend([first | (bits - 1) << 16 | channel << 24, 0, 0, u32::MAX]);
+        let most = if channel == FLOAT { 1f32.to_bits() } else { u32::MAX };
+        words.extend([first | (bits - 1) << 16 | channel << 24, 0, 0, most]);
     }
     words.into_iter().flat_map(u32::to_le_bytes).collect()
 }

@@ -1,6 +1,6 @@
 //! Writing pictures: the format follows from the file's extension.
 
-use crate::block;
+use crate::block::{self, BlockFormat};
 use crate::encoding::{quantize8, quantize16};
 use crate::tone::Tone;
 use crate::{Error, FileKind, Image, Result, WriteOptions, atomic::io, png_file, pnm};
@@ -84,10 +84,13 @@ fn encode_to(kind: FileKind, image: &Image, options: &WriteOptions, out: &mut dy
         }
         FileKind::Dds | FileKind::Ktx2 => {
             let [w, h] = side_lengths(kind, image, 16384)?;
-            let codes = block_samples(image, options)?;
-            let blocks = block::encode(options.block, &codes, width, height)
-                .ok_or_else(|| Error::unsupported(kind, format!("writing {:?}", options.block)))?;
-            drop(codes);
+            let blocks = if options.block == BlockFormat::Bc6h {
+                let planes = image.require_rgb()?;
+                block::encode_linear(width, height, |i| planes.at(i))
+            } else {
+                block::encode(options.block, &block_samples(image, options)?, width, height)
+                    .ok_or_else(|| Error::unsupported(kind, format!("writing {:?}", options.block)))?
+            };
             let file = if kind == FileKind::Dds { crate::dds::encode } else { crate::ktx2::encode };
             out.write_all(&file(w, h, options.block, &blocks)).map_err(io("write"))
         }

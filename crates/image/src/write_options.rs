@@ -42,7 +42,8 @@ pub struct WriteOptions {
     /// PPM: linear values scaled by the picture's maximum, with a `#MAX=` comment, instead of tone-mapped display
     /// values.
     pub ppm_radiance: bool,
-    /// DDS and KTX2: how blocks are compressed; BC1, BC3, BC4, BC5 or BC7.
+    /// DDS and KTX2: how blocks are compressed; one of [`crate::block::WRITABLE`].
+    /// BC6H has linear values.
     pub block: BlockFormat,
     /// PNG, JPEG, PPM, and colours of DDS and KTX2: from linear radiance to display values.
     pub tone: Tone,

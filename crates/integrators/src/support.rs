@@ -2,12 +2,13 @@
 
 use steradian_engine::{
     Feature,
-    Support::{self, Exact, Refuses},
+    Support::{self, Exact, LeavesOut, Refuses},
 };
 
 /// Answers of methods that follow rays from the camera, one sample of a pixel after the other.
 pub(crate) fn of_camera_rays(feature: Feature) -> Support {
     match feature {
+        Feature::AmbientLight => LeavesOut("the light from all sides that they stand for is no radiance of the scene"),
         // What media add to a pixel has no coverage.
         Feature::TransparencyBehindMedia => Refuses(""),
         Feature::LightGroups => Refuses("'path', 'volpath' and 'raster' can"),
@@ -43,7 +44,7 @@ pub(crate) fn of_passes(feature: Feature) -> Support {
 pub(crate) fn of_photons(feature: Feature) -> Support {
     match feature {
         Feature::InfinitePlanes => Refuses(""),
-        Feature::UnsampledEmitters => Support::LeavesOut(""),
+        Feature::UnsampledEmitters => LeavesOut(""),
         _ => of_passes(feature),
     }
 }

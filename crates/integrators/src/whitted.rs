@@ -47,6 +47,7 @@ impl Method for Whitted {
     fn supports(&self, feature: Feature) -> Support {
         match feature {
             Feature::Media | Feature::UnsampledEmitters => Support::LeavesOut(""),
+            Feature::AmbientLight => Support::Exact,
             _ => support::of_local_scattering(feature),
         }
     }
@@ -125,6 +126,8 @@ impl Whitted {
             };
             let bsdf = &scattering.bsdf;
             let wo = frame.to_local(i.wo);
+            // The ambient term k_a L_a.
+            sum += scene.ambient(&i, &scattering, wo, lambda).fold(Spectrum::ZERO, |sum, (_, light)| sum + light);
             // Every light in turn.
             let ctx = LightContext { p: i.surface.p, n: nee::context(&i, &frame, bsdf).n };
             for light in 0..scene.lights().lights.len() as u32 {

@@ -8,6 +8,7 @@
 //!    reversed depth buffer. Painter's algorithm, BSP order, Newell's sort and Warnock's subdivision find the same
 //!    (`order`).
 //! 3. `shading`: what that primitive sends to the eye: emission, light of each light, and what mirrors and glass show.
+//!    `shading_model`: light of each pixel, or of the corners of triangles (flat, Gouraud).
 //! 4. `shadow`: whether a light is seen: by rays, by shadow maps of many kinds, by shadow volumes, by projected
 //!    shadows, or always.
 //!
@@ -18,6 +19,7 @@
 
 pub mod draw_list;
 mod hybrid;
+mod image_light;
 pub mod lesson;
 mod method;
 mod options;
@@ -27,6 +29,7 @@ mod preview;
 mod projection;
 mod rasterizer;
 mod shading;
+mod shading_model;
 mod shadow;
 mod trace;
 mod visibility;
@@ -38,6 +41,7 @@ pub use options::{BiasBy, FrameKind, Method, Options, SHADOWS, Shadows, Show};
 pub use preview::Preview;
 pub use projection::Projected;
 pub use rasterizer::Rasterizer;
+pub use shading_model::ShadingModel;
 pub use visibility::{Seen, Visibility};
 pub use world::World;
 

@@ -43,6 +43,9 @@ impl Raster {
         if is_plain && request.spp.is_none() && !by_light && !request.transparent && is_small {
             options.frame = FrameKind::Preview;
         }
+        if options.harmonics && asked.scene.mode() == ColorMode::Spectral {
+            return Err(Refusal("raster: environment=harmonics takes RGB mode (--color rgb)".into()));
+        }
         let depth = Depth { max: request.max_depth.unwrap_or(u32::MAX), ..asked.depth() };
         Ok(Self { options, depth })
     }
@@ -56,6 +59,9 @@ impl Method for Raster {
             Feature::Motion | Feature::Schedules => LeavesOut("it shows the moment at which the shutter opens"),
             Feature::Subsurface | Feature::Fluorescence => Approximates("it is shown as diffuse"),
             Feature::Samplers => LeavesOut("it spreads samples in a way of its own"),
+            Feature::AmbientLight if self.options.frame != FrameKind::Forward => {
+                LeavesOut("frame=preview and frame=hybrid find the light that they stand for; frame=forward has them")
+            }
             Feature::Adaptivity => Refuses("it makes whole pictures pass by pass"),
             Feature::Denoising => {
                 Refuses("rasterisation has no noise of paths (its frames frame=hybrid are denoised already)")

@@ -1,6 +1,9 @@
 //! The options of the integrator: `raster:shadows=map,size=1024`.
 
-use crate::Error;
+use crate::{
+    Error,
+    shading_model::{MODELS, ShadingModel},
+};
 use steradian_request::MethodRequest;
 
 /// Shadow technique.
@@ -211,12 +214,18 @@ pub struct Options {
     pub cascades: u32,
     /// Texels that are compared around a point, along each axis; 1 for one.
     pub pcf: u32,
+    /// Number of texels of that square that are compared, spread evenly; 0 for all.
+    pub pcf_samples: u32,
     /// Hidden-surface algorithm.
     pub visibility: Method,
     /// Points on each light that has an extent, and directions of environments.
     pub points: u32,
     /// Largest number of mirrors and panes of glass that are looked through one after the other.
     pub bounces: u32,
+    /// Shading model of triangles.
+    pub shading: ShadingModel,
+    /// Lights diffuse surfaces by nine coefficients of each environment, without shadows.
+    pub harmonics: bool,
     /// View that is shown.
     pub show: Show,
 }
@@ -232,9 +241,12 @@ impl Default for Options {
             bias_by: BiasBy::Slope,
             cascades: 4,
             pcf: 1,
+            pcf_samples: 0,
             visibility: Method::ZBuffer,
             points: 4,
             bounces: 8,
+            shading: ShadingModel::Pixel,
+            harmonics: false,
             show: Show::Picture,
         }
     }
@@ -256,9 +268,12 @@ impl Options {
             bias_by: named(&BIASES, asked.word("bias-by")).unwrap_or(default.bias_by),
             cascades: asked.count("cascades"),
             pcf: asked.count("pcf"),
+            pcf_samples: asked.count("pcf-samples"),
             visibility: named(&METHODS, asked.word("visibility")).unwrap_or(default.visibility),
             points: asked.count("points"),
             bounces: asked.count("bounces"),
+            harmonics: asked.word("environment") == "harmonics",
+            shading: named(&MODELS, asked.word("shading")).unwrap_or(default.shading),
             show: named(&SHOWN, asked.word("show")).unwrap_or(default.show),
         };
         options.checked()
@@ -279,6 +294,12 @@ impl Options {
             }
             FrameKind::Preview if self.show != Show::Picture || self.shadows != Shadows::Ray => {
                 refused("frame=preview has no views, and shadows by rays")
+            }
+            FrameKind::Hybrid | FrameKind::Preview if self.harmonics => {
+                refused("environment=harmonics is of frame=forward")
+            }
+            FrameKind::Hybrid | FrameKind::Preview if self.shading != ShadingModel::Pixel => {
+                refused("shading models are of frame=forward")
             }
             FrameKind::Hybrid if self.shadows != Shadows::Ray => refused("frame=hybrid has shadows by rays"),
             _ => Ok(self),
@@ -329,6 +350,7 @@ mod tests {
         all_known("frame", &FRAMES.map(|f| f.0));
         all_known("bias-by", &BIASES.map(|f| f.0));
         all_known("visibility", &METHODS.map(|f| f.0));
+        all_known("shading", &MODELS.map(|f| f.0));
         all_known("show", &SHOWN.map(|f| f.0));
         all_known("shadows", &SHADOWS.iter().map(|f| f.0).collect::<Vec<_>>());
     }

@@ -295,6 +295,19 @@ impl Projected {
         scene.camera().ray(scene.film(), pixel, Vec2::splat(0.5))
     }
 
+    /// The unit ray of the view towards a point, which need not be in the frame, and the distance to it: from the eye,
+    /// or from its plane where rays are parallel.
+    pub(crate) fn ray_to(&self, p: Vec3) -> (Ray, f32) {
+        let (eye, axis) = self.eye();
+        if self.perspective {
+            let to = p - eye;
+            return (Ray::new(eye, to.normalize_or_zero()), to.length());
+        }
+        let d = axis.normalize();
+        let t = (p - eye).dot(d);
+        (Ray::new(p - d * t, d), t)
+    }
+
     fn light_ray(&self, [x, y]: [u32; 2], size: u32) -> Ray {
         // Unproject the texel's centre to the plane at distance 1.
         let at = |i: u32| (i as f32 + 0.5) / size as f32 * 2.0 - 1.0;

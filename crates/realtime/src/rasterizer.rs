@@ -3,19 +3,23 @@
 use crate::{
     Error,
     draw_list::DrawList,
+    image_light::ImageLights,
     lesson,
     options::{Method, Options, Show},
     preparation::Preparation,
     projection::Projected,
     shading::Shader,
+    shading_model::{Found, TriangleLight, key, view_of},
     shadow::{Eye, Shadowing},
     spread,
-    visibility::Visibility,
+    trace::Trace,
+    visibility::{Seen, Visibility},
 };
 use std::sync::OnceLock;
 use steradian_core::{
     Scene,
     film::{FilmSpec, LayerInputs, PassFilm},
+    scene::Shape,
 };
 use steradian_engine::{Counters, Pass, Plan, Run, Sight, first_hit};
 use steradian_math::{Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
@@ -32,14 +36,10 @@ pub struct Rasterizer {
     preparation: Preparation,
     /// Made once, for kinds of shadows that hold for all passes.
     shadows: OnceLock<Shadowing>,
+    /// Environments by their coefficients, where the options ask for that.
+    image_lights: OnceLock<ImageLights>,
     /// Pixels that the painter's algorithm gets wrong in the first pass.
     wrong: OnceLock<usize>,
-}
-
-/// A sample of a pixel.
-struct Found {
-    value: Vec3,
-    lights: Vec<Vec3>,
 }
 
 /// LayerInputs of a pass.
@@ -72,6 +72,7 @@ impl Rasterizer {
             by_light: plan.has(LayerInputs::LIGHT_GROUPS),
             preparation: Preparation::default(),
             shadows: OnceLock::new(),
+            image_lights: OnceLock::new(),
             wrong: OnceLock::new(),
         })
     }
@@ -101,13 +102,15 @@ impl Rasterizer {
         // Views that explain the pipeline are drawn whole, once for the pass; all others pixel by pixel.
         let eye = drawing.eye();
         let lesson = pool.install(|| lesson::picture(run.scene, list, &eye, &self.options, shadows))?;
+        // Flat and Gouraud shading compute light at the corners first, for the pixels to interpolate.
+        let Some((triangles, of_corners)) = self.triangle_light(&drawing, shadows) else { return Ok(None) };
         let crop = run.scene.film().crop;
         let (width, height) = (crop.width() as usize, crop.height() as usize);
         // Rows in parallel; their counters are added in the order of rows.
         let rows = run.in_order(height, |row, counters| {
             let pixel = |column: usize| match &lesson {
-                Some(lesson) => Found { value: lesson[row * width + column], lights: Vec::new() },
-                None => self.pixel(&drawing, shadows, [column as u32, row as u32], counters),
+                Some(lesson) => Found::of(lesson[row * width + column]),
+                None => self.pixel(&drawing, (shadows, &triangles), [column as u32, row as u32], counters),
             };
             (0..width).take_while(|_| !run.is_cancelled()).map(pixel).collect::<Vec<_>>()
         });
@@ -117,6 +120,7 @@ impl Rasterizer {
             film.add(crop.x0 + (at % width) as u32, crop.y0 + (at / width) as u32, found.value);
             film.add_lights(at, &found.lights);
         }
+        counters += &of_corners;
         counters.samples = (width * height) as u64;
         Ok(Some(counters))
     }
@@ -148,34 +152,85 @@ impl Rasterizer {
         self.shadows.get().ok_or_else(|| Error::Scene("no shadows were made".into()))
     }
 
-    fn pixel(&self, drawing: &Drawing<'_>, shadows: &Shadowing, at: [u32; 2], counters: &mut Counters) -> Found {
+    /// Light of the triangles that the picture sees at the points of the shading model, and the counters of its rays;
+    /// empty for models of pixels. `None` where the render was cancelled.
+    fn triangle_light(&self, drawing: &Drawing<'_>, shadows: &Shadowing) -> Option<(TriangleLight, Counters)> {
+        let Drawing { run, list, projected, visibility, .. } = drawing;
+        let (scene, points) = (run.scene, self.options.shading.points());
+        if points.is_empty() || self.options.show != Show::Picture {
+            return Some(<_>::default());
+        }
+        let shader = self.shader(drawing, shadows);
+        let width = scene.film().crop.width();
+        // One pixel of each triangle tells what is seen there.
+        let of_pixel = |pixel: u32| {
+            let seen = visibility.seen(scene, list, projected, [pixel % width, pixel / width])?;
+            matches!(scene.geometry(seen.hit.id).shape, Shape::Mesh(_)).then_some(seen)
+        };
+        let all: Vec<Seen> = visibility.first_pixels().into_iter().filter_map(of_pixel).collect();
+        let (found, counters) = run.in_order(all.len(), |k, counters| {
+            let at = |uv: &[f32; 2]| {
+                let (p, ray, seen) = view_of(scene, projected, all[k], *uv);
+                self.shade(drawing, &shader, (&ray, Some(seen)), (key(p), None), counters)
+            };
+            (all[k].number, points.iter().map(at).collect())
+        })?;
+        Some((TriangleLight { triangles: found }, counters))
+    }
+
+    fn shader<'a>(&'a self, drawing: &Drawing<'a>, shadows: &'a Shadowing) -> Shader<'a> {
+        let (scene, seed) = (drawing.run.scene, drawing.run.sampler.seed);
+        let image_lights = self.options.harmonics.then(|| self.image_lights.get_or_init(|| ImageLights::new(scene)));
+        Shader { scene, shadows, options: &self.options, depth: &self.depth, pass: drawing.number, seed, image_lights }
+    }
+
+    fn pixel(
+        &self,
+        drawing: &Drawing<'_>,
+        (shadows, triangles): (&Shadowing, &TriangleLight),
+        at: [u32; 2],
+        counters: &mut Counters,
+    ) -> Found {
         let Drawing { run, list, projected, visibility, .. } = drawing;
         let scene = run.scene;
         // Intersect the pixel's ray with the primitive that the visibility buffer names.
         let seen = visibility.seen(scene, list, projected, at);
+        let pixel = (at[1] * scene.film().crop.width() + at[0]) as usize;
         if self.options.show == Show::Clip {
-            let item = visibility.item((at[1] * scene.film().crop.width() + at[0]) as usize);
+            let item = visibility.item(pixel);
             let shown = item.zip(seen).map(|(item, seen)| lesson::clipping(scene, list, projected, item, &seen));
-            return Found { value: shown.unwrap_or(Vec3::ZERO), lights: Vec::new() };
+            return Found::of(shown.unwrap_or(Vec3::ZERO));
         }
         let ray = projected.ray(scene, at);
-        let seed = run.sampler.seed;
-        let shader = Shader { scene, shadows, options: &self.options, depth: &self.depth, pass: drawing.number, seed };
+        let shader = self.shader(drawing, shadows);
         if self.options.show != Show::Picture {
-            return Found { value: shader.view(&ray, seen), lights: Vec::new() };
+            return Found::of(shader.view(&ray, seen));
         }
-        // Shade: radiance of the visible point, split by the groups of lights.
+        let light = seen.as_ref().and_then(|seen| triangles.at(seen));
+        let found = light.unwrap_or_else(|| self.shade(drawing, &shader, (&ray, seen), (at, Some(pixel)), counters));
+        // A transparent background leaves pixels without coverage black.
+        let sight = Sight { sees_through: false, hide_emitters: self.depth.hide_emitters };
+        let is_clear = self.transparent && first_hit(scene, ray, &shader.wavelengths(at), sight, None).coverage == 0.0;
+        if is_clear { Found { value: Vec3::ZERO, lights: vec![Vec3::ZERO; found.lights.len()] } } else { found }
+    }
+
+    /// Shades the point that a ray sees: its radiance in the colours of the film, split by the groups of lights.
+    /// `at` chooses its random numbers; `pixel` is the one that sees it, while shadows of pixels apply.
+    fn shade(
+        &self,
+        drawing: &Drawing<'_>,
+        shader: &Shader<'_>,
+        (ray, seen): (&Ray, Option<Seen>),
+        (at, pixel): ([u32; 2], Option<usize>),
+        counters: &mut Counters,
+    ) -> Found {
+        let scene = drawing.run.scene;
         let mut lambda = shader.wavelengths(at);
         counters.by_group.clear();
         let groups = if self.by_light { scene.light_groups().names.len() } else { 0 };
         counters.by_group.resize(groups, Spectrum::ZERO);
-        let mut radiance = shader.radiance(&ray, seen, at, &mut lambda, counters);
-        let sight = Sight { sees_through: false, hide_emitters: self.depth.hide_emitters };
-        // A transparent background leaves pixels without coverage black.
-        if self.transparent && first_hit(scene, ray, &lambda, sight, None).coverage == 0.0 {
-            radiance = Spectrum::ZERO;
-            counters.by_group.fill(radiance);
-        }
+        let mut trace = Trace { counters, pixel, world: None };
+        let radiance = shader.radiance(ray, seen, &shader.numbers(at), &mut lambda, &mut trace);
         // Exposure may clamp the radiance; the light of groups is scaled alike, so that groups still add up to the
         // picture.
         let exposed = scene.film().exposed(radiance);

@@ -1,6 +1,6 @@
 //! Radiance of visible points towards the eye.
 
-use steradian_bsdf::{BsdfSample, TransportMode};
+use steradian_bsdf::{Bsdf, BsdfSample, TransportMode};
 use steradian_core::{
     Scene,
     footprint::{Bounce, RayDifferential},
@@ -8,12 +8,13 @@ use steradian_core::{
     material::Scattering,
     scene::{Hit, Interaction},
 };
-use steradian_engine::Counters;
 use steradian_math::{Frame, Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
 use steradian_transport::{Depth, nee, power_heuristic};
 
 use crate::{
+    image_light::ImageLights,
     options::{FrameKind, Options, Show},
+    shading_model::Normals,
     shadow::Shadowing,
     trace::Trace,
     visibility::Seen,
@@ -34,6 +35,8 @@ pub struct Shader<'a> {
     /// Which of the samples of the pixel this is.
     pub pass: u32,
     pub seed: u64,
+    /// Environments that light diffuse surfaces by their coefficients, where the options ask for that.
+    pub image_lights: Option<&'a ImageLights>,
 }
 
 /// A point that scatters, on the path of a pixel.
@@ -65,6 +68,8 @@ pub struct CameraPath {
     pub round: u32,
     /// True if lights on the path count.
     pub sees_lights: bool,
+    /// Normals of the first surface that scatters.
+    pub normals: Normals,
 }
 
 impl CameraPath {
@@ -78,7 +83,13 @@ impl CameraPath {
         let differential = shader.scene.ray_differential(ray);
         let sees_lights = !shader.depth.hide_emitters;
         let hit = seen.map(|s| s.hit);
-        Self { ray: *ray, hit, differential, beta: Spectrum::ONE, events: 0, round: 0, sees_lights }
+        let normals = shader.options.shading.normals();
+        Self { ray: *ray, hit, differential, beta: Spectrum::ONE, events: 0, round: 0, sees_lights, normals }
+    }
+
+    /// Normals of the surface that the path is at: those of the shading model hold for what the camera sees.
+    fn normals(&self) -> Normals {
+        if self.events == 0 { self.normals } else { Normals::Mapped }
     }
 }
 
@@ -168,13 +179,11 @@ impl<'a> Shader<'a> {
         &self,
         ray: &Ray,
         seen: Option<Seen>,
-        at: [u32; 2],
+        numbers: &Numbers,
         lambda: &mut Wavelengths,
-        counters: &mut Counters,
+        trace: &mut Trace<'_>,
     ) -> Spectrum {
-        let pixel = (at[1] * self.scene.film().crop.width() + at[0]) as usize;
-        let mut trace = Trace { counters, pixel: Some(pixel), world: None };
-        self.follow(CameraPath::start(self, ray, seen), &self.numbers(at), lambda, &mut trace)
+        self.follow(CameraPath::start(self, ray, seen), numbers, lambda, trace)
     }
 
     /// The light that comes along a path, past mirrors, glass and interfaces to the first surface that scatters
@@ -196,7 +205,8 @@ impl<'a> Shader<'a> {
                 return if path.sees_lights { sum + self.background(&ray, beta, lambda, trace) } else { sum };
             };
             // Emission, seen directly or by mirrors.
-            let i = scene.interaction_of_light(&ray, &found);
+            let mut i = scene.interaction_of_light(&ray, &found);
+            path.normals().set(&mut i);
             // What no light sample finds, such as an infinite plane, is found here alone.
             let is_sampled = || scene.light(&i).is_some();
             if path.sees_lights || (path.events > 0 && !is_sampled()) {
@@ -216,17 +226,20 @@ impl<'a> Shader<'a> {
                 Some(_) if path.events >= self.depth.max => return sum,
                 Some((scattering, frame)) => {
                     // Direct light; then only specular lobes go on.
+                    let (scattering, frame) = path.normals().unmapped(&i, (scattering, frame));
                     let ctx = nee::context(&i, &frame, &scattering.bsdf);
                     let point = Point { i, frame, scattering, ctx, lambda: *lambda, beta, numbers, round };
-                    sum += self.direct(&point, trace);
+                    sum += self.ambient(&point, trace) + self.direct(&point, trace);
                     // Mirrors and glass show what lies behind them.
                     if path.events >= self.options.bounces {
                         return sum;
                     }
-                    // Continue only through specular lobes.
-                    let drawn = self.draw(&point);
-                    let Some(s) = drawn.filter(|s| s.lobe.is_specular()) else { return sum };
-                    path = self.extended(&point, &s, path);
+                    // Continue only by specular lobes, and by those of frosted glass, whose lights are found by light
+                    // samples.
+                    let is_glass = matches!(point.scattering.bsdf, Bsdf::Dielectric(_));
+                    let goes_on = |s: &BsdfSample| s.lobe.is_specular() || is_glass;
+                    let Some(s) = self.draw(&point).filter(goes_on) else { return sum };
+                    path = CameraPath { sees_lights: s.lobe.is_specular(), ..self.extended(&point, &s, path) };
                 }
             }
             // From here on the point is no longer the one that the pixel sees, so that shadow data of the picture do
@@ -269,6 +282,18 @@ impl<'a> Shader<'a> {
         CameraPath { ray, hit: None, differential, beta, events: path.events + 1, sees_lights: true, ..path }
     }
 
+    /// The ambient term k_a L_a of forward frames; the others find the light that it stands for.
+    fn ambient(&self, point: &Point<'_>, trace: &mut Trace<'_>) -> Spectrum {
+        if self.options.frame != FrameKind::Forward {
+            return Spectrum::ZERO;
+        }
+        let Point { i, frame, scattering, lambda, beta, .. } = point;
+        self.scene.ambient(i, scattering, frame.to_local(i.wo), lambda).fold(Spectrum::ZERO, |sum, (group, light)| {
+            trace.counters.note(|| Some(group), *beta * light);
+            sum + *beta * light
+        })
+    }
+
     pub fn background(&self, ray: &Ray, beta: Spectrum, lambda: &Wavelengths, trace: &mut Trace<'_>) -> Spectrum {
         let scene = self.scene;
         scene.lights().environments.iter().fold(Spectrum::ZERO, |sum, &light| {
@@ -285,20 +310,23 @@ impl<'a> Shader<'a> {
         }
         let lights = self.scene.lights();
         let (numbers, round, points) = (point.numbers, point.round, self.options.points);
-        let mut sum = Spectrum::ZERO;
+        let is_diffuse = matches!(point.scattering.bsdf, Bsdf::Diffuse(_));
+        let image_lights = self.image_lights.filter(|_| is_diffuse);
+        let is_done = |light: u32| image_lights.is_some_and(|known| known.has(light));
+        let mut sum = image_lights.map_or(Spectrum::ZERO, |known| self.by_harmonics(point, known, trace));
         // Many lights: one is chosen for each sample, in proportion to its bound in the light tree.
         if lights.lights.len() > FEW_LIGHTS {
             for k in 0..points {
                 let u = numbers.get_2d(4 + 8 * round, k).x;
-                if let Some((light, p)) = lights.choose(&point.ctx, u) {
+                if let Some((light, p)) = lights.choose(&point.ctx, u).filter(|(light, _)| !is_done(*light)) {
                     let u = numbers.get_2d(5 + 8 * round, k);
                     sum += self.light_of(point, (light, p), None, u, 1.0 / points as f32, trace);
                 }
             }
-            return sum + self.bsdf_sampled(point, true, trace);
+            return sum + self.bsdf_sampled(point, true, is_done, trace);
         }
         // Few lights: each is asked, with as many points as the options say.
-        for (number, light) in lights.lights.iter().enumerate() {
+        for (number, light) in lights.lights.iter().enumerate().filter(|(number, _)| !is_done(*number as u32)) {
             // Points and parallel light have one place.
             let is_delta = !matches!(light, Light::Environment(_) | Light::Area(_));
             let count = if is_delta { 1 } else { points };
@@ -308,16 +336,36 @@ impl<'a> Shader<'a> {
                 sum += self.light_of(point, (number as u32, 1.0), share, u, 1.0 / count as f32, trace);
             }
         }
-        sum + self.bsdf_sampled(point, false, trace)
+        sum + self.bsdf_sampled(point, false, is_done, trace)
+    }
+
+    /// The light of environments on a diffuse surface: reflectance times irradiance over π.
+    fn by_harmonics(&self, point: &Point<'_>, known: &ImageLights, trace: &mut Trace<'_>) -> Spectrum {
+        let Point { i, frame, scattering, beta, .. } = point;
+        // f cos θ along the normal is the reflectance over π.
+        let e = scattering.eval(frame.to_local(i.wo), Vec3::Z, TransportMode::Radiance);
+        let reflectance = e.value * std::f32::consts::PI;
+        known.at(frame.z).fold(Spectrum::ZERO, |sum, (group, light)| {
+            let found = *beta * reflectance * light;
+            trace.counters.note(|| Some(group), found);
+            sum + found
+        })
     }
 
     /// The light of environments in directions that the surface draws, weighted against those that the light draws; in
-    /// previews also that of lights with an area. `chosen`: whether lights are chosen at random.
-    fn bsdf_sampled(&self, point: &Point<'_>, chosen: bool, trace: &mut Trace<'_>) -> Spectrum {
+    /// previews also that of lights with an area. `chosen`: whether lights are chosen at random; lights that are done
+    /// already are left out.
+    fn bsdf_sampled(
+        &self,
+        point: &Point<'_>,
+        chosen: bool,
+        is_done: impl Fn(u32) -> bool,
+        trace: &mut Trace<'_>,
+    ) -> Spectrum {
         let Point { i, frame, scattering, ctx, lambda, beta, numbers, round } = point;
         let lights = self.scene.lights();
         let mut sum = Spectrum::ZERO;
-        if lights.environments.is_empty() && !self.is_preview() {
+        if lights.environments.iter().all(|light| is_done(*light)) && !self.is_preview() {
             return sum;
         }
         let wo = frame.to_local(i.wo);
@@ -339,7 +387,7 @@ impl<'a> Shader<'a> {
                     sum += *beta * s.weight * light / self.options.points as f32;
                 }
             }
-            for &light in &lights.environments {
+            for &light in lights.environments.iter().filter(|light| !is_done(**light)) {
                 let Light::Environment(e) = &lights.lights[light as usize] else { continue };
                 // Its density by light sampling. Where all lights are asked, the probability of the choice is divided
                 // out.

@@ -131,6 +131,15 @@ impl Visibility {
         self.parts.find(self.numbers[pixel].checked_sub(1)?).map(|(item, _)| item)
     }
 
+    /// The first pixel of each primitive that is seen, in the order of their numbers.
+    pub fn first_pixels(&self) -> Vec<u32> {
+        let mut all: Vec<(u32, u32)> =
+            (0..).zip(&self.numbers).filter(|(_, n)| **n > 0).map(|(p, n)| (*n, p)).collect();
+        all.par_sort_unstable();
+        all.dedup_by_key(|(number, _)| *number);
+        all.into_iter().map(|(_, pixel)| pixel).collect()
+    }
+
     /// Visible surface of a pixel.
     pub fn seen(&self, scene: &Scene, list: &DrawList, projected: &Projected, at: [u32; 2]) -> Option<Seen> {
         let number = self.numbers[(at[1] * self.width + at[0]) as usize].checked_sub(1)?;

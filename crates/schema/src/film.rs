@@ -175,4 +175,9 @@ pub const SAMPLERS: &[Model] = &[
         "",
     ),
     sampler("independent", "independent uniform random numbers", ""),
+    sampler(
+        "fixed",
+        "independent uniform random numbers, one list for all pixels: errors form patterns, as a lesson",
+        "",
+    ),
 ];

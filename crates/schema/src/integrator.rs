@@ -113,10 +113,24 @@ const RASTER: &[Parameter] = &[
     number("bias", ANY, "1.5", "bias of shadow maps").unit("texels").refused(),
     word("bias-by", "slope, constant, normal, plane", "slope", "what the bias of shadow maps goes by"),
     integer("pcf", (1.0, 15.0), "1", "edge of the filter of shadow maps").unit("texels").refused(),
+    integer("pcf-samples", (0.0, 225.0), "0", "texels of that filter that are compared, spread evenly; 0 for all")
+        .refused(),
     integer("cascades", (1.0, 16.0), "4", "shadow maps along the view").with("shadows", "cascades").refused(),
     word("visibility", "zbuffer, painter, bsp, newell, warnock", "zbuffer", "how hidden surfaces are removed"),
     integer("points", (1.0, 1024.0), "4", "points on each light with an area; previews take one").refused(),
     integer("bounces", (0.0, 64.0), "8", "mirrors and panes that are followed").refused(),
+    word(
+        "shading",
+        "flat, flat-centre, gouraud, phong, pixel",
+        "pixel",
+        "where triangles are lit: at the first corner, the middle, all corners, or each pixel; pixel: with normal maps",
+    ),
+    word(
+        "environment",
+        "sampled, harmonics",
+        "sampled",
+        "light of environments: by rays, or on diffuse surfaces by nine spherical harmonics, without shadows",
+    ),
     word(
         "show",
         "picture, depth, normal, primitives, overdraw, wireframe, clip, tiles, stencil, shadow-map, emission, direct, \

@@ -201,9 +201,11 @@ pub const LIGHTS: &[Model] = &[
             file("file", "none", "the picture"),
             word(
                 "parametrization",
-                "auto, latlong, octahedral",
+                "auto, latlong, octahedral, cube",
                 "auto",
-                "what the picture maps: auto is octahedral for square ones, else by longitude and latitude",
+                "what the picture maps: auto is octahedral for square ones, cube for cube maps of DDS and KTX2 files, \
+                 crosses of 4 x 3 or 3 x 4 faces and rows or columns of 6 (+x, -x, +y, -y, +z, -z), else by longitude \
+                 and latitude",
             )
             .where_given("file"),
             word(
@@ -226,6 +228,14 @@ pub const LIGHTS: &[Model] = &[
         ],
         groups: &[&SCHEDULE],
         source: "pbrt-v4, 12.5; Bitterli, Novák, Jarosz, Portal-masked environment map sampling (2015)",
+    },
+    Model {
+        kind: "ambient",
+        doc: "a constant in place of light from all sides, of which surfaces reflect their 'ambient' part or their \
+              albedo; whitted and raster:frame=forward alone have it, the other methods trace the light that it stands for",
+        parameters: &[spectrum("radiance", ANY, "1", "ambient radiance"), SCALE, NORMALIZE],
+        groups: &[],
+        source: "Phong, Illumination for computer generated pictures (1975)",
     },
     Model {
         kind: "sky",

@@ -669,6 +669,12 @@ pub static DETAIL: Group = Group {
             "false; true in Mitsuba scenes",
             "whether bumps shade light from near the horizon; not of bent normals",
         ),
+        tex(
+            "ambient",
+            (0.0, 1.0),
+            "none",
+            "reflectance of lights 'ambient', with whitted and raster:frame=forward; its albedo where absent",
+        ),
     ],
     source: "Blinn, Simulation of wrinkled surfaces (1978); Toksvig, Mipmapping normal maps (2005); Olano, \
      Baker, LEAN mapping (2010)",

@@ -248,8 +248,15 @@ pub const SHAPES: &[Model] = &[
     },
     Model {
         kind: "plane",
-        doc: "the infinite plane n·x + d = 0",
-        parameters: &[vector("normal", "0,1,0", "n; it has a length"), number("distance", ANY, "0", "d")],
+        doc: "an infinite plane: n·x + d = 0, or through a point with a normal, or through a point along two \
+              directions, which are then the axes of its parameters u and v",
+        parameters: &[
+            vector("normal", "0,1,0", "n; it has a length"),
+            number("distance", ANY, "0", "d, without a point"),
+            vector("point", "none", "a point of the plane, instead of d"),
+            vector("along", "none", "a direction of the plane, ∂p/∂u, instead of a normal").where_given("point"),
+            vector("across", "none", "another one, ∂p/∂v: the normal is along × across").where_given("point"),
+        ],
         groups: &[&ANY_SHAPE],
         source: "",
     },

@@ -368,9 +368,11 @@ pub static PICTURE: Group = Group {
     parameters: &[
         word(
             "filter",
-            "nearest, bilinear, bicubic, mitchell, bspline, catmull_rom, lanczos, trilinear, ripmap, box, ewa",
+            "nearest, bilinear, bicubic, mitchell, bspline, catmull_rom, lanczos, spline, sinc, trilinear, ripmap, box, \
+             ewa",
             "bilinear",
-            "interpolation at points up to lanczos (bicubic is mitchell), then averages over the footprint",
+            "interpolation at points up to sinc (bicubic is mitchell; spline is exact for cubics, and sinc, which looks \
+             at all texels of a small picture that repeats, for what is band-limited), then averages over the footprint",
         ),
         number("max_anisotropy", ANY, "8", "greatest ratio of a footprint's axes; held in [1, 64]")
             .with("filter", "ewa"),
@@ -383,6 +385,11 @@ pub static PICTURE: Group = Group {
              For pictures \
              that something compares with a threshold: masks and alpha are passed by chance, for which plain \
               means are right",
+        ),
+        flag(
+            "bleed",
+            "false",
+            "whether texels of no opacity take the colour of their neighbours, for pictures whose alpha is opacity",
         ),
         flag("stochastic", "false", "whether one texel is taken at random, which is the filter's value in the mean"),
         word("channel", "color, r, g, b, a", "color", "all of it, or one number; a is 1 in a picture without alpha"),

@@ -122,7 +122,8 @@ impl Render {
         Ok(render)
     }
 
-    /// By a path tracer, in place of a scene's own method that refuses the scene or has options that do not go together.
+    /// By a path tracer, in place of a scene's own method that refuses the scene or has options that do not go
+    /// together.
     fn instead_of(name: &'static str, why: String, request: &Request, scene: &Scene) -> Result<Self, Error> {
         let method = Some(MethodRequest::new(path_tracer(scene.has_media())));
         let render = Self::new(&Request { method, ..request.clone() }, scene)?;
@@ -215,8 +216,8 @@ fn made(asked: &Asked<'_>) -> Result<Arc<dyn Method>, Error> {
     Ok((kind.new)(asked)?)
 }
 
-/// The kind of the method that is asked for. Refuses options that no scene can have: numbers beyond single precision, in
-/// which methods compute, and options that exclude each other.
+/// The kind of the method that is asked for. Refuses options that no scene can have: numbers beyond single precision,
+/// in which methods compute, and options that exclude each other.
 ///
 /// # Errors
 /// [`Error::Refused`], and [`Error::CannotRender`] for names without a method.

@@ -146,8 +146,8 @@ mod tests {
         assert!(plan(&another, Some("ao"), false).unwrap().contains("distance: inf"));
     }
 
-    /// A path tracer takes the place of a file's integrator that is unknown, or whose options do not go together; another
-    /// one can be asked for all the same.
+    /// A path tracer takes the place of a file's integrator that is unknown, or whose options do not go together;
+    /// another one can be asked for all the same.
     #[test]
     fn files_with_unusable_integrators_are_rendered() {
         let unknown = Node::new(Family::Integrator, "foo", None);

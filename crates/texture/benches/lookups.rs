@@ -70,7 +70,7 @@ fn main() {
                 _ => Shape::Flat,
             };
             let wrap = [Wrap::Repeat; 2];
-            let recipe = Recipe { shape, kernel: MipKernel::Box, wrap, keep_coverage: None };
+            let recipe = Recipe { shape, kernel: MipKernel::Box, wrap, keep_coverage: None, bleed: false };
             let base = Level::new(texels.clone(), pages.as_ref()).expect("room on disk");
             let levels = Levels::new(base, &recipe, pages.as_ref()).expect("room on disk");
             let sums = (filter == Filter::Box).then(|| SummedArea::new(levels.base()));

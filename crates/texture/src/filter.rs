@@ -15,7 +15,7 @@ pub use super::detail::level_of;
 use super::{
     detail::level_of_square,
     integers::{before, split},
-    kernel::{Cubic, lanczos_weights},
+    kernel::{Cubic, SPLINE_TAPS, lanczos_weights, periodic_sinc_weights, spline_weights},
     levels::Levels,
     mapping::Coordinates2,
     store::{Level, View, on_level},
@@ -35,6 +35,10 @@ pub enum Filter {
     Bicubic(Cubic),
     /// Lanczos' kernel over the nearest 6 × 6.
     Lanczos,
+    /// The cubic spline through the texels, which is exact for cubics.
+    Spline,
+    /// The periodic sinc over all texels, which is exact for what is band-limited (Whittaker, Shannon).
+    Sinc,
     /// Linear between the nearest 2 × 2 of the two levels whose texels are about as large as the footprint is long.
     Trilinear,
     /// Linear between levels of a ripmap whose texels are about as wide and as high as the footprint's box.
@@ -48,7 +52,7 @@ pub enum Filter {
 }
 
 /// The filters by name.
-pub const FILTERS: [(&str, Filter); 11] = [
+pub const FILTERS: [(&str, Filter); 13] = [
     ("nearest", Filter::Nearest),
     ("bilinear", Filter::Bilinear),
     ("bicubic", Filter::Bicubic(Cubic::Mitchell)),
@@ -56,6 +60,8 @@ pub const FILTERS: [(&str, Filter); 11] = [
     ("bspline", Filter::Bicubic(Cubic::BSpline)),
     ("catmull_rom", Filter::Bicubic(Cubic::CatmullRom)),
     ("lanczos", Filter::Lanczos),
+    ("spline", Filter::Spline),
+    ("sinc", Filter::Sinc),
     ("trilinear", Filter::Trilinear),
     ("ripmap", Filter::Ripmap),
     ("box", Filter::Box),
@@ -92,6 +98,8 @@ impl Source<'_> {
             Filter::Bilinear => self.bilinear::<N>(base, at.uv, first),
             Filter::Bicubic(cubic) => self.bicubic::<N>(base, at.uv, first, cubic),
             Filter::Lanczos => self.lanczos::<N>(base, at.uv, first),
+            Filter::Spline => self.spline::<N>(base, at.uv, first),
+            Filter::Sinc => self.sinc::<N>(base, at.uv, first),
             Filter::Trilinear => self.trilinear::<N>(at, first),
             Filter::Ripmap => self.ripmap::<N>(at, first),
             Filter::Box => match self.sums {
@@ -132,6 +140,28 @@ impl Source<'_> {
     #[inline(never)]
     fn lanczos<const N: usize>(&self, level: &Level, uv: Vec2, first: usize) -> Vec4 {
         self.separable::<N, 6>(level, uv, first, lanczos_weights)
+    }
+
+    #[inline(never)]
+    pub(super) fn spline<const N: usize>(&self, level: &Level, uv: Vec2, first: usize) -> Vec4 {
+        self.separable::<N, SPLINE_TAPS>(level, uv, first, spline_weights)
+    }
+
+    /// All texels, each with a product of two weights.
+    #[inline(never)]
+    pub(super) fn sinc<const N: usize>(&self, level: &Level, uv: Vec2, first: usize) -> Vec4 {
+        let place = uv * level.scale() - 0.5;
+        let across = periodic_sinc_weights(place.x, level.width());
+        let down = periodic_sinc_weights(place.y, level.height());
+        on_level!(level, first, |view| {
+            let mut sum = Vec4::ZERO;
+            for (y, v) in down.iter().enumerate() {
+                for (x, u) in across.iter().enumerate() {
+                    sum += view.texel::<N>(x, y) * (u * v);
+                }
+            }
+            sum
+        })
     }
 
     #[inline(never)]

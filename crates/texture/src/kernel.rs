@@ -52,6 +52,44 @@ pub fn lanczos_weights(t: f32) -> [f32; 6] {
     w.map(|w| w / sum)
 }
 
+/// Texels along an axis that [`spline_weights`] weighs: beyond, weights are below 10⁻⁷.
+pub const SPLINE_TAPS: usize = 24;
+
+/// The weights of the texels around a point that lies `t` in `[0, 1)` beyond the middle one, by the cardinal cubic
+/// spline.
+///
+/// The spline through the texels is the B-spline of their coefficients c, with `(c₋₁ + 4 c₀ + c₁)/6` the texel. That
+/// filter has the inverse `−6z/(1 − z²) z^|k|` with `z = √3 − 2` (Unser, "Splines: a perfect fit for signal and image
+/// processing", 1999, box 2), so that each texel weighs the sum over k of that times the kernel moved by k.
+pub fn spline_weights(t: f32) -> [f32; SPLINE_TAPS] {
+    let z = 3f32.sqrt() - 2.0;
+    let kernel = Cubic::BSpline.weights(t);
+    let before = SPLINE_TAPS as i32 / 2 - 1;
+    let inverse = |k: i32| -6.0 * z / (1.0 - z * z) * z.powi(k.abs());
+    let weight = |tap: i32| (0..4).map(|j| kernel[j as usize] * inverse(tap - before + 1 - j)).sum::<f32>();
+    let weights: [f32; SPLINE_TAPS] = std::array::from_fn(|tap| weight(tap as i32));
+    let sum: f32 = weights.iter().sum();
+    weights.map(|w| w / sum)
+}
+
+/// The weights of all `n` texels of a period at a place, counted in texels from the centre of the first: Dirichlet's
+/// kernel, `sin(πx)/(n sin(πx/n))` for odd n and `sin(πx)/(n tan(πx/n))` for even n, the sum of all waves of a period
+/// up to half the rate.
+pub fn periodic_sinc_weights(place: f32, n: usize) -> Vec<f32> {
+    let place = if place.is_finite() { place.rem_euclid(n as f32) } else { 0.0 };
+    let weight = |k: usize| {
+        let x = std::f64::consts::PI * (f64::from(place) - k as f64);
+        let (sin, cos) = (x / n as f64).sin_cos();
+        // At the texel itself, and at its images a period away, the limit.
+        if sin.abs() < 1e-12 {
+            return 1.0;
+        }
+        let kernel = x.sin() / (n as f64 * sin);
+        (if n.is_multiple_of(2) { kernel * cos } else { kernel }) as f32
+    };
+    (0..n).map(weight).collect()
+}
+
 /// Kernels by which smaller levels are made; their unit of length is the spacing of the smaller level's texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MipKernel {

@@ -37,6 +37,9 @@ pub struct Recipe {
     /// through as much as the picture does (Castaño, "Computing Alpha Mipmaps", 2010; M212). Colours are weighted by
     /// alpha then.
     pub keep_coverage: Option<f32>,
+    /// True for pictures whose alpha is opacity: texels that are not seen take the colour of their neighbours, so that
+    /// no filter mixes the colour of nothing into edges.
+    pub bleed: bool,
 }
 
 /// A picture in several sizes.
@@ -109,6 +112,8 @@ impl Levels {
         if w == 0 || h == 0 {
             return Ok(Self::flat(base));
         }
+        let bleeds = (recipe.bleed || recipe.keep_coverage.is_some()) && matches!(base.channels(), 2 | 4);
+        let base = if bleeds { bled(base, recipe, pages)? } else { base };
         let coverage = recipe.keep_coverage.map(|cut| (cut, coverage(&base, cut, 1.0)));
         let halved = |n: usize| (n / 2).max(1);
         let (columns, rows) = match recipe.shape {
@@ -146,6 +151,9 @@ impl Levels {
                 };
                 if let Some((cut, wanted)) = coverage {
                     keep_coverage(&mut plane, cut, wanted);
+                }
+                if bleeds {
+                    plane.bleed(recipe.wrap);
                 }
                 levels.push(plane.store(&base, pages)?);
                 if i == 0 && recipe.shape == Shape::Rip {
@@ -241,7 +249,52 @@ fn shrink(source: &dyn Rows, (width, height): (usize, usize), recipe: &Recipe) -
     Plane { width, height, channels, data }
 }
 
+/// A picture whose unseen texels have the colour of their neighbours.
+fn bled(base: Level, recipe: &Recipe, pages: Option<&Arc<Pages>>) -> std::io::Result<Level> {
+    let (width, height, channels) = base.size();
+    let mut data = vec![0.0; width * height * channels];
+    data.par_chunks_mut(width * channels).enumerate().for_each(|(y, row)| base.linear_row(y, |i, v| row[i] = v));
+    let mut plane = Plane { width, height, channels, data };
+    if plane.bleed(recipe.wrap) { plane.store(&base, pages) } else { Ok(base) }
+}
+
+/// Distance in texels to which colours bleed: as far as kernels reach that anyone uses with cut-outs.
+const BLEED: usize = 4;
+
 impl Plane {
+    /// Gives texels of no opacity the mean colour of their neighbours that have a colour, ring by ring; false where
+    /// nothing changed.
+    fn bleed(&mut self, wrap: [Wrap; 2]) -> bool {
+        let Self { width, height, channels, data } = self;
+        let (width, height, channels, alpha) = (*width, *height, *channels, *channels - 1);
+        let mut has_color: Vec<bool> = data.chunks_exact(channels).map(|texel| texel[alpha] > 0.0).collect();
+        if has_color.iter().all(|has| *has) || !has_color.iter().any(|has| *has) {
+            return false;
+        }
+        for _ in 0..BLEED {
+            // The ring around what has a colour, from the state before it.
+            let mean = |at: usize| {
+                let (x, y) = ((at % width) as i32, (at / width) as i32);
+                let around =
+                    (0..9).filter_map(|k| Wrap::place(wrap, [x + k % 3 - 1, y + k / 3 - 1], [width, height]).ok());
+                let around = around.map(|[x, y]| y * width + x).filter(|k| has_color[*k]);
+                let (mut sum, mut count) = ([0.0; 4], 0.0);
+                for k in around {
+                    (0..alpha).for_each(|c| sum[c] += data[k * channels + c]);
+                    count += 1.0;
+                }
+                (count > 0.0).then(|| (at, sum.map(|v| v / count)))
+            };
+            let ring: Vec<_> =
+                (0..has_color.len()).into_par_iter().filter(|k| !has_color[*k]).filter_map(mean).collect();
+            for (at, color) in ring {
+                data[at * channels..at * channels + alpha].copy_from_slice(&color[..alpha]);
+                has_color[at] = true;
+            }
+        }
+        true
+    }
+
     /// Rounds to the precision of `like`.
     fn store(&self, like: &Level, pages: Option<&Arc<Pages>>) -> std::io::Result<Level> {
         let encoding = like.encoding();

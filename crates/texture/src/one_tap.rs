@@ -4,7 +4,7 @@
 use super::{
     detail::level_of,
     filter::{Filter, Source, extent, first_tap, lanes, longest_square},
-    kernel::lanczos_weights,
+    kernel::{SPLINE_TAPS, lanczos_weights, spline_weights},
     mapping::Coordinates2,
     store::{Level, on_level},
 };
@@ -25,6 +25,9 @@ impl Source<'_> {
             Filter::Nearest => self.nearest::<N>(base, at.uv, first),
             Filter::Bilinear => self.tap::<N, 2>(base, at.uv, first, &mut random, linear),
             Filter::Bicubic(cubic) => self.tap::<N, 4>(base, at.uv, first, &mut random, |t| cubic.weights(t)),
+            Filter::Spline => self.tap::<N, SPLINE_TAPS>(base, at.uv, first, &mut random, spline_weights),
+            // Exactness is what it is for.
+            Filter::Sinc => self.sinc::<N>(base, at.uv, first),
             Filter::Lanczos => self.tap::<N, 6>(base, at.uv, first, &mut random, lanczos_weights),
             Filter::Trilinear => {
                 let i = choose_level(longest_square(base, at).sqrt(), self.levels.counts().0, &mut random);

@@ -5,7 +5,7 @@
 //! two environments: the dome, sampled by a table of its luminance but evaluated by the model, and the sun, sampled as
 //! a cone.
 
-use super::{punctual::rgb, sky::Celestial};
+use super::{cube, punctual::rgb, sky::Celestial};
 use steradian_image::Texels;
 use steradian_math::{
     Spectrum, Vec2, Vec3,
@@ -33,6 +33,8 @@ pub enum Parametrization {
     },
     /// Longitude and latitude, local +z up: `u = φ/2π`, `v = θ/π`.
     LatLongZ,
+    /// Six faces of a cube below each other: [`cube`].
+    Cube,
 }
 
 /// An image around the scene.
@@ -72,10 +74,14 @@ impl EnvironmentImage {
     /// Prepares an image for sampling.
     pub fn new(texels: Texels, parametrization: Parametrization, world_from_light: Affine) -> Self {
         let (w, h) = (texels.width, texels.height);
-        let area = |y: usize| match parametrization {
-            // Solid angle of a row relative to the mean: π/2·sin θ in a latitude–longitude map, constant in an
+        let area = |x: usize, y: usize| match parametrization {
+            // Solid angle of a texel relative to the mean: π/2·sin θ in a latitude–longitude map, constant in an
             // equal-area one.
             Parametrization::Octahedral => 1.0,
+            Parametrization::Cube => {
+                let uv = Vec2::new((x as f32 + 0.5) / w as f32, (y as f32 + 0.5) / h as f32);
+                cube::direction(uv).1 / (4.0 * std::f32::consts::PI)
+            }
             _ => (std::f32::consts::PI * (y as f32 + 0.5) / h as f32).sin() * std::f32::consts::FRAC_PI_2,
         };
         let light = |x: usize, y: usize| luminance(rgb(&texels, x, y)).max(0.0);
@@ -97,7 +103,13 @@ impl EnvironmentImage {
             m
         };
         // Mean over the sphere, each row weighted by its solid angle.
-        let total: f64 = (0..h).map(|y| f64::from(area(y)) * (0..w).map(|x| f64::from(light(x, y))).sum::<f64>()).sum();
+        let row = |y: usize| -> f64 {
+            match parametrization {
+                Parametrization::Cube => (0..w).map(|x| f64::from(light(x, y)) * f64::from(area(x, y))).sum(),
+                _ => f64::from(area(0, y)) * (0..w).map(|x| f64::from(light(x, y))).sum::<f64>(),
+            }
+        };
+        let total: f64 = (0..h).map(row).sum();
         let mean = (total / (w * h) as f64) as f32;
         let mut excess = 0.0_f64;
         let mut values = Vec::with_capacity(w * h);
@@ -105,8 +117,8 @@ impl EnvironmentImage {
             for x in 0..w {
                 // MIS compensation: sample only the part above the mean, which samples of the BSDF do not find well
                 // (Karlík et al. 2019).
-                let v = (cell(x, y) - mean).max(0.0) * area(y);
-                excess += f64::from((light(x, y) - mean).max(0.0) * area(y));
+                let v = (cell(x, y) - mean).max(0.0) * area(x, y);
+                excess += f64::from((light(x, y) - mean).max(0.0) * area(x, y));
                 values.push(if v.is_finite() { v } else { 0.0 });
             }
         }
@@ -125,6 +137,7 @@ impl EnvironmentImage {
         match self.parametrization {
             Parametrization::Octahedral => warp::equal_area_sphere_to_square(d),
             Parametrization::LatLongZ => warp::latlong_from_direction(d),
+            Parametrization::Cube => cube::uv(d),
             Parametrization::LatLongY { .. } => {
                 let u = d.x.atan2(-d.z) * (0.5 * std::f32::consts::FRAC_1_PI);
                 Vec2::new(u - u.floor(), d.y.clamp(-1.0, 1.0).acos() * std::f32::consts::FRAC_1_PI)
@@ -140,6 +153,10 @@ impl EnvironmentImage {
         // Density in solid angle: constant for equal-area maps, 1/(2π² sin θ) for latitude and longitude.
         let (d, density) = match self.parametrization {
             Parametrization::Octahedral => (warp::equal_area_square_to_sphere(uv), 1.0 / (4.0 * PI)),
+            Parametrization::Cube => {
+                let (d, solid_angle) = cube::direction(uv);
+                (d, 1.0 / solid_angle)
+            }
             Parametrization::LatLongZ => {
                 let (d, sin) = warp::direction_from_latlong(uv);
                 (d, 1.0 / (2.0 * PI * PI * sin))
@@ -158,6 +175,10 @@ impl EnvironmentImage {
     #[inline]
     fn lookup(&self, uv: Vec2, mode: ColorMode) -> Vec3 {
         let (w, h) = (self.texels.width as i64, self.texels.height as i64);
+        if self.parametrization == Parametrization::Cube {
+            let around = cube::around(uv, self.texels.width);
+            return around.iter().fold(Vec3::ZERO, |sum, ([x, y], weight)| sum + rgb(&self.texels, *x, *y) * *weight);
+        }
         let fetch = |x: i64, y: i64| {
             let (x, y) = match self.parametrization {
                 Parametrization::Octahedral => {
@@ -273,6 +294,7 @@ impl Environment {
                 let uv = image.uv(w);
                 let density = match image.parametrization {
                     Parametrization::Octahedral => 0.25 * std::f32::consts::FRAC_1_PI,
+                    Parametrization::Cube => 1.0 / cube::direction(uv).1,
                     _ => {
                         let sin = (uv.y * std::f32::consts::PI).sin();
                         1.0 / (2.0 * std::f32::consts::PI * std::f32::consts::PI * sin)

@@ -17,6 +17,7 @@
 //!   path (`Scene::needs_scalar_path_tracer`).
 
 pub mod area;
+pub mod cube;
 pub mod emission;
 pub mod environment;
 pub mod groups;
@@ -97,6 +98,20 @@ pub struct Lights {
     mode: ColorMode,
     /// Schedules, where any light does not shine always.
     pub timetable: Option<Box<Timetable>>,
+    /// Ambient light, for methods that have an ambient term.
+    pub ambient: Vec<Ambient>,
+}
+
+/// Ambient light: a constant that stands for light from all sides, of which a surface reflects `k_a L_a` whatever is
+/// around it (Phong, "Illumination for computer generated pictures", 1975). It is no radiance that paths meet.
+#[derive(Clone, Debug)]
+pub struct Ambient {
+    /// L_a.
+    pub radiance: Color,
+    /// Factor on it.
+    pub scale: f32,
+    /// Its group of lights.
+    pub group: u32,
 }
 
 /// The share of choices that goes evenly to all lights, whatever their estimates.
@@ -148,6 +163,7 @@ impl Lights {
             infinite,
             mode,
             timetable: None,
+            ambient: Vec::new(),
         }
     }
 

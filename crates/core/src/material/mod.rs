@@ -226,6 +226,8 @@ pub struct Material {
     pub two_sided: bool,
     /// Perturbation of the shading normal.
     pub detail: Option<SurfaceDetail>,
+    /// Reflectance of ambient light, k_a; its albedo where there is none.
+    pub ambient: Option<SpectrumTexture>,
 }
 
 /// The surface below bump and normal maps, by its effect on the directions of a [`Scattering`].
@@ -340,7 +342,7 @@ impl Model {
 impl Material {
     /// A material that scatters as a model does, on a surface as it is.
     pub fn new(model: Model, two_sided: bool) -> Self {
-        Self { model, two_sided, detail: None }
+        Self { model, two_sided, detail: None, ambient: None }
     }
 
     /// Grey, for shapes without a material.
@@ -397,7 +399,8 @@ impl Material {
             parameters: true,
             tangent: d.normal_map.as_ref().is_some_and(|m| m.filtered.is_some()),
         });
-        let needs = own | detail;
+        let ambient = isotropic(self.ambient.as_ref().is_none_or(SpectrumTexture::is_constant));
+        let needs = own | detail | ambient;
         // A tangent is had from the parameters.
         Needs { parameters: needs.parameters || needs.tangent, ..needs }
     }

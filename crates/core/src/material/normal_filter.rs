@@ -85,6 +85,7 @@ impl FilteredNormals {
             kernel: MipKernel::Box,
             wrap: image.wrap.map(|w| if w == Wrap::Border { Wrap::Clamp } else { w }),
             keep_coverage: None,
+            bleed: false,
         };
         let base = Level::new(Arc::new(texels), pages)?;
         drop(room);

@@ -46,6 +46,8 @@ pub enum SamplerKind {
     Pmj02,
     /// A rank-1 lattice with random shifts.
     Lattice,
+    /// Independent uniform numbers, one list for all pixels: their errors go together and form patterns.
+    Fixed,
 }
 
 /// The samplers by name; the schema says what they are.
@@ -58,6 +60,7 @@ pub const SAMPLERS: &[(&str, SamplerKind)] = &[
     ("multijitter", SamplerKind::MultiJitter),
     ("stratified", SamplerKind::Stratified),
     ("independent", SamplerKind::Independent),
+    ("fixed", SamplerKind::Fixed),
 ];
 
 impl SamplerKind {
@@ -149,6 +152,7 @@ impl Sampler {
     /// A sample of the point set that some numbers name.
     #[inline]
     fn with(&self, salt: u32, name: [u32; 3], index: u32) -> PixelSampler {
+        let name = if self.kind == SamplerKind::Fixed { [0; 3] } else { name };
         self.at(name.iter().fold(self.base(salt), |seed, n| combine32(seed, *n)), index)
     }
 }

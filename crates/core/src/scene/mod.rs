@@ -7,6 +7,7 @@
 //! A scene whose details lie too far from the origin for single precision is compiled around another origin
 //! (`Scene::origin`). Points of the world pass `Scene::from_file` on the way in and `Scene::to_file` on the way out.
 
+mod ambient;
 mod derived;
 mod differentials;
 mod motion_vectors;

@@ -81,6 +81,10 @@ impl Reader<'_> {
         let [r, g, b, opacity] = self.numbers(&pbr, factor, [1.0; 4]);
         let base = [r, g, b].map(|v| v.clamp(0.0, 1.0));
         let base_map = self.texture(root, &pbr, map, Colors);
+        // Of a picture whose alpha is opacity nobody sees the colours that lie below nothing.
+        if let (Some(map), Some("MASK" | "BLEND")) = (base_map, m.text("alphaMode")) {
+            self.import.desc.node_mut(map).set("bleed", true, None);
+        }
         let base_color = self.tinted(&[base_map, vertex_color], base);
         let is_two_sided = m.value["doubleSided"] == true;
 

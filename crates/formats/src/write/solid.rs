@@ -2,7 +2,11 @@
 
 use steradian_math::{
     DVec3, Transform,
-    geometry::bezier::{self, BezierPatch},
+    geometry::{
+        Point3,
+        bezier::{self, BezierPatch},
+        plane::Plane,
+    },
 };
 use steradian_scene::{Mesh, Node};
 
@@ -123,12 +127,21 @@ pub(crate) fn similarity(t: &Transform) -> Option<f64> {
 
 /// A large square on an infinite plane.
 pub(crate) fn plane(node: &Node) -> Option<Mesh> {
-    let normal = match node.get("normal") {
-        Some(steradian_scene::Value::Vec3(v)) => DVec3::from(*v),
-        _ => DVec3::Y,
+    let vector = |name: &str| node.vec3(name).map(DVec3::from);
+    let point = vector("point").map(Point3::from_vector);
+    let plane = match (point, vector("along"), vector("across")) {
+        (Some(p), Some(a), Some(b)) => Plane::from_spanning(p, a, b)?,
+        (point, ..) => {
+            let normal = vector("normal").unwrap_or(DVec3::Y);
+            match point {
+                Some(p) => Plane::from_point_normal(p, normal)?,
+                None => Plane::new(normal.extend(node.float("distance").unwrap_or(0.0)))?,
+            }
+        }
     };
-    let n = normal.try_normalize()?;
-    let origin = n * (-node.float("distance").unwrap_or(0.0) / normal.length());
+    let covector = plane.coordinates;
+    let n = covector.truncate().try_normalize()?;
+    let origin = n * (-covector.w / covector.truncate().length());
     let x = n.as_vec3().any_orthonormal_vector().as_dvec3() * PLANE;
     let y = n.cross(x);
     let at = |v: DVec3| v.as_vec3().to_array();

@@ -1,8 +1,11 @@
 //! Block compression: 4 × 4 texels in 8 or 16 bytes (BC1 to BC7, Khronos Data Format Specification 1.3, chapters 18 to
-//! 20). Decoding is the crate `bcdec_rs`'s; encoders are our own: BC1, BC3, BC4, BC5, and BC7 by its mode 6.
+//! 20). Decoding is the crate `bcdec_rs`'s; encoders are our own: BC1 to BC5, BC6H without
+//! signs by its mode 11, and BC7 by its mode 6.
 
 mod bc1;
+mod bc2;
 mod bc4;
+mod bc6h;
 mod bc7;
 
 use half::f16;
@@ -13,7 +16,7 @@ use rayon::prelude::*;
 pub enum BlockFormat {
     /// Colours on a line between two ends, 8 bytes; one bit of alpha, which is not written.
     Bc1,
-    /// BC1 colours with four bits of alpha for each texel, 16 bytes; only read.
+    /// BC1 colours with four bits of alpha for each texel, 16 bytes.
     Bc2,
     /// BC1 colours with alpha as in BC4, 16 bytes.
     Bc3,
@@ -21,18 +24,20 @@ pub enum BlockFormat {
     Bc4,
     /// Two channels as in BC4, 16 bytes.
     Bc5,
-    /// Three half floats, 16 bytes; only read.
+    /// Three half floats, 16 bytes; those with signs are only read.
     Bc6h,
     /// Colour and alpha, 16 bytes.
     Bc7,
 }
 
 /// The formats that can be written, by name.
-pub const WRITABLE: [(&str, BlockFormat); 5] = [
+pub const WRITABLE: [(&str, BlockFormat); 7] = [
     ("bc1", BlockFormat::Bc1),
+    ("bc2", BlockFormat::Bc2),
     ("bc3", BlockFormat::Bc3),
     ("bc4", BlockFormat::Bc4),
     ("bc5", BlockFormat::Bc5),
+    ("bc6h", BlockFormat::Bc6h),
     ("bc7", BlockFormat::Bc7),
 ];
 
@@ -133,35 +138,60 @@ pub fn decode(format: BlockFormat, signed: bool, data: &[u8], width: usize, heig
     })
 }
 
-/// Encodes interleaved RGBA codes; edges are continued to whole blocks. `None` for formats that are only read.
+/// Encodes interleaved RGBA codes; edges are continued to whole blocks. `None` for BC6H, which has no codes.
 pub fn encode(format: BlockFormat, rgba: &[u8], width: usize, height: usize) -> Option<Vec<u8>> {
-    WRITABLE.iter().find(|w| w.1 == format)?;
+    if format == BlockFormat::Bc6h {
+        return None;
+    }
+    let texel = |at: usize| [rgba[4 * at], rgba[4 * at + 1], rgba[4 * at + 2], rgba[4 * at + 3]];
+    Some(encode_blocks(format, (width, height), texel, |texels, bytes| {
+        let lane = |c: usize| texels.map(|t| t[c]);
+        match format {
+            BlockFormat::Bc1 => bytes.copy_from_slice(&bc1::encode(texels)),
+            BlockFormat::Bc2 => {
+                bytes[..8].copy_from_slice(&bc2::encode_alpha(&lane(3)));
+                bytes[8..].copy_from_slice(&bc1::encode(texels));
+            }
+            BlockFormat::Bc3 => {
+                bytes[..8].copy_from_slice(&bc4::encode(&lane(3)));
+                bytes[8..].copy_from_slice(&bc1::encode(texels));
+            }
+            BlockFormat::Bc4 => bytes.copy_from_slice(&bc4::encode(&lane(0))),
+            BlockFormat::Bc5 => {
+                bytes[..8].copy_from_slice(&bc4::encode(&lane(0)));
+                bytes[8..].copy_from_slice(&bc4::encode(&lane(1)));
+            }
+            BlockFormat::Bc7 => bytes.copy_from_slice(&bc7::encode(texels)),
+            BlockFormat::Bc6h => {}
+        }
+    }))
+}
+
+/// Encodes linear values as BC6H without signs: below zero they become zero. `texel` gives the one of an index, by
+/// rows.
+pub fn encode_linear(width: usize, height: usize, texel: impl Fn(usize) -> [f32; 3] + Sync) -> Vec<u8> {
+    encode_blocks(BlockFormat::Bc6h, (width, height), texel, |texels, bytes| {
+        bytes.copy_from_slice(&bc6h::encode(texels));
+    })
+}
+
+/// Encodes each block of a picture, whose edges are continued to whole ones.
+fn encode_blocks<T>(
+    format: BlockFormat,
+    (width, height): (usize, usize),
+    texel: impl Fn(usize) -> T + Sync,
+    block: impl Fn(&[T; 16], &mut [u8]) + Sync,
+) -> Vec<u8> {
     let mut out = vec![0; format.bytes(width, height)];
     out.par_chunks_mut(width.div_ceil(4) * format.block_bytes()).enumerate().for_each(|(by, row)| {
         for (bx, bytes) in row.chunks_exact_mut(format.block_bytes()).enumerate() {
-            let texels: [[u8; 4]; 16] = std::array::from_fn(|i| {
-                let (x, y) = ((4 * bx + i % 4).min(width - 1), (4 * by + i / 4).min(height - 1));
-                let at = 4 * (y * width + x);
-                [rgba[at], rgba[at + 1], rgba[at + 2], rgba[at + 3]]
+            let texels = std::array::from_fn(|i| {
+                texel((4 * by + i / 4).min(height - 1) * width + (4 * bx + i % 4).min(width - 1))
             });
-            let lane = |c: usize| texels.map(|t| t[c]);
-            match format {
-                BlockFormat::Bc1 => bytes.copy_from_slice(&bc1::encode(&texels)),
-                BlockFormat::Bc3 => {
-                    bytes[..8].copy_from_slice(&bc4::encode(&lane(3)));
-                    bytes[8..].copy_from_slice(&bc1::encode(&texels));
-                }
-                BlockFormat::Bc4 => bytes.copy_from_slice(&bc4::encode(&lane(0))),
-                BlockFormat::Bc5 => {
-                    bytes[..8].copy_from_slice(&bc4::encode(&lane(0)));
-                    bytes[8..].copy_from_slice(&bc4::encode(&lane(1)));
-                }
-                BlockFormat::Bc7 => bytes.copy_from_slice(&bc7::encode(&texels)),
-                BlockFormat::Bc2 | BlockFormat::Bc6h => {}
-            }
+            block(&texels, bytes);
         }
     });
-    Some(out)
+    out
 }
 
 /// The mean of points, and the line through it along which they vary most (by power iteration on their covariance).
@@ -264,11 +294,47 @@ mod tests {
             let mse = loss(format, &rgba, w, h, lanes);
             assert!(mse < bound, "{format:?}: {mse}");
         }
+        // Four bits of alpha: a step of 17 has a mean square of 17²/12 = 24 in one of four channels.
+        let mse = loss(BlockFormat::Bc2, &rgba, w, h, 4);
+        assert!(mse < 0.75 * 41.0 + 0.25 * 25.0, "BC2: {mse}");
         assert_eq!(encode(BlockFormat::Bc6h, &rgba, w, h), None);
         // Where they have, as in most pictures: 46 dB.
         let tinted: Vec<u8> = rgba.chunks_exact(4).flat_map(|t| [t[0], t[0] / 2 + 90, 200 - t[0] / 3, 255]).collect();
         let mse = loss(BlockFormat::Bc7, &tinted, w, h, 3);
         assert!(mse < 1.6, "{mse}");
+    }
+
+    /// BC6H over eight powers of ten: errors are relative, and values that half floats do not have become the nearest.
+    #[test]
+    fn bright_pictures_keep_their_range() {
+        let (w, h) = (61, 37);
+        let value = |i: usize| {
+            let (x, y) = ((i % w) as f32, (i / w) as f32);
+            let light = 10f32.powf(4.0 * (0.05 * x + 0.03 * y).sin());
+            [light, 0.6 * light, (0.3 + 0.1 * (0.2 * x).sin()) * light]
+        };
+        let bytes = encode_linear(w, h, value);
+        let halves = |bytes: &[u8], w, h| match decode(BlockFormat::Bc6h, false, bytes, w, h) {
+            Some(Decoded::Halves(halves, 3)) => halves.into_iter().map(f16::to_f32).collect::<Vec<_>>(),
+            other => panic!("{other:?}"),
+        };
+        let decoded = halves(&bytes, w, h);
+        let mut squares = 0.0;
+        for (i, found) in decoded.chunks_exact(3).enumerate() {
+            squares += (0..3).map(|c| f64::from((found[c] / value(i)[c]).ln()).powi(2)).sum::<f64>();
+        }
+        let error = (squares / decoded.len() as f64).sqrt();
+        assert!(error < 0.02, "relative error {error}");
+        // One value for all texels: within half of a step of 10 bits.
+        for v in [0.0, 1e-3, 0.5, 1.0, 37.5, 65504.0] {
+            let found = halves(&encode_linear(4, 4, |_| [v, v / 2.0, v / 4.0]), 4, 4);
+            assert!((0..3).all(|c| (found[c] - v / [1.0, 2.0, 4.0][c]).abs() <= 0.02 * v + 1e-5), "{v}: {found:?}");
+        }
+        let found = halves(&encode_linear(4, 4, |i| [[-1.0, f32::NAN, f32::INFINITY, 1e9][i % 4]; 3]), 4, 4);
+        assert!(
+            found[..6].iter().all(|v| *v < 1e-3) && found[6..12].iter().all(|v| *v > 6e4 && v.is_finite()),
+            "{found:?}"
+        );
     }
 
     /// Single colours are exact in BC4, and in BC7 to one code. In BC1 the best points at a third miss by up to 4/3

@@ -12,6 +12,7 @@ mod homogeneous;
 mod line;
 mod map;
 mod plane;
+mod projection;
 mod rotation;
 mod surface;
 
@@ -27,6 +28,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     surface::EXPERIMENT,
     barycentric::EXPERIMENT,
     homogeneous::EXPERIMENT,
+    projection::EXPERIMENT,
     basis::EXPERIMENT,
     rotation::EXPERIMENT,
     map::EXPERIMENT,

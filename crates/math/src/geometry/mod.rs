@@ -15,6 +15,7 @@ pub mod homogeneous;
 pub mod line;
 pub mod plane;
 pub mod point;
+pub mod projection;
 #[cfg(test)]
 pub(crate) mod random;
 pub mod solid_angle;

@@ -1,6 +1,6 @@
 //! Frustum culling.
 
-use glam::{DVec3, Mat4, Vec4};
+use glam::{DVec3, Mat4, Vec3, Vec4};
 
 use super::bounds::Sphere;
 use crate::state::{DepthRange, RasterState};
@@ -35,12 +35,25 @@ impl Frustum {
     /// True if a sphere lies outside one of the planes. Some spheres near two planes and in the view of neither are not
     /// found.
     pub fn misses(&self, sphere: &Sphere) -> bool {
-        let center = sphere.center.as_dvec3();
         let radius = f64::from(sphere.radius);
+        self.is_beyond_a_plane(sphere.center.as_dvec3(), |normal| radius * normal.length())
+    }
+
+    /// True if the box of half axes around a centre, which need not be orthogonal, lies outside one of the planes. Some
+    /// boxes near two planes and in the view of neither are not found.
+    pub fn misses_box(&self, center: Vec3, half_axes: [Vec3; 3]) -> bool {
+        // The corner farthest along a normal is Σ |n·a| from the centre.
+        let axes = half_axes.map(Vec3::as_dvec3);
+        self.is_beyond_a_plane(center.as_dvec3(), |normal| axes.iter().map(|a| normal.dot(*a).abs()).sum())
+    }
+
+    /// True if what reaches `extent` along a normal from a centre lies outside one of the planes, in the planes' own
+    /// scales, beyond rounding.
+    fn is_beyond_a_plane(&self, center: DVec3, extent: impl Fn(DVec3) -> f64) -> bool {
         self.planes.iter().any(|(normal, offset)| {
-            // Signed distance below −r for any plane, in the plane's own scale.
-            let size = normal.length() * (center.length() + radius) + offset.abs();
-            normal.dot(center) + offset < -radius * normal.length() - MARGIN * size
+            let extent = extent(*normal);
+            let size = normal.length() * center.length() + extent + offset.abs();
+            normal.dot(center) + offset < -extent - MARGIN * size
         })
     }
 }

@@ -319,8 +319,12 @@ fn shader_depths() {
     assert_eq!(depth_after(&|t| draw_output(t, state.clone(), 0.5, None::<Vec4>)), (0, 0.7));
 }
 
-/// Culling by either side, for either order of corners, in every polygon mode; a closed surface without its back looks the
-/// same and takes fewer fragments (M40).
+fn opposite(front: FrontFace) -> FrontFace {
+    if front == FrontFace::Clockwise { FrontFace::CounterClockwise } else { FrontFace::Clockwise }
+}
+
+/// Culling by either side, for either order of corners, in every polygon mode; a closed surface without its back looks
+/// the same and takes fewer fragments (M40).
 #[test]
 fn culling() {
     for (cull, front_face, clockwise, drawn) in [
@@ -344,6 +348,32 @@ fn culling() {
             assert_eq!(counters.fragments > 0, drawn, "{cull:?} {front_face:?} {polygon_mode:?}");
         }
     }
+    // A sphere of triangles: culling its back, whichever winding is the front, leaves the picture, and half of the
+    // triangles.
+    let at = |i: u32, j: u32| {
+        let (theta, phi) = (i as f32 * std::f32::consts::PI / 24.0, j as f32 * std::f32::consts::TAU / 48.0);
+        Vec4::new(0.8 * theta.sin() * phi.cos(), 0.8 * theta.cos(), 0.5 + 0.4 * theta.sin() * phi.sin(), 1.0)
+    };
+    let quads = (0..24).flat_map(|i| (0..48).map(move |j| [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)]));
+    let ball: Vec<Vec4> = quads.flat_map(|[a, b, c, d]| [a, b, c, a, c, d]).collect();
+    let turned: Vec<Vec4> = ball.chunks(3).flat_map(|t| [t[0], t[2], t[1]]).collect();
+    let (mut pictures, mut shares) = (Vec::new(), Vec::new());
+    for (corners, front) in [(&ball, FrontFace::Clockwise), (&turned, FrontFace::CounterClockwise)] {
+        for (cull, front_face) in [(Cull::None, front), (Cull::Back, front), (Cull::Front, opposite(front))] {
+            let raster = RasterState { cull, front_face, ..RasterState::default() };
+            let state = State { raster, depth: Some(DepthState::LESS), ..State::default() };
+            let colored: Vec<_> =
+                corners.iter().enumerate().map(|(k, p)| (*p, Vec4::splat((k / 3 % 97) as f32 + 1.0))).collect();
+            let mut target = framebuffer(96, 1);
+            let counters = draw(&mut target, state, &colored);
+            pictures.push(fingerprint(target.color(0)));
+            if cull != Cull::None {
+                shares.push(counters.culled as f64 / (corners.len() / 3) as f64);
+            }
+        }
+    }
+    assert!(pictures.iter().all(|picture| *picture == pictures[0]));
+    assert!(shares.iter().all(|share| (0.4..0.6).contains(share)), "{shares:?}");
     // A tetrahedron, each face of its own colour, counterclockwise from outside; less depth is nearer.
     let [a, b, c, d] = [[-0.7, -0.6, 0.6], [0.8, -0.5, 0.5], [0.0, 0.8, 0.7], [0.1, 0.0, 0.1]]
         .map(|[x, y, z]: [f32; 3]| Vec4::new(x, y, z, 1.0));
@@ -408,8 +438,8 @@ fn many(random: &mut Random, count: usize) -> Vec<(Vec4, Vec4)> {
     vertices
 }
 
-/// A picture with tests before the shader and with bounds of blocks is that of tests after it without them, of colours and
-/// depths; with them there are blocks that nothing is shaded in, and less than half of the fragments (M39, M246).
+/// A picture with tests before the shader and with bounds of blocks is that of tests after it without them, of colours
+/// and depths; with them there are blocks that nothing is shaded in, and less than half of the fragments (M39, M246).
 #[test]
 fn early_tests_change_no_picture() {
     let mut random = Random(39);

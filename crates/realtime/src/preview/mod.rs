@@ -159,8 +159,15 @@ impl Drawing<'_> {
     /// The shaders of the way that is filtered, and of reflections.
     fn shaders(&self) -> [Shader<'_>; 2] {
         let Self { run, shadows, number, depth, .. } = self;
-        let shader =
-            |options| Shader { scene: run.scene, shadows, options, depth, pass: *number, seed: run.sampler.seed };
+        let shader = |options| Shader {
+            scene: run.scene,
+            shadows,
+            options,
+            depth,
+            pass: *number,
+            seed: run.sampler.seed,
+            image_lights: None,
+        };
         self.options.each_ref().map(shader)
     }
 

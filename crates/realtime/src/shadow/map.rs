@@ -4,20 +4,43 @@
 use rayon::prelude::*;
 use steradian_core::Scene;
 use steradian_math::{Vec2, Vec3};
+use steradian_raster::glam::UVec2;
 
-use crate::{Error, draw_list::DrawList, options::BiasBy, projection::Projected, visibility::Visibility};
+use crate::{Error, draw_list::DrawList, options::BiasBy, projection::Projected, spread, visibility::Visibility};
 
 /// Slopes are taken to be no steeper than this.
 pub const STEEPEST: f32 = 100.0;
 
 /// Comparison with shadow maps.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Filter {
     /// In texels.
     pub bias: f32,
     pub bias_by: BiasBy,
     /// Texels along each axis.
     pub pcf: u32,
+    /// Offsets of the texels that are compared, from the first of the square.
+    taps: Vec<Vec2>,
+}
+
+impl Filter {
+    /// Comparison with all texels of a square of `pcf²`, or with `samples` of them, spread evenly.
+    pub fn new((bias, bias_by): (f32, BiasBy), pcf: u32, samples: u32) -> Self {
+        let all = (0..pcf * pcf).map(|k| UVec2::new(k / pcf, k % pcf));
+        let mut cells: Vec<UVec2> = Vec::new();
+        if samples == 0 || samples >= pcf * pcf {
+            cells.extend(all);
+        } else {
+            // Cells in the order in which the R2 sequence (Roberts 2018) comes to them; the rest of them by rows.
+            let visited = (0..64 * pcf * pcf).map(|k| (spread(k) * pcf as f32).as_uvec2().min(UVec2::splat(pcf - 1)));
+            for cell in visited.chain(all) {
+                if cells.len() < samples as usize && !cells.contains(&cell) {
+                    cells.push(cell);
+                }
+            }
+        }
+        Self { bias, bias_by, pcf, taps: cells.iter().map(|cell| cell.as_vec2()).collect() }
+    }
 }
 
 /// Shadow map: distances in a square view from a light.
@@ -102,7 +125,7 @@ impl Map {
     /// bias. `None` beyond a map of parallel light; the border of others goes on.
     pub fn lit(&self, p: Vec3, n: Vec3, filter: &Filter) -> Option<f32> {
         let Some(mut found) = self.locate(p, n) else { return Some(1.0) };
-        let Filter { bias, bias_by, pcf } = *filter;
+        let Filter { bias, bias_by, pcf, .. } = *filter;
         // The surface changes by its slope from the middle of a texel to its border, and further texels lie further
         // off.
         let reach = 0.5 * (pcf as f32 + 1.0);
@@ -133,9 +156,9 @@ impl Map {
         }
         // The comparison comes before the mean: averaging depths would invent surfaces between near and far.
         let mut lit = 0;
-        for (dx, dy) in (0..pcf).flat_map(|i| (0..pcf).map(move |j| (i, j))) {
-            let at = |x: f32, d: u32| (x - half + d as f32).floor().clamp(0.0, (self.size - 1) as f32) as u32;
-            let (column, row) = (at(x, dx), at(y, dy));
+        for tap in &filter.taps {
+            let at = |x: f32, d: f32| (x - half + d).floor().clamp(0.0, (self.size - 1) as f32) as u32;
+            let (column, row) = (at(x, tap.x), at(y, tap.y));
             // Receiver plane depth bias (Isidoro 2006): the limit follows the tangent plane to the texel.
             let limit = if bias_by == BiasBy::Plane {
                 let most = slope * texel * (reach + 0.5);
@@ -145,7 +168,7 @@ impl Map {
             };
             lit += u32::from(limit <= self.distances[(row * self.size + column) as usize]);
         }
-        Some(lit as f32 / (pcf * pcf) as f32)
+        Some(lit as f32 / filter.taps.len() as f32)
     }
 
     /// Change of the distance along the axis, from a point to the plane through it with normal `n` at the centre of a

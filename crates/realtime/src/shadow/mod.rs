@@ -89,7 +89,7 @@ impl Source {
 impl Shadowing {
     /// By rays alone.
     pub fn by_rays() -> Self {
-        let filter = Filter { bias: 0.0, bias_by: BiasBy::Slope, pcf: 1 };
+        let filter = Filter::new((0.0, BiasBy::Slope), 1, 0);
         Self { kind: Shadows::Ray, filter, lights: Vec::new() }
     }
 
@@ -98,7 +98,7 @@ impl Shadowing {
     /// # Errors
     /// Those of the pipeline.
     pub fn new(scene: &Scene, list: &DrawList, options: &Options, eye: &Eye) -> Result<Self, Error> {
-        let filter = Filter { bias: options.bias, bias_by: options.bias_by, pcf: options.pcf };
+        let filter = Filter::new((options.bias, options.bias_by), options.pcf, options.pcf_samples);
         let mut lights = Vec::new();
         // Prepare maps or volumes once for each light; many lights fall back to rays.
         if !matches!(options.shadows, Shadows::None | Shadows::Ray) && scene.lights().lights.len() <= MOST_LIGHTS {

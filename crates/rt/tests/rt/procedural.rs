@@ -31,6 +31,8 @@ struct Seen {
     hit: Option<(f32, u32, u8, f32)>,
     asked: u32,
     missed: bool,
+    /// True once an any-hit shader has ended the search.
+    ended: bool,
 }
 
 enum Spheres {}
@@ -78,11 +80,15 @@ impl Intersection<Spheres> for &Shaders<'_> {
 impl AnyHit<Spheres, f32> for &Shaders<'_> {
     fn run(&self, context: &AnyHitContext<Spheres>, seen: &mut Seen, attribute: &f32) -> Decision {
         assert_eq!((*attribute, context.hit_kind()), (2.0 * context.ray().t_current, self.kind));
+        assert!(!seen.ended, "asked after the end of the search");
         seen.asked += 1;
-        if context.primitive().primitive_index().is_multiple_of(3) {
-            context.ignore_hit()
-        } else {
-            context.accept_hit()
+        match context.primitive().primitive_index() {
+            i if i.is_multiple_of(3) => context.ignore_hit(),
+            i if i.is_multiple_of(7) => {
+                seen.ended = true;
+                context.accept_hit_and_end_search()
+            }
+            _ => context.accept_hit(),
         }
     }
 }
@@ -145,7 +151,7 @@ fn procedural_spheres_are_the_analytic_ones() {
     let kind = HitKind::procedural(5).expect("at most 127");
     let seen = launch(&Shaders { scene: &scene, spheres: &spheres, rays: &rays, kind }).expect("no fault");
     let inverse = instance.transform.to_mat4().as_dmat4().inverse().as_mat4();
-    let (mut hits, mut missed) = (0, 0);
+    let (mut hits, mut missed, mut ended) = (0, 0, 0);
     for ((ray, flags), seen) in rays.into_iter().zip(seen) {
         let (origin, direction) = (inverse.transform_point3(ray.origin), inverse.transform_vector3(ray.direction));
         let is_opaque = flags == RayFlags::FORCE_OPAQUE;
@@ -160,6 +166,10 @@ fn procedural_spheres_are_the_analytic_ones() {
         if flags.contains(RayFlags::ACCEPT_FIRST_HIT_AND_END_SEARCH) {
             assert!(hit.is_none_or(|hit| all.contains(&hit)));
             assert_eq!(hit.is_some(), nearest.is_some());
+        } else if seen.ended {
+            // The hit that ended the search stands, though nearer ones were not looked for.
+            assert!(hit.is_some_and(|hit| all.contains(&hit) && hit.1.is_multiple_of(7)), "{flags} {ray:?}");
+            ended += usize::from(hit != nearest);
         } else {
             assert_eq!(hit, nearest, "{flags} {ray:?}");
         }
@@ -169,7 +179,7 @@ fn procedural_spheres_are_the_analytic_ones() {
         hits += usize::from(seen.hit.is_some());
         missed += usize::from(seen.missed);
     }
-    assert!(hits > 3000 && missed > 3000, "{hits} hits, {missed} missed");
+    assert!(hits > 3000 && missed > 3000 && ended > 100, "{hits} hits, {missed} missed, {ended} ended early");
 }
 
 #[test]

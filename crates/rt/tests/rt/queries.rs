@@ -39,7 +39,7 @@ fn all_flags_and_masks_give_the_hits_of_the_model() {
             assert!(matches!(RayQuery::new(None, flags, 0, ray(&mut rng)), Err(RayError::Flags(_))));
             continue;
         }
-        for mask in (0..=0x1ff_u32).step_by(3) {
+        for mask in 0..=0x1ff_u32 {
             let ray = ray(&mut rng).with_extents(0.3 * rng.next_f32(), 0.5 + rng.next_f32());
             let all = crossings(&instances, &[true, false], (ray, flags, mask));
             let counts = |c: &&Crossing| c.is_opaque || confirms(c.id.primitive);
@@ -61,7 +61,7 @@ fn all_flags_and_masks_give_the_hits_of_the_model() {
             refused += asked.iter().filter(|id| !confirms(id.primitive)).count();
         }
     }
-    assert!(hits > 2000 && refused > 500, "{hits} hits, {refused} refused");
+    assert!(hits > 6000 && refused > 1500, "{hits} hits, {refused} refused");
 }
 
 #[test]

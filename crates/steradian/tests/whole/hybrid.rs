@@ -3,7 +3,7 @@
 use std::{path::PathBuf, sync::Arc};
 use steradian::{
     ColorMode, CompileOptions, Control, Film, History, Quality, Scene, compile, load,
-    math::{Ray, Vec3, hash::HashRng},
+    math::{Ray, Vec2, Vec3, hash::HashRng},
 };
 use steradian_realtime::{World, draw_list::DrawList};
 
@@ -84,6 +84,124 @@ fn terms_are_the_light_of_two_events() {
     assert!((mean(&a) / mean(&b) - 1.0).abs() < 3e-3, "{} for {}", mean(&a), mean(&b));
     // Samples that are spread well differ by less than their variance says.
     assert!(count > 2900.0 && squares / count < 1.3, "{squares} over {count}");
+}
+
+/// A room with a ball of a material: walls of albedo ½ under a lamp, or black walls that shine.
+fn room(walls_shine: bool, material: &str) -> Arc<Scene> {
+    let quad = |p: &str| format!("Shape \"trianglemesh\" \"point3 P\" [ {p} ] \"integer indices\" [ 0 1 2  0 2 3 ]\n");
+    let walls = [
+        "-1 -1 -1  -1 -1 1  1 -1 1  1 -1 -1",
+        "-1 1 -1  1 1 -1  1 1 1  -1 1 1",
+        "-1 -1 1  -1 1 1  1 1 1  1 -1 1",
+        "-1 -1 -1  -1 1 -1  -1 1 1  -1 -1 1",
+        "1 -1 -1  1 -1 1  1 1 1  1 1 -1",
+    ];
+    let light = |l: f64, p: &str| {
+        format!(
+            "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [{l} {l} {l}] \"bool twosided\" true {} AttributeEnd\n",
+            quad(p)
+        )
+    };
+    let black = "Material \"diffuse\" \"rgb reflectance\" [0 0 0]\n".to_owned();
+    let stage: String = if walls_shine {
+        black + &(1..).zip(walls).map(|(k, wall)| light(0.3 * f64::from(k), wall)).collect::<String>()
+    } else {
+        let lamp = light(4.0, "-0.4 0.98 -0.4  0.4 0.98 -0.4  0.4 0.98 0.4  -0.4 0.98 0.4");
+        let grey = "Material \"diffuse\" \"rgb reflectance\" [0.5 0.5 0.5]\n";
+        black + &lamp + grey + &walls.map(quad).concat()
+    };
+    let text = format!(
+        r#"LookAt 0 0 -3.2  0 0 0  0 1 0 Camera "perspective" "float fov" 40
+        Film "rgb" "integer xresolution" 24 "integer yresolution" 24 PixelFilter "box" WorldBegin {stage}
+        Material {material} Translate 0.1 -0.2 0.1 Shape "sphere" "float radius" 0.6"#
+    );
+    let loaded = steradian::load_bytes("room.pbrt", text.into_bytes(), Some("pbrt"), &Default::default());
+    let options = CompileOptions { mode: Some(ColorMode::Rgb), ..CompileOptions::default() };
+    Arc::new(compile(&loaded.desc, &options).scene.expect("a sound scene"))
+}
+
+/// True for pixels that the ball of a room covers, by rays through nine places of each.
+fn of_ball(scene: &Scene, pixel: usize) -> bool {
+    (0..9).all(|k| {
+        let at = Vec2::new((pixel % 24) as f32 + 0.5 * (k % 3) as f32, (pixel / 24) as f32 + 0.5 * (k / 3) as f32);
+        let ray = scene.camera().ray(scene.film(), at, Vec2::splat(0.5));
+        let hit = scene.intersect(&ray);
+        hit.is_some_and(|hit| !matches!(scene.geometry(hit.id).shape, steradian_core::scene::Shape::Mesh(_)))
+    })
+}
+
+/// A mean over pixels with its variance.
+#[derive(Clone, Copy)]
+struct Mean(f64, f64);
+
+impl Mean {
+    fn of(scene: &Arc<Scene>, integrator: &str, spp: u32, is_counted: impl Fn(usize) -> bool) -> Self {
+        let film = film(scene, integrator, spp, 2);
+        let pixels: Vec<_> = film.pixels.iter().enumerate().filter(|(k, _)| is_counted(*k)).map(|(_, p)| p).collect();
+        let count = pixels.len() as f64;
+        let variance: f64 = pixels.iter().map(|p| p.variance_of_mean()[1]).sum();
+        Self(pixels.iter().map(|p| p.mean()[1]).sum::<f64>() / count, variance / (count * count))
+    }
+
+    fn scaled(self, k: f64) -> Self {
+        Self(self.0 * k, self.1 * k * k)
+    }
+
+    fn plus(self, other: Self) -> Self {
+        Self(self.0 + other.0, self.1 + other.1)
+    }
+
+    fn less(self, other: Self) -> Self {
+        Self(self.0 - other.0, self.1 + other.1)
+    }
+
+    fn is_near(self, other: Self, what: &str) {
+        let sigma = (self.1 + other.1).sqrt();
+        assert!(other.0 > 5e-3, "{what}: {}", other.0);
+        assert!(
+            (self.0 - other.0).abs() < 4.0 * sigma + 1e-4 * other.0,
+            "{what}: {} for {} ± {sigma}",
+            self.0,
+            other.0
+        );
+        assert!(sigma < 0.03 * other.0, "{what}: ± {sigma} says nothing");
+    }
+}
+
+/// M256: each term of hybrid frames is the path tracer's: emission, direct light, light after one bounce, occlusion,
+/// what a mirror shows, what glass reflects and lets through, and frosted glass as a whole, of forward frames, too.
+#[test]
+fn each_term_is_that_of_paths() {
+    let diffuse = room(false, r#""diffuse" "rgb reflectance" [0.5 0.5 0.5]"#);
+    // The lamp would hide what differs: pixels that see none of it count.
+    let lamp = means(&film(&diffuse, "path:max_depth=0,reuse=1", 256, 2));
+    let dark = |pixel: usize| lamp[pixel][1] == 0.0;
+    let frame = |show: &str, is_counted: &dyn Fn(usize) -> bool| {
+        Mean::of(&diffuse, &format!("raster:frame=hybrid,filter=false,show={show}"), 600, is_counted)
+    };
+    let paths = |depth: u32, is_counted: &dyn Fn(usize) -> bool| {
+        Mean::of(&diffuse, &format!("path:max_depth={depth},reuse=1"), 3000, is_counted)
+    };
+    frame("emission", &|_| true).is_near(paths(0, &|_| true), "emission");
+    let (one, two) = (paths(1, &dark), paths(2, &dark));
+    frame("direct", &dark).scaled(0.5).is_near(one, "direct");
+    frame("indirect", &dark).scaled(0.5).is_near(two.less(one), "indirect");
+    let reach = 0.1 * diffuse.bounds().bounding_sphere().1;
+    let open = Mean::of(&diffuse, &format!("ao:distance={reach}"), 1600, |_| true);
+    frame("occlusion", &|_| true).is_near(open, "occlusion");
+    for (what, material, terms) in [
+        ("mirror", r#""conductor" "rgb reflectance" [1 1 1] "float roughness" 0"#, &["reflections"][..]),
+        ("glass", r#""dielectric""#, &["reflections", "transparency"]),
+        ("frosted glass", r#""dielectric" "float roughness" 0.3"#, &["picture"]),
+    ] {
+        let scene = room(true, material);
+        let of = |integrator: &str, spp| Mean::of(&scene, integrator, spp, |pixel| of_ball(&scene, pixel));
+        let right = of("path:max_depth=9,reuse=1", 1600);
+        let term = |show: &&str| of(&format!("raster:frame=hybrid,filter=false,show={show}"), 400);
+        let found = terms.iter().map(term).reduce(Mean::plus).expect("a term");
+        found.is_near(right, what);
+        of("raster:frame=forward", 400).is_near(right, &format!("{what}, forward"));
+    }
 }
 
 /// Each term is a view, and the picture is their sum; the bits do not depend on the number of threads.

@@ -1,6 +1,8 @@
 //! Whole scenes through the library, one program: each file is about one thing that its head names.
 
+mod ambient;
 mod colours;
+mod cube_maps;
 mod denoising;
 mod edits;
 mod estimate;
@@ -11,16 +13,20 @@ mod fluorescence;
 mod gallery;
 mod halves;
 mod hybrid;
+mod image_light;
 mod media_plugins;
 mod meter;
 mod motion;
 mod own_language;
 mod own_methods;
 mod phosphorescence;
+mod planes;
 mod preview;
+mod projections;
 mod raster;
 mod ray_pipeline;
 mod references;
+mod shading_models;
 mod single_sided;
 mod subsurface;
 mod texture_plugins;

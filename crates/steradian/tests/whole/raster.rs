@@ -380,6 +380,25 @@ fn projected_shadows_are_exact_on_planes() {
     }
 }
 
+/// M229: a share by percentage-closer filtering is a number of texels that pass over all that are compared: 4, 16, 25,
+/// and 7 or 12 of 25 for sparse kernels; of the border each of them is met.
+#[test]
+fn filtered_comparisons_are_fractions() {
+    let scene = scene_of(TABLE);
+    for (options, count) in
+        [("pcf=2", 4.0), ("pcf=4", 16.0), ("pcf=5", 25.0), ("pcf=5,pcf-samples=7", 7.0), ("pcf=5,pcf-samples=12", 12.0)]
+    {
+        let found = shares(&scene, &format!("shadows=map,size=512,{options}"));
+        let mut met = std::collections::BTreeSet::new();
+        for share in found.into_iter().flatten() {
+            let passed = share * count;
+            assert!((passed - passed.round()).abs() < 2e-4 * count, "{options}: {share}");
+            met.insert(passed.round() as u32);
+        }
+        assert_eq!(met.len() as f64, count + 1.0, "{options}: {met:?}");
+    }
+}
+
 /// Soft shadows by maps are close to those of rays (M230) if one plane casts the shadow of a lamp that is parallel to
 /// it, and shadows from filtered depths are bounds that hold off their borders.
 #[test]

@@ -45,6 +45,9 @@ impl Opener<'_> {
         };
         node.name = Some(m.name.clone());
         self.surface_detail(m, &mut node);
+        if let Some(ambient) = m.ambient {
+            node.set("ambient", rgb(clamped(ambient)), m.span);
+        }
         let material = self.import.desc.add(node);
         let material = self.masked(m, material);
         Look { material: Some(material), emission: self.emission(m) }

@@ -301,7 +301,7 @@ impl Opener<'_> {
         if let Some(first) = library.materials.iter().find(is_lit) {
             let span = Span::new(source, first.position, first.position + "newmtl".len());
             let message =
-                "'Ka' has no effect in this library: light from all sides is traced, not taken for a constant";
+                "'Ka' counts under a light 'ambient' alone (whitted, raster): light from all sides is traced otherwise";
             self.import.diagnostics.note(&self.import.desc.sources, Some(span), message);
         }
         for mut material in library.materials {

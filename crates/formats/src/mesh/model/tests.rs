@@ -255,7 +255,7 @@ fn doubtful_materials_are_told() {
         assert!(said.contains("'m' is invisible by its 'd 0' or 'Tr 1'"), "{said}");
     }
     assert_eq!(messages(&material("d 1\nTr 1").0), "");
-    assert!(messages(&material("Ka 1 1 1").0).contains("'Ka' has no effect"));
+    assert!(messages(&material("Ka 1 1 1").0).contains("'Ka' counts under a light 'ambient' alone"));
     assert_eq!(messages(&material("Ka 0 0 0").0), "");
     let obj = format!("{SQUARE}f 1/1 2/1 3/1 4/1\n");
     let said = messages(&open(&[("a.obj", obj.as_bytes()), ("a.mtl", b"newmtl sheet\nKd 1 0 0\n")]));

@@ -1,0 +1,89 @@
+//! Light of environments on diffuse surfaces by nine coefficients (Ramamoorthi and Hanrahan, "An efficient
+//! representation for irradiance environment maps", 2001).
+//!
+//! The clamped cosine leaves little of what has a degree above 2, so that the irradiance of any environment is a
+//! quadratic polynomial of the normal to about a hundredth. Nothing casts a shadow: the environment is seen by the
+//! whole hemisphere.
+
+use steradian_core::{Scene, light::Light};
+use steradian_math::{
+    Spectrum, Vec2, Vec3,
+    harmonics::{clamped_cosine, index, visit},
+    spectra::Wavelengths,
+    warp,
+};
+use steradian_transport::power_heuristic;
+
+/// Directions by which an environment is projected, by each of two techniques.
+const DIRECTIONS: u32 = 1 << 15;
+
+/// Irradiance of environments as functions of the normal.
+#[derive(Clone, Debug, Default)]
+pub struct ImageLights {
+    /// Light, its group of lights, and the coefficients of its irradiance over π.
+    lights: Vec<(u32, u32, [Vec3; 9])>,
+}
+
+impl ImageLights {
+    /// Projects the environments of a scene in RGB mode. Those behind portals, which look different from each point,
+    /// are left out.
+    pub fn new(scene: &Scene) -> Self {
+        let all = &scene.lights().lights;
+        let lights = scene.lights().environments.iter().filter_map(|&light| match &all[light as usize] {
+            Light::Environment(e) if e.portal.is_none() => {
+                let radiance = |w| Vec3::from_array(e.beyond(w, &Wavelengths::RGB).to_rgb());
+                let density = |w| e.pdf(Vec3::ZERO, w);
+                let coefficients = project(radiance, |u| e.sample(Vec3::ZERO, u), density);
+                Some((light, scene.light_groups().of_lights[light as usize], coefficients))
+            }
+            _ => None,
+        });
+        Self { lights: lights.collect() }
+    }
+
+    /// True if the light is one of these.
+    pub fn has(&self, light: u32) -> bool {
+        self.lights.iter().any(|(known, ..)| *known == light)
+    }
+
+    /// Irradiance over π on a surface with this normal, by light, with the group of each.
+    pub fn at(&self, normal: Vec3) -> impl Iterator<Item = (u32, Spectrum)> + '_ {
+        self.lights.iter().map(move |(_, group, coefficients)| {
+            let mut sum = Vec3::ZERO;
+            visit(2, normal, |l, m, y| sum += coefficients[index(l, m)] * y);
+            let [r, g, b] = sum.max(Vec3::ZERO).to_array();
+            (*group, Spectrum::rgb(r, g, b))
+        })
+    }
+}
+
+/// Coefficients A_l L_lm / π of the irradiance, by directions that are even over the sphere and such as the light
+/// draws, weighted by the power heuristic: bright suns are small. Both sets are Hammersley points.
+fn project(
+    radiance: impl Fn(Vec3) -> Vec3,
+    draw: impl Fn(Vec2) -> Option<(Vec3, f32)>,
+    density: impl Fn(Vec3) -> f32,
+) -> [Vec3; 9] {
+    const EVEN: f32 = 0.25 * std::f32::consts::FRAC_1_PI;
+    let mut sums = [Vec3::ZERO; 9];
+    let mut add = |w: Vec3, share: f32| {
+        let light = radiance(w) * (share / DIRECTIONS as f32);
+        if light.is_finite() {
+            visit(2, w, |l, m, y| sums[index(l, m)] += light * y);
+        }
+    };
+    for k in 0..DIRECTIONS {
+        let u = Vec2::new((k as f32 + 0.5) / DIRECTIONS as f32, k.reverse_bits() as f32 / 4_294_967_296.0);
+        let w = warp::uniform_sphere(u);
+        add(w, power_heuristic(EVEN, density(w)) / EVEN);
+        if let Some((w, pdf)) = draw(u.min(Vec2::splat(1.0 - f32::EPSILON))) {
+            add(w, power_heuristic(pdf, EVEN) / pdf);
+        }
+    }
+    for l in 0..=2_usize {
+        for m in -(l as i32)..=l as i32 {
+            sums[index(l, m)] *= clamped_cosine(l) * std::f32::consts::FRAC_1_PI;
+        }
+    }
+    sums
+}
