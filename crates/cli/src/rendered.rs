@@ -120,6 +120,7 @@ impl ImageMaker<'_> {
             relative_error_of_means: made.of_means.clone(),
             denoised_relative_error: made.denoised_error,
             missing_light: None,
+            notes: session.notes(),
             width: crop.width(),
             height: crop.height(),
             threads: session.threads(),

@@ -41,6 +41,8 @@ pub struct Report<'a> {
     pub denoised_relative_error: Option<f64>,
     /// The part of the light that the integrator cannot find (caustics of lights without size); null below a hundredth.
     pub missing_light: Option<f64>,
+    /// Remarks of the integrator on what it did, as people read them.
+    pub notes: Vec<String>,
     /// Pixels of the picture.
     pub width: u32,
     /// Pixels of the picture.

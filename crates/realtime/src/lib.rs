@@ -7,6 +7,7 @@
 //! 2. `visibility`: a picture of which primitive each pixel sees (Burns, Hunt 2013, "The Visibility Buffer"), by a
 //!    reversed depth buffer. Painter's algorithm, BSP order, Newell's sort and Warnock's subdivision find the same
 //!    (`order`).
+//!    [`culling`] leaves out what is found not to be seen before it is drawn.
 //! 3. `shading`: what that primitive sends to the eye: emission, light of each light, and what mirrors and glass show.
 //!    `shading_model`: light of each pixel, or of the corners of triangles (flat, Gouraud).
 //! 4. `shadow`: whether a light is seen: by rays, by shadow maps of many kinds, by shadow volumes, by projected
@@ -17,6 +18,7 @@
 //! are many; mirrors and glass go on with rays. Shadow maps are visibility pictures too, seen from lights. A technique
 //! of shadows is a file of `shadow`, a variant of `Shadows` and a row of `SHADOWS`.
 
+pub mod culling;
 pub mod draw_list;
 mod hybrid;
 mod image_light;
@@ -35,6 +37,7 @@ mod trace;
 mod visibility;
 mod world;
 
+pub use culling::{BoundsKind, Culling};
 pub use hybrid::Hybrid;
 pub use method::{METHODS, RASTER, Raster};
 pub use options::{BiasBy, FrameKind, Method, Options, SHADOWS, Shadows, Show};

@@ -2,6 +2,7 @@
 
 use crate::{
     Error,
+    culling::{BOUNDS, BoundsKind, CULLINGS, Culling},
     shading_model::{MODELS, ShadingModel},
 };
 use steradian_request::MethodRequest;
@@ -132,6 +133,9 @@ pub enum Show {
     Clip,
     /// Number of triangles that each tile of the pipeline lists, on a logarithmic scale up to 2¹⁴.
     Tiles,
+    /// Verdicts of the culling method: white what is rightly drawn, magenta what is wrongly left out, half red what is
+    /// drawn and not seen.
+    Culling,
     /// Number of shadow volumes of the first light that a pixel is in: black 0, white 8.
     Stencil,
     /// The shadow maps of the first light that has some.
@@ -175,7 +179,7 @@ const FRAMES: [(&str, FrameKind); 3] =
     [("forward", FrameKind::Forward), ("hybrid", FrameKind::Hybrid), ("preview", FrameKind::Preview)];
 
 /// The names of what can be shown.
-const SHOWN: [(&str, Show); 17] = [
+const SHOWN: [(&str, Show); 18] = [
     ("picture", Show::Picture),
     ("depth", Show::Depth),
     ("primitives", Show::Primitives),
@@ -184,6 +188,7 @@ const SHOWN: [(&str, Show); 17] = [
     ("wireframe", Show::Wireframe),
     ("clip", Show::Clip),
     ("tiles", Show::Tiles),
+    ("culling", Show::Culling),
     ("stencil", Show::Stencil),
     ("shadow-map", Show::ShadowMap),
     ("emission", Show::Emission),
@@ -218,6 +223,10 @@ pub struct Options {
     pub pcf_samples: u32,
     /// Hidden-surface algorithm.
     pub visibility: Method,
+    /// Culling method.
+    pub culling: Culling,
+    /// Bounding volumes of the chunks that culling tests.
+    pub bounds: BoundsKind,
     /// Points on each light that has an extent, and directions of environments.
     pub points: u32,
     /// Largest number of mirrors and panes of glass that are looked through one after the other.
@@ -243,6 +252,8 @@ impl Default for Options {
             pcf: 1,
             pcf_samples: 0,
             visibility: Method::ZBuffer,
+            culling: Culling::Items,
+            bounds: BoundsKind::Aabb,
             points: 4,
             bounces: 8,
             shading: ShadingModel::Pixel,
@@ -270,6 +281,8 @@ impl Options {
             pcf: asked.count("pcf"),
             pcf_samples: asked.count("pcf-samples"),
             visibility: named(&METHODS, asked.word("visibility")).unwrap_or(default.visibility),
+            culling: named(&CULLINGS, asked.word("culling")).unwrap_or(default.culling),
+            bounds: named(&BOUNDS, asked.word("bounds")).unwrap_or(default.bounds),
             points: asked.count("points"),
             bounces: asked.count("bounces"),
             harmonics: asked.word("environment") == "harmonics",
@@ -301,6 +314,9 @@ impl Options {
             FrameKind::Hybrid | FrameKind::Preview if self.shading != ShadingModel::Pixel => {
                 refused("shading models are of frame=forward")
             }
+            FrameKind::Hybrid | FrameKind::Preview if self.culling != Culling::Items => {
+                refused("culling other than of items is of frame=forward")
+            }
             FrameKind::Hybrid if self.shadows != Shadows::Ray => refused("frame=hybrid has shadows by rays"),
             _ => Ok(self),
         }
@@ -330,6 +346,7 @@ mod tests {
             ("show=direct", "of frame=hybrid"),
             ("frame=hybrid,show=depth", "of frame=forward"),
             ("frame=hybrid,shadows=map", "by rays"),
+            ("frame=hybrid,culling=hiz", "of frame=forward"),
         ] {
             assert!(options(text).unwrap_err().to_string().contains(part), "{text}");
         }
@@ -349,6 +366,8 @@ mod tests {
         };
         all_known("frame", &FRAMES.map(|f| f.0));
         all_known("bias-by", &BIASES.map(|f| f.0));
+        all_known("culling", &CULLINGS.map(|f| f.0));
+        all_known("bounds", &BOUNDS.map(|f| f.0));
         all_known("visibility", &METHODS.map(|f| f.0));
         all_known("shading", &MODELS.map(|f| f.0));
         all_known("show", &SHOWN.map(|f| f.0));

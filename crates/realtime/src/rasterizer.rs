@@ -2,6 +2,7 @@
 
 use crate::{
     Error,
+    culling::{Chunks, Culling, Selection, Tally, Verdict, classify, judge},
     draw_list::DrawList,
     image_light::ImageLights,
     lesson,
@@ -40,6 +41,11 @@ pub struct Rasterizer {
     image_lights: OnceLock<ImageLights>,
     /// Pixels that the painter's algorithm gets wrong in the first pass.
     wrong: OnceLock<usize>,
+    /// Chunks that are culled; made by the first pass that needs them, alike in all.
+    chunks: OnceLock<Chunks>,
+    /// What the culling of the first pass did, and what class of method it shows.
+    culled: OnceLock<String>,
+    classified: OnceLock<String>,
 }
 
 /// LayerInputs of a pass.
@@ -50,6 +56,8 @@ struct Drawing<'a> {
     projected: Projected,
     /// Weight of its samples by the pixel filter.
     weight: f32,
+    /// Chunks and their verdicts, where culling is by chunks or they are shown.
+    culled: Option<(&'a Chunks, Vec<Verdict>)>,
     visibility: Visibility,
 }
 
@@ -74,6 +82,9 @@ impl Rasterizer {
             shadows: OnceLock::new(),
             image_lights: OnceLock::new(),
             wrong: OnceLock::new(),
+            chunks: OnceLock::new(),
+            culled: OnceLock::new(),
+            classified: OnceLock::new(),
         })
     }
 
@@ -101,7 +112,10 @@ impl Rasterizer {
         }
         // Views that explain the pipeline are drawn whole, once for the pass; all others pixel by pixel.
         let eye = drawing.eye();
-        let lesson = pool.install(|| lesson::picture(run.scene, list, &eye, &self.options, shadows))?;
+        let lesson = match self.options.show {
+            Show::Culling => pool.install(|| self.classified(&drawing))?,
+            _ => pool.install(|| lesson::picture(run.scene, list, &eye, &self.options, shadows))?,
+        };
         // Flat and Gouraud shading compute light at the corners first, for the pixels to interpolate.
         let Some((triangles, of_corners)) = self.triangle_light(&drawing, shadows) else { return Ok(None) };
         let crop = run.scene.film().crop;
@@ -126,13 +140,54 @@ impl Rasterizer {
     }
 
     /// LayerInputs of a pass, with the visibility from its subpixel position.
-    fn drawing<'a>(&self, run: &'a Run<'a>, list: &'a DrawList, number: u32) -> Result<Drawing<'a>, Error> {
+    fn drawing<'a>(&'a self, run: &'a Run<'a>, list: &'a DrawList, number: u32) -> Result<Drawing<'a>, Error> {
         let (offset, weight) = place(run.scene.film(), number);
         // One sample alone is the whole pixel.
         let weight = if run.sampler.spp > 1 { weight } else { 1.0 };
         let projected = Projected::new(run.scene, offset)?.hiding_emitters(self.depth.hide_emitters);
-        let visibility = Visibility::draw_with(run.scene, list, &projected, Some(self.options.visibility))?;
-        Ok(Drawing { run, list, number, projected, weight, visibility })
+        let culled = self.culled(run, list, &projected)?;
+        if let (0, Some((chunks, verdicts))) = (number, &culled) {
+            let _ = self.culled.set(Tally::new(self.options.culling, chunks, verdicts).to_string());
+        }
+        let selection = match (&culled, self.options.culling) {
+            (Some((chunks, verdicts)), _) => Selection::Chunks(chunks, verdicts),
+            (None, Culling::None) => Selection::All,
+            (None, _) => Selection::Items,
+        };
+        let method = Some(self.options.visibility);
+        let visibility = Visibility::draw_selected_with(run.scene, list, &projected, selection, method)?;
+        Ok(Drawing { run, list, number, projected, weight, culled, visibility })
+    }
+
+    /// Chunks and their verdicts, where culling is by chunks or they are shown.
+    fn culled(
+        &self,
+        run: &Run<'_>,
+        list: &DrawList,
+        projected: &Projected,
+    ) -> Result<Option<(&Chunks, Vec<Verdict>)>, Error> {
+        let Options { culling, bounds, show, .. } = self.options;
+        if !culling.is_by_chunks() && show != Show::Culling {
+            return Ok(None);
+        }
+        // Passes may come here at once; all make the same chunks, and the first ones are kept.
+        if self.chunks.get().is_none() {
+            let _ = self.chunks.set(Chunks::new(run.scene, list, projected, bounds));
+        }
+        let Some(chunks) = self.chunks.get() else { return Ok(None) };
+        Ok(Some((chunks, judge(run.scene, list, projected, chunks, culling)?)))
+    }
+
+    /// Colours of pixels by verdicts against the truth.
+    fn classified(&self, drawing: &Drawing<'_>) -> Result<Option<Vec<Vec3>>, Error> {
+        let Drawing { run, list, number, projected, culled: Some((chunks, verdicts)), .. } = drawing else {
+            return Ok(None);
+        };
+        let found = classify(run.scene, list, projected, chunks, verdicts, self.options.culling)?;
+        if *number == 0 {
+            let _ = self.classified.set(found.to_string());
+        }
+        Ok(Some(found.colors))
     }
 
     fn shadowing(&self, drawing: &Drawing<'_>) -> Result<Shadowing, Error> {
@@ -261,7 +316,8 @@ impl Pass for Rasterizer {
 
     fn notes(&self) -> Vec<String> {
         let wrong = |pixels| format!("the order of the painter's algorithm is wrong in {pixels} pixels");
-        self.wrong.get().map(wrong).into_iter().collect()
+        let culling = self.culled.get().into_iter().chain(self.classified.get()).cloned();
+        self.wrong.get().map(wrong).into_iter().chain(culling).collect()
     }
 
     fn failure(&self) -> Option<String> {

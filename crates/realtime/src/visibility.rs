@@ -17,6 +17,7 @@ use steradian_raster::{
 
 use crate::{
     Error,
+    culling::Selection,
     draw_list::{BOX, DrawList, Item, box_count, part_bounds},
     options::Method,
     order,
@@ -28,7 +29,7 @@ use crate::{
 pub struct Seen {
     /// Hit of the pixel's ray.
     pub hit: Hit,
-    /// Number of the primitive in the picture, from 0.
+    /// Number of the primitive among all of the draw list, whatever is drawn of it; larger scenes have some twice.
     pub number: u32,
 }
 
@@ -48,30 +49,53 @@ pub struct Visibility {
 /// Primitives numbered one after the other: triangles of meshes, those of masked meshes, boxes, planes.
 #[derive(Debug, Default)]
 struct Parts {
-    /// Items, and the number of the first part of each; sorted.
-    items: Vec<(u32, u32)>,
+    /// Sorted by the numbers of their first parts.
+    runs: Vec<Run>,
     count: u32,
+    /// Number of all primitives that were offered, drawn or not, modulo 2³².
+    offered: u32,
+}
+
+/// Consecutive parts of an item.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    item: u32,
+    /// First part within the item.
+    part: u32,
+    /// Number of the first part.
+    first: u32,
+    /// Number of the first part among all primitives.
+    among_all: u32,
 }
 
 impl Parts {
     /// Numbers so many parts of an item; `false` where numbers are used up.
-    fn add(&mut self, item: u32, count: u32) -> bool {
+    fn add(&mut self, item: u32, part: u32, count: u32, among_all: u32) -> bool {
         // Three vertices or 36 corners each must be countable, too.
         let Some(end) = self.count.checked_add(count).filter(|&n| n < u32::MAX / 36) else { return false };
         if count > 0 {
-            self.items.push((item, self.count));
+            self.runs.push(Run { item, part, first: self.count, among_all });
             self.count = end;
         }
         true
     }
 
+    /// The run of a number.
+    #[inline]
+    fn run(&self, number: u32) -> Option<&Run> {
+        // Binary search: the last run that begins at or before the number.
+        Some(&self.runs[self.runs.partition_point(|run| run.first <= number).checked_sub(1)?])
+    }
+
     /// The item and its part of a number.
     #[inline]
     fn find(&self, number: u32) -> Option<(u32, u32)> {
-        // Binary search: the last item that begins at or before the number.
-        let place = self.items.partition_point(|(_, first)| *first <= number).checked_sub(1)?;
-        let (item, first) = self.items[place];
-        Some((item, number - first))
+        self.run(number).map(|run| (run.item, run.part + (number - run.first)))
+    }
+
+    /// The number among all primitives of a number.
+    fn among_all(&self, number: u32) -> Option<u32> {
+        self.run(number).map(|run| run.among_all.wrapping_add(number - run.first))
     }
 }
 
@@ -84,6 +108,19 @@ impl Visibility {
         Self::draw_with(scene, list, projected, Some(Method::ZBuffer))
     }
 
+    /// Draws a selection of what there is.
+    ///
+    /// # Errors
+    /// As [`draw`](Self::draw).
+    pub fn draw_selected(
+        scene: &Scene,
+        list: &DrawList,
+        projected: &Projected,
+        selection: Selection<'_>,
+    ) -> Result<Self, Error> {
+        Self::draw_selected_with(scene, list, projected, selection, Some(Method::ZBuffer))
+    }
+
     /// Draws what the view sees, meshes by a method; without one, what is no mesh of whole triangles.
     ///
     /// # Errors
@@ -94,6 +131,20 @@ impl Visibility {
         projected: &Projected,
         method: Option<Method>,
     ) -> Result<Self, Error> {
+        Self::draw_selected_with(scene, list, projected, Selection::Items, method)
+    }
+
+    /// Draws a selection of what there is, meshes by a method as [`draw_with`](Self::draw_with).
+    ///
+    /// # Errors
+    /// As [`draw_with`](Self::draw_with).
+    pub fn draw_selected_with(
+        scene: &Scene,
+        list: &DrawList,
+        projected: &Projected,
+        selection: Selection<'_>,
+        method: Option<Method>,
+    ) -> Result<Self, Error> {
         // The target holds a primitive number and a reversed depth for each pixel (Burns, Hunt 2013). Shading comes
         // later, once for each pixel rather than once for each fragment.
         let (extent, viewport) = projected.frame(scene);
@@ -101,8 +152,8 @@ impl Visibility {
         let mut target = Framebuffer::new(colors, Some(DepthTarget::new(extent, DepthFormat::Float32)?), None)?;
         target.clear(Vec4::ZERO, 0.0, 0);
         let state = State { depth: Some(DepthState::GREATER), viewports: vec![viewport], ..State::default() };
-        let mut stage =
-            Stage { scene, list, projected, target, state, parts: Parts::default(), counters: Counters::default() };
+        let (parts, counters) = (Parts::default(), Counters::default());
+        let mut stage = Stage { scene, list, projected, selection, target, state, parts, counters };
         // Opaque meshes first: they hide most of what needs a fragment shader with an intersection. All passes share
         // the depth buffer, so that their order does not matter for the picture.
         match method {
@@ -123,12 +174,17 @@ impl Visibility {
 
     /// Number of pixels that see another primitive than in another picture of the same view.
     pub fn differing(&self, other: &Self) -> usize {
-        self.numbers.iter().zip(&other.numbers).filter(|(a, b)| a != b).count()
+        (0..self.numbers.len()).filter(|&pixel| self.part(pixel) != other.part(pixel)).count()
+    }
+
+    /// Index in the list of what a pixel sees, and its part.
+    pub fn part(&self, pixel: usize) -> Option<(u32, u32)> {
+        self.parts.find(self.numbers[pixel].checked_sub(1)?)
     }
 
     /// Index in the list of what a pixel sees.
     pub(crate) fn item(&self, pixel: usize) -> Option<u32> {
-        self.parts.find(self.numbers[pixel].checked_sub(1)?).map(|(item, _)| item)
+        self.part(pixel).map(|(item, _)| item)
     }
 
     /// The first pixel of each primitive that is seen, in the order of their numbers.
@@ -145,7 +201,7 @@ impl Visibility {
         let number = self.numbers[(at[1] * self.width + at[0]) as usize].checked_sub(1)?;
         let (item, part) = self.parts.find(number)?;
         let hit = meet(scene, &list.items[item as usize], part, &projected.ray(scene, at), Border::Included)?;
-        Some(Seen { hit, number })
+        Some(Seen { hit, number: self.parts.among_all(number)? })
     }
 }
 
@@ -176,11 +232,28 @@ pub(crate) enum Border {
     Excluded,
 }
 
+/// True if the box around an item may be in the view: not if all its corners are outside one plane.
+pub(crate) fn in_view(scene: &Scene, projected: &Projected, item: &Item, shape: &Shape) -> bool {
+    let bounds = shape.bounds();
+    if bounds.is_empty() {
+        return true;
+    }
+    let place = item.place(scene);
+    // Outcodes in clip space (Cohen, Sutherland): a plane rejects the box only if it rejects all eight corners.
+    let outside = (0..8).fold(!0u32, |all, i| {
+        let p = projected.clip(place.point(bounds.corner(i)));
+        let planes = [p.x < -p.w, p.x > p.w, p.y < -p.w, p.y > p.w, p.z > p.w];
+        all & planes.iter().enumerate().fold(0, |bits, (i, out)| bits | u32::from(*out) << i)
+    });
+    outside == 0
+}
+
 /// Inputs and target of a drawing.
 struct Stage<'a> {
     scene: &'a Scene,
     list: &'a DrawList,
     projected: &'a Projected,
+    selection: Selection<'a>,
     target: Framebuffer,
     state: State,
     parts: Parts,
@@ -188,38 +261,29 @@ struct Stage<'a> {
 }
 
 impl Stage<'_> {
-    /// Numbers the parts of items that fit, and gives the range of numbers.
+    /// Numbers the parts of items that fit and are selected, and gives the range of numbers.
     fn number(&mut self, count: impl Fn(&Item, &Shape) -> u32) -> Result<(u32, u32), Error> {
         // Continue the numbers where the kind of shape before ended.
         let start = self.parts.count;
         for (i, item) in self.list.items.iter().enumerate() {
             let shape = &self.list.geometry(self.scene, item).shape;
             let count = count(item, shape);
-            let is_hidden = self.projected.hides(self.list.geometry(self.scene, item));
-            // Number only what may be in the view: numbers are limited.
-            if count > 0 && !is_hidden && self.in_view(item, shape) && !self.parts.add(i as u32, count) {
-                return Err(Error::Scene(
-                    "raster draws up to 119 million primitives at once, and more are in the view".into(),
-                ));
+            let among_all = self.parts.offered;
+            self.parts.offered = among_all.wrapping_add(count);
+            if count == 0 || self.projected.hides(self.list.geometry(self.scene, item)) {
+                continue;
+            }
+            // Number only what is drawn: numbers are limited.
+            let in_view = || in_view(self.scene, self.projected, item, shape);
+            for (part, count) in self.selection.runs(i, count, in_view) {
+                if !self.parts.add(i as u32, part, count, among_all.wrapping_add(part)) {
+                    return Err(Error::Scene(
+                        "raster draws up to 119 million primitives at once, and more are in the view".into(),
+                    ));
+                }
             }
         }
         Ok((start, self.parts.count))
-    }
-
-    /// True if the box around an item may be in the view: not if all its corners are outside one plane.
-    fn in_view(&self, item: &Item, shape: &Shape) -> bool {
-        let bounds = shape.bounds();
-        if bounds.is_empty() {
-            return true;
-        }
-        let place = item.place(self.scene);
-        // Outcodes in clip space (Cohen, Sutherland): a plane rejects the box only if it rejects all eight corners.
-        let outside = (0..8).fold(!0u32, |all, i| {
-            let p = self.projected.clip(place.point(bounds.corner(i)));
-            let planes = [p.x < -p.w, p.x > p.w, p.y < -p.w, p.y > p.w, p.z > p.w];
-            all & planes.iter().enumerate().fold(0, |bits, (i, out)| bits | u32::from(*out) << i)
-        });
-        outside == 0
     }
 
     /// Triangles of meshes, those with masks or the others.

@@ -117,6 +117,13 @@ const RASTER: &[Parameter] = &[
         .refused(),
     integer("cascades", (1.0, 16.0), "4", "shadow maps along the view").with("shadows", "cascades").refused(),
     word("visibility", "zbuffer, painter, bsp, newell, warnock", "zbuffer", "how hidden surfaces are removed"),
+    word(
+        "culling",
+        "items, none, frustum, hiz, occlusion, screen-size",
+        "items",
+        "what is not drawn; in frames frame=forward: items, or chunks of 256 primitives, outside the view, hidden, small",
+    ),
+    word("bounds", "aabb, sphere, obb, kdop, hull", "aabb", "bounding volumes of the chunks that culling tests"),
     integer("points", (1.0, 1024.0), "4", "points on each light with an area; previews take one").refused(),
     integer("bounces", (0.0, 64.0), "8", "mirrors and panes that are followed").refused(),
     word(
@@ -133,8 +140,8 @@ const RASTER: &[Parameter] = &[
     ),
     word(
         "show",
-        "picture, depth, normal, primitives, overdraw, wireframe, clip, tiles, stencil, shadow-map, emission, direct, \
-         indirect, reflections, transparency, occlusion, graph",
+        "picture, depth, normal, primitives, overdraw, wireframe, clip, tiles, culling, stencil, shadow-map, emission, \
+         direct, indirect, reflections, transparency, occlusion, graph",
         "picture",
         "what is shown; from emission on, of hybrid frames",
     ),

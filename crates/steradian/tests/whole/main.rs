@@ -3,6 +3,7 @@
 mod ambient;
 mod colours;
 mod cube_maps;
+mod culling;
 mod denoising;
 mod edits;
 mod estimate;
