@@ -8,8 +8,7 @@ fn ball(lights: &str) -> Arc<Scene> {
     let text = format!(
         r#"steradian: 1
         film: {{film: rgb, width: 48, height: 48}}
-        camera: {{camera: orthographic, window: [-1.1, 1.1, -1.1, 1.1],
-                 to_world: {{look_at: [0, 0, 0], from: [2, 1, 3]}}}}
+        camera: {{camera: orthographic, to_world: {{look_at: [0, 0, 0], from: [2, 1, 3]}}}}
         lights: [{lights}]
         shapes: [{{shape: sphere, material: {{material: diffuse, reflectance: 1}}}}]"#
     );
