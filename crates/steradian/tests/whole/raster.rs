@@ -399,6 +399,55 @@ fn filtered_comparisons_are_fractions() {
     }
 }
 
+/// M236: the penumbra of a half-plane under a square lamp, by rays, is the light of the part of the lamp that a point
+/// of the floor sees: all places x of the lamp above −x of the point, since the edge hangs at half its height. The
+/// integral of cos⁴θ/h² over that part, by 400² midpoints.
+#[test]
+fn penumbrae_are_those_of_the_integral() {
+    let scene = scene_of(
+        r#"
+LookAt 0 -7 3  0 0 0  0 0 1
+Camera "perspective" "float fov" 30
+Film "rgb" "integer xresolution" 90 "integer yresolution" 60
+WorldBegin
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [9 9 9]
+  Shape "trianglemesh" "point3 P" [-0.6 -0.6 4 -0.6 0.6 4 0.6 0.6 4 0.6 -0.6 4] "integer indices" [0 1 2 0 2 3]
+AttributeEnd
+Material "diffuse" "rgb reflectance" [0.6 0.6 0.6]
+Shape "trianglemesh" "point3 P" [-6 -6 0 6 -6 0 6 6 0 -6 6 0] "integer indices" [0 1 2 0 2 3]
+Shape "trianglemesh" "point3 P" [-30 -30 2 0 -30 2 0 30 2 -30 30 2] "integer indices" [0 1 2 0 2 3]
+"#,
+    );
+    let [found, open] = ["ray", "none"].map(|kind| radiances(&scene, &format!("shadows={kind},points=1024")));
+    let found: Vec<_> = found.iter().zip(open).map(|(a, b)| (b[1] > 1e-6).then(|| a[1] / b[1])).collect();
+    let (mut count, mut sum, mut largest) = (0, 0.0, 0f64);
+    for (pixel, share) in found.iter().enumerate() {
+        let ray = ray(&scene, pixel as u32 % 90, pixel as u32 / 90, Vec2::splat(0.5));
+        let Some((hit, share)) = scene.intersect(&ray).zip(*share) else { continue };
+        let p = scene.interaction(&ray, &hit).surface.p.as_dvec3();
+        if p.z.abs() > 1e-3 || p.x.abs() > 0.6 {
+            continue;
+        }
+        let (mut whole, mut seen) = (0.0, 0.0);
+        for k in 0..160_000 {
+            let at = |i: u32| (f64::from(i) + 0.5) / 400.0 * 1.2 - 0.6;
+            let (x, y) = (at(k % 400), at(k / 400));
+            let light = ((x - p.x).powi(2) + (y - p.y).powi(2) + 16.0).powi(-2);
+            whole += light;
+            seen += if x > -p.x { light } else { 0.0 };
+        }
+        count += 1;
+        sum += (share - seen / whole).abs();
+        largest = largest.max((share - seen / whole).abs());
+    }
+    assert!(
+        count > 300 && sum / f64::from(count) < 0.004 && largest < 0.02,
+        "{count} {} {largest}",
+        sum / f64::from(count)
+    );
+}
+
 /// Soft shadows by maps are close to those of rays (M230) if one plane casts the shadow of a lamp that is parallel to
 /// it, and shadows from filtered depths are bounds that hold off their borders.
 #[test]
