@@ -183,10 +183,15 @@ impl Render {
     /// there are none.
     pub fn left_out(&self, scene: &Scene) -> Option<LeftOut> {
         let limits = self.method.limits(scene);
-        // Connections from the camera find what light tracing alone cannot, and its caustics.
-        let instead = match self.method.supports(Feature::SpecularView) {
-            Support::Exact => path_tracer(scene.has_media()).kind,
-            _ => "bdpt",
+        let misses = |feature| self.method.supports(feature) != Support::Exact;
+        let misses_ambient = !scene.lights().ambient.is_empty() && misses(Feature::AmbientLight);
+        let instead = if misses_ambient && limits.len() == 1 {
+            "whitted"
+        } else if misses(Feature::SpecularView) {
+            // Connections from the camera find what light tracing alone cannot, and its caustics.
+            "bdpt"
+        } else {
+            path_tracer(scene.has_media()).kind
         };
         (!limits.is_empty()).then_some(LeftOut { limits, instead })
     }

@@ -73,5 +73,6 @@ fn ambient_lights_have_groups_and_are_told() {
         let render = Quality::of(name).render(&scene).expect(name);
         let told = render.left_out(&scene).map_or(String::new(), |left_out| left_out.of(name));
         assert_eq!(told.contains("lights 'ambient'"), !is_exact, "{name}: {told}");
+        assert_eq!(told.contains("'whitted' renders it"), !is_exact, "{name}: {told}");
     }
 }
