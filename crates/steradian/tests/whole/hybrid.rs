@@ -204,9 +204,11 @@ fn each_term_is_that_of_paths() {
     }
 }
 
-/// Each term is a view, and the picture is their sum; the bits do not depend on the number of threads.
+/// Each term is a view. What the picture has beyond emission, mirrors and glass lies between nothing and the diffuse
+/// terms, which are light over albedo; [`each_term_is_that_of_paths`] holds each of them. The bits do not depend on the
+/// number of threads.
 #[test]
-fn the_picture_is_the_sum_of_its_terms() {
+fn the_picture_lies_between_its_terms() {
     let scene = scene(&folder().join("showcase.pbrt"), (48, 32));
     let view = |name: &str, threads| means(&film(&scene, &format!("raster:frame=hybrid,show={name}"), 1, threads));
     let (picture, emission) = (view("picture", 2), view("emission", 2));
