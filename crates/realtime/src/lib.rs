@@ -9,7 +9,7 @@
 //!    (`order`).
 //!    [`culling`] leaves out what is found not to be seen before it is drawn.
 //! 3. `shading`: what that primitive sends to the eye: emission, light of each light, and what mirrors and glass show.
-//!    `shading_model`: light of each pixel, or of the corners of triangles (flat, Gouraud).
+//!    `triangle_light`: light of the corners of triangles instead (flat, Gouraud).
 //! 4. `shadow`: whether a light is seen: by rays, by shadow maps of many kinds, by shadow volumes, by projected
 //!    shadows, or always.
 //!
@@ -34,6 +34,7 @@ mod shading;
 mod shading_model;
 mod shadow;
 mod trace;
+mod triangle_light;
 mod visibility;
 mod world;
 

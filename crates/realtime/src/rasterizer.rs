@@ -10,10 +10,10 @@ use crate::{
     preparation::Preparation,
     projection::Projected,
     shading::Shader,
-    shading_model::{Found, TriangleLight, key, view_of},
     shadow::{Eye, Shadowing},
     spread,
     trace::Trace,
+    triangle_light::{Found, TriangleLight, key, view_of},
     visibility::{Seen, Visibility},
 };
 use std::sync::OnceLock;
@@ -43,7 +43,7 @@ pub struct Rasterizer {
     wrong: OnceLock<usize>,
     /// Chunks that are culled; made by the first pass that needs them, alike in all.
     chunks: OnceLock<Chunks>,
-    /// What the culling of the first pass did, and what class of method it shows.
+    /// Notes of the culling of the first pass, and of the class of method that it shows.
     culled: OnceLock<String>,
     classified: OnceLock<String>,
 }

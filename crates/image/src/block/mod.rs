@@ -324,7 +324,9 @@ mod tests {
             squares += (0..3).map(|c| f64::from((found[c] / value(i)[c]).ln()).powi(2)).sum::<f64>();
         }
         let error = (squares / decoded.len() as f64).sqrt();
-        assert!(error < 0.02, "relative error {error}");
+        // A block spans up to three binades; sixteen places between its ends are a seventh of one apart, ±7 %, and
+        // evenly spread errors of that have a root mean square of 4 %.
+        assert!(error < 0.04, "relative error {error}");
         // One value for all texels: within half of a step of 10 bits.
         for v in [0.0, 1e-3, 0.5, 1.0, 37.5, 65504.0] {
             let found = halves(&encode_linear(4, 4, |_| [v, v / 2.0, v / 4.0]), 4, 4);
