@@ -2,9 +2,8 @@
 
 use steradian_image::{TexelData, Texels};
 
-/// Face, in the order +x, −x, +y, −y, +z, −z, at each place of a cross or row, from its top left; `None` for no face.
-const CROSS: [[Option<usize>; 4]; 3] =
-    [[None, Some(2), None, None], [Some(1), Some(4), Some(0), Some(5)], [None, Some(3), None, None]];
+/// Column and row in a wide cross of the faces +x, −x, +y, −y, +z, −z.
+const CROSS: [[usize; 2]; 6] = [[2, 1], [0, 1], [1, 0], [1, 2], [1, 1], [3, 1]];
 
 /// The faces of a picture below each other; pictures that are none are left as they are. In a cross of three by four
 /// the lowest face, −z, is turned by half a turn.
@@ -22,24 +21,15 @@ pub fn strip(texels: Texels) -> Texels {
     } else {
         return texels;
     };
-    let is_wide = w > h;
-    let place = |face: usize| -> [usize; 2] {
-        for (row, faces) in CROSS.iter().enumerate() {
-            for (column, found) in faces.iter().enumerate() {
-                if *found == Some(face) {
-                    // Upright, −z hangs below −y.
-                    return if is_wide || face != 5 { [column, row] } else { [1, 3] };
-                }
-            }
-        }
-        [0, 0]
-    };
     if !is_cross(&texels, n) {
         return texels;
     }
     collect(&texels, n, |face, x, y| {
-        let [column, row] = place(face);
-        let (x, y) = if !is_wide && face == 5 { (n - 1 - x, n - 1 - y) } else { (x, y) };
+        // Upright, −z hangs below −y, turned by half a turn.
+        if w < h && face == 5 {
+            return [2 * n - 1 - x, 4 * n - 1 - y];
+        }
+        let [column, row] = CROSS[face];
         [column * n + x, row * n + y]
     })
 }

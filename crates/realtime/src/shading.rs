@@ -68,8 +68,6 @@ pub struct CameraPath {
     pub round: u32,
     /// True if lights on the path count.
     pub sees_lights: bool,
-    /// Normals of the first surface that scatters.
-    pub normals: Normals,
 }
 
 impl CameraPath {
@@ -83,13 +81,7 @@ impl CameraPath {
         let differential = shader.scene.ray_differential(ray);
         let sees_lights = !shader.depth.hide_emitters;
         let hit = seen.map(|s| s.hit);
-        let normals = shader.options.shading.normals();
-        Self { ray: *ray, hit, differential, beta: Spectrum::ONE, events: 0, round: 0, sees_lights, normals }
-    }
-
-    /// Normals of the surface that the path is at: those of the shading model hold for what the camera sees.
-    fn normals(&self) -> Normals {
-        if self.events == 0 { self.normals } else { Normals::Mapped }
+        Self { ray: *ray, hit, differential, beta: Spectrum::ONE, events: 0, round: 0, sees_lights }
     }
 }
 
@@ -206,7 +198,9 @@ impl<'a> Shader<'a> {
             };
             // Emission, seen directly or by mirrors.
             let mut i = scene.interaction_of_light(&ray, &found);
-            path.normals().set(&mut i);
+            // The shading model holds for what the camera sees.
+            let normals = if path.events == 0 { self.options.shading.normals() } else { Normals::Mapped };
+            normals.set(&mut i);
             // What no light sample finds, such as an infinite plane, is found here alone.
             let is_sampled = || scene.light(&i).is_some();
             if path.sees_lights || (path.events > 0 && !is_sampled()) {
@@ -226,7 +220,7 @@ impl<'a> Shader<'a> {
                 Some(_) if path.events >= self.depth.max => return sum,
                 Some((scattering, frame)) => {
                     // Direct light; then only specular lobes go on.
-                    let (scattering, frame) = path.normals().unmapped(&i, (scattering, frame));
+                    let (scattering, frame) = normals.unmapped(&i, (scattering, frame));
                     let ctx = nee::context(&i, &frame, &scattering.bsdf);
                     let point = Point { i, frame, scattering, ctx, lambda: *lambda, beta, numbers, round };
                     sum += self.ambient(&point, trace) + self.direct(&point, trace);

@@ -1,6 +1,6 @@
 //! BC1: two colours of 5, 6 and 5 bits, and for each texel which of four on the line between them it has.
 
-use super::{ends_of_line, refined_ends};
+use super::{ends_of_line, nearest_of_palette, refined_ends};
 use std::sync::LazyLock;
 
 /// Places between the ends that indices stand for.
@@ -43,18 +43,7 @@ fn unpack(c: u16) -> [f32; 3] {
 fn assign(points: &[[f32; 3]; 16], packed: [u16; 2]) -> (f32, [u8; 16]) {
     let [a, b] = packed.map(unpack);
     let palette = PLACES.map(|t| -> [f32; 3] { std::array::from_fn(|c| a[c] + (b[c] - a[c]) * t) });
-    let mut error = 0.0;
-    let indices = points.map(|p| {
-        let distance = |q: &[f32; 3]| (0..3).map(|c| (p[c] - q[c]).powi(2)).sum::<f32>();
-        let (index, least) = palette
-            .iter()
-            .enumerate()
-            .map(|(i, q)| (i as u8, distance(q)))
-            .fold((0, f32::INFINITY), |best, now| if now.1 < best.1 { now } else { best });
-        error += least;
-        index
-    });
-    (error, indices)
+    nearest_of_palette(points, &palette)
 }
 
 /// The bytes; the first end must be the larger number, or the palette is another one.

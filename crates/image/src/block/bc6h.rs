@@ -4,11 +4,8 @@
 //!
 //! Ends and places are bits of half floats, so that errors are relative to brightness.
 
-use super::{ends_of_line, refined_ends};
+use super::{SIXTEEN_PLACES, ends_of_line, nearest_of_palette, refined_ends};
 use half::f16;
-
-/// Sixty-fourths of the way that indices stand for.
-const WEIGHTS: [u32; 16] = [0, 4, 9, 13, 17, 21, 26, 30, 34, 38, 43, 47, 51, 55, 60, 64];
 
 /// Largest bits of a finite half float.
 const LARGEST: f32 = 0x7bff as f32;
@@ -26,7 +23,7 @@ pub fn encode(texels: &[[f32; 3]; 16]) -> [u8; 16] {
         if error < best.0 {
             best = (error, block(quantised, indices));
         }
-        match refined_ends(&points, &indices.map(|i| WEIGHTS[i as usize] as f32 / 64.0)) {
+        match refined_ends(&points, &indices.map(|i| SIXTEEN_PLACES[i as usize] as f32 / 64.0)) {
             Some(refined) if best.0 > 0.0 => ends = refined,
             _ => break,
         }
@@ -59,19 +56,8 @@ fn finish(v: u32) -> f32 {
 fn assign(points: &[[f32; 3]; 16], ends: [[u16; 3]; 2]) -> (f32, [u8; 16]) {
     let [a, b] = ends.map(|end| end.map(unquantise));
     let palette =
-        WEIGHTS.map(|w| -> [f32; 3] { std::array::from_fn(|c| finish((a[c] * (64 - w) + b[c] * w + 32) >> 6)) });
-    let mut error = 0.0;
-    let indices = points.map(|p| {
-        let distance = |q: &[f32; 3]| (0..3).map(|c| (p[c] - q[c]).powi(2)).sum::<f32>();
-        let (index, least) = palette
-            .iter()
-            .enumerate()
-            .map(|(i, q)| (i as u8, distance(q)))
-            .fold((0, f32::INFINITY), |best, now| if now.1 < best.1 { now } else { best });
-        error += least;
-        index
-    });
-    (error, indices)
+        SIXTEEN_PLACES.map(|w| -> [f32; 3] { std::array::from_fn(|c| finish((a[c] * (64 - w) + b[c] * w + 32) >> 6)) });
+    nearest_of_palette(points, &palette)
 }
 
 /// The bytes: mode, ends, and indices, the first of which has no highest bit.

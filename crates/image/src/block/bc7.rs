@@ -2,10 +2,7 @@
 //! for each texel one of sixteen places between them. The other modes, which cut blocks into parts, are read but not
 //! written.
 
-use super::{ends_of_line, refined_ends};
-
-/// Sixty-fourths of the way that indices stand for.
-const WEIGHTS: [u32; 16] = [0, 4, 9, 13, 17, 21, 26, 30, 34, 38, 43, 47, 51, 55, 60, 64];
+use super::{SIXTEEN_PLACES, ends_of_line, refined_ends};
 
 /// Encodes a block.
 pub fn encode(texels: &[[u8; 4]; 16]) -> [u8; 16] {
@@ -21,7 +18,7 @@ pub fn encode(texels: &[[u8; 4]; 16]) -> [u8; 16] {
             let (error, indices) = assign(texels, quantised);
             if error < least {
                 least = error;
-                places = Some(indices.map(|i| WEIGHTS[i as usize] as f32 / 64.0));
+                places = Some(indices.map(|i| SIXTEEN_PLACES[i as usize] as f32 / 64.0));
             }
             if error < best.0 {
                 best = (error, block(quantised, indices));
@@ -43,7 +40,7 @@ fn quantise(v: f32, low: u8) -> u8 {
 
 /// The nearest of the sixteen places for each texel, and the squared error.
 fn assign(texels: &[[u8; 4]; 16], [a, b]: [[u8; 4]; 2]) -> (u32, [u8; 16]) {
-    let palette = WEIGHTS
+    let palette = SIXTEEN_PLACES
         .map(|w| -> [u32; 4] { std::array::from_fn(|c| ((64 - w) * u32::from(a[c]) + w * u32::from(b[c]) + 32) >> 6) });
     let mut error = 0;
     let indices = texels.map(|t| {

@@ -227,6 +227,25 @@ fn ends_of_line<const N: usize>(points: &[[f32; N]; 16]) -> [[f32; N]; 2] {
     [low, high].map(|t| std::array::from_fn(|c| mean[c] + axis[c] * t))
 }
 
+/// Sixty-fourths of the way between ends that the sixteen indices of BC6H and BC7 stand for.
+const SIXTEEN_PLACES: [u32; 16] = [0, 4, 9, 13, 17, 21, 26, 30, 34, 38, 43, 47, 51, 55, 60, 64];
+
+/// Index of the nearest colour of a palette for each point, and the sum of squared distances.
+fn nearest_of_palette(points: &[[f32; 3]; 16], palette: &[[f32; 3]]) -> (f32, [u8; 16]) {
+    let mut error = 0.0;
+    let indices = points.map(|p| {
+        let distance = |q: &[f32; 3]| (0..3).map(|c| (p[c] - q[c]).powi(2)).sum::<f32>();
+        let (index, least) = palette
+            .iter()
+            .enumerate()
+            .map(|(i, q)| (i as u8, distance(q)))
+            .fold((0, f32::INFINITY), |best, now| if now.1 < best.1 { now } else { best });
+        error += least;
+        index
+    });
+    (error, indices)
+}
+
 /// The ends for which the points at these places between them (0 to 1) are nearest to the given ones, by least squares.
 fn refined_ends<const N: usize>(points: &[[f32; N]; 16], places: &[f32; 16]) -> Option<[[f32; N]; 2]> {
     let (mut aa, mut ab, mut bb) = (0.0, 0.0, 0.0);

@@ -4,7 +4,10 @@ use crate::{
     shot::{SIGMAS, Shot, is_exactly, mean},
     stage::{Stage, diffuse, light, plane, rectangle, shape, white},
 };
-use steradian_core::sampler::{SAMPLERS, SamplerKind};
+use steradian_core::{
+    Scene,
+    sampler::{SAMPLERS, SamplerKind},
+};
 use steradian_math::Vec2;
 use steradian_scene::{Family, Node};
 
@@ -86,16 +89,21 @@ fn error_bars_cover_the_truth() {
     assert!((share - 0.95).abs() < SIGMAS * sigma + 0.005, "{share} of the intervals hold the truth");
 }
 
-/// M153, M154: the error falls as the samples grow, for every sampler: about as n^−½ for independent ones, no slower
-/// for the others. Root mean square over pixels against the closed form π/2.
-#[test]
-fn errors_fall_with_samples() {
+/// A white plane below a disk of unit radiance, radius and height, whose form factor there is r²/(r² + h²) = ½.
+fn below_a_disk() -> Scene {
     let mut stage = Stage::new();
     stage.solid(plane([0.0, 0.0, 1.0], 0.0), diffuse(1.0));
     let lamp = stage.lamp(shape("disk").with("radius", 1.0).with("height", 1.0), 1.0);
     lamp.reverse_orientation = true;
     stage.probe([0.1, 0.0, 0.5], [0.0; 3]).film(24, 24);
-    let scene = stage.scene();
+    stage.scene()
+}
+
+/// M153, M154: the error falls as the samples grow, for every sampler: about as n^−½ for independent ones, no slower
+/// for the others. Root mean square over pixels against the closed form π/2.
+#[test]
+fn errors_fall_with_samples() {
+    let scene = below_a_disk();
     for (name, sampler) in SAMPLERS.iter().filter(|(name, _)| *name != "fixed") {
         let error = |spp| {
             let film = Shot { sampler: *sampler, ..Shot::of("direct", spp) }.take(&scene);
@@ -119,12 +127,7 @@ fn errors_fall_with_samples() {
 /// they do not. Correlation of the errors of neighbours against the closed form.
 #[test]
 fn one_list_for_all_pixels_makes_patterns() {
-    let mut stage = Stage::new();
-    stage.solid(plane([0.0, 0.0, 1.0], 0.0), diffuse(1.0));
-    let lamp = stage.lamp(shape("disk").with("radius", 1.0).with("height", 1.0), 1.0);
-    lamp.reverse_orientation = true;
-    stage.probe([0.1, 0.0, 0.5], [0.0; 3]).film(24, 24);
-    let scene = stage.scene();
+    let scene = below_a_disk();
     for (sampler, least, most) in [(SamplerKind::Fixed, 0.99, 1.01), (SamplerKind::Independent, -0.2, 0.2)] {
         // Four seeds, since one list has one error.
         let (mut together, mut squares) = (0.0, 0.0);

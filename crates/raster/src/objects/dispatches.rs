@@ -18,7 +18,7 @@ impl Groups {
     /// Runs a kernel in the groups.
     ///
     /// # Errors
-    /// Where groups or invocations are more than there may be.
+    /// Too many groups or invocations.
     pub fn dispatch<S: ComputeShader>(&self, shader: &S) -> Result<()> {
         dispatch(shader, self.0).or_else(|Error { rule, .. }| invalid_value("Groups::dispatch", rule))
     }

@@ -154,7 +154,7 @@ impl Texture {
     /// A texture of zero bits with so many levels.
     ///
     /// # Errors
-    /// Where kind, size and levels do not fit, and for kinds with samples.
+    /// Kinds with samples, and sizes or levels that the kind does not have.
     pub fn new(kind: TextureKind, format: Format, size: TextureSize, levels: u32) -> Result<Self> {
         const CALL: &str = "Texture::new";
         if kind.is_multisample() {

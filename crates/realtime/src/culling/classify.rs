@@ -32,7 +32,7 @@ pub struct Classified {
 /// picture are rounded to 1/256 pixel, and rays are not.
 ///
 /// # Errors
-/// Those of the pipeline.
+/// Errors of the pipeline.
 pub fn classify(
     scene: &Scene,
     list: &DrawList,

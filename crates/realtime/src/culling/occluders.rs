@@ -30,7 +30,7 @@ impl Candidates<'_> {
     /// behind it in all its pixels is hidden.
     ///
     /// # Errors
-    /// Those of the pipeline.
+    /// Errors of the pipeline.
     pub fn depths(&self) -> Result<Pyramid, Error> {
         Ok(Pyramid::new(self.draw(&self.largest())?.depths, self.size))
     }
@@ -40,7 +40,7 @@ impl Candidates<'_> {
     /// behind its volume, so that what is behind one map in all its pixels is hidden.
     ///
     /// # Errors
-    /// Those of the pipeline.
+    /// Errors of the pipeline.
     pub fn maps(&self) -> Result<Vec<Pyramid>, Error> {
         // Occluders of known depth, near ones first.
         let mut occluders: Vec<(usize, Footprint)> =

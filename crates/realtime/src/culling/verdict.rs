@@ -25,7 +25,7 @@ pub enum Verdict {
 /// Verdicts about all chunks, in their order.
 ///
 /// # Errors
-/// Those of the pipeline, by which occluders are drawn.
+/// Errors of the pipeline, by which occluders are drawn.
 pub fn judge(
     scene: &Scene,
     list: &DrawList,
