@@ -8,7 +8,8 @@ pub struct Bench {
     /// Folder for results
     #[arg(long, default_value = "target/bench")]
     pub out: PathBuf,
-    /// Only these parts: structures, scaling, threads, loading, rays, building, builders, raster, rivals
+    /// Only these parts: structures, scaling, threads, loading, rays, building, builders, rivals, raster; raster, which
+    /// builds a package with wgpu and needs lavapipe, is left out unless named
     #[arg(long, value_delimiter = ',')]
     pub only: Vec<String>,
     /// Largest mesh, in triangles
@@ -23,7 +24,7 @@ pub struct Bench {
     /// The shared library of Embree 4, to trace the same rays with it
     #[arg(long, value_name = "LIBRARY")]
     pub embree: Option<PathBuf>,
-    /// One more mesh to trace rays through; may be given several times
+    /// One more mesh to trace rays through, or to rasterize; may be given several times
     #[arg(long, value_name = "FILE.ply")]
     pub mesh: Vec<PathBuf>,
     /// Only rays whose scene, name or query has each of these words, such as mesh_10k,bounce1,closest

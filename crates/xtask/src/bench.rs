@@ -29,8 +29,9 @@ pub fn run(arguments: &Bench) -> Result<(), Box<dyn Error>> {
     if is_wanted("builders") {
         rays::builders(&mut report)?;
     }
-    if is_wanted("raster") {
-        raster::measure(&mut report)?;
+    // Builds another program, with wgpu: only where it is named.
+    if arguments.only.iter().any(|part| part == "raster") {
+        raster::measure(arguments, &mut report)?;
     }
     if is_wanted("rivals") {
         rivals::measure(arguments, &mut report)?;

@@ -2,7 +2,10 @@
 
 use super::scene::{View, bounce, displaced_sphere, instances};
 use crate::generate::Mesh;
-use std::{error::Error, path::PathBuf};
+use std::{
+    error::Error,
+    path::{Path, PathBuf},
+};
 use steradian_accel::{Builder, Bvh, Geometry, Instance, TopLevel};
 use steradian_formats::mesh::ply;
 use steradian_math::{Ray, Vec3, transform::Affine};
@@ -28,15 +31,19 @@ pub fn all(files: &[PathBuf]) -> Result<Vec<Case>, Box<dyn Error>> {
         case("inst_1000x10k", displaced_sphere(29), instances(), &View::INSTANCES),
     ];
     for file in files {
-        let read =
-            ply::read(&std::fs::read(file)?, &Default::default()).map_err(|e| format!("{}: {e}", file.display()))?;
-        let positions = read.mesh.positions.iter().map(|&p| Vec3::from_array(p)).collect();
-        let mesh = (positions, read.mesh.triangles.to_vec());
+        let mesh = read_mesh(file)?;
         let name = file.file_stem().unwrap_or_default().to_string_lossy();
         let view = View::of(&mesh);
         cases.push(case(&name, mesh, Vec::new(), &[view]));
     }
     Ok(cases)
+}
+
+/// The triangles of a PLY file.
+pub fn read_mesh(file: &Path) -> Result<Mesh, Box<dyn Error>> {
+    let read = ply::read(&std::fs::read(file)?, &Default::default()).map_err(|e| format!("{}: {e}", file.display()))?;
+    let positions = read.mesh.positions.iter().map(|&p| Vec3::from_array(p)).collect();
+    Ok((positions, read.mesh.triangles.to_vec()))
 }
 
 impl Case {

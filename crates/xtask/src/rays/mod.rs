@@ -9,6 +9,8 @@ mod scene;
 mod trace;
 
 pub use building::builders;
+pub use case::read_mesh;
+pub use scene::displaced_sphere;
 
 use crate::{
     arguments::Bench,

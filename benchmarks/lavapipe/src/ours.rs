@@ -1,0 +1,100 @@
+//! The frames of our pipeline.
+
+use crate::work::{HEIGHT, Row, Shading, WIDTH};
+use steradian_raster::{
+    Draw, Extent, Format, Fragment, Framebuffer, Pipeline, Program, Result, State, Varyings, Vertex, VertexInput,
+    fragment,
+    glam::{Vec2, Vec3, Vec4},
+    stages::{DepthOnly, FragmentShader},
+    state::{DepthState, Multisample},
+    texture::{Lod, Sampler, Texture},
+    varyings,
+};
+
+varyings! {
+    struct Lit {
+        normal: Vec3,
+    }
+}
+
+varyings! {
+    struct Textured {
+        uv: Vec2,
+    }
+}
+
+const TO_LIGHT: Vec3 = Vec3::new(0.36, 0.48, 0.8);
+
+/// Something that draws a frame, resolves its samples, and gives the bytes of the picture if asked for: four of colour
+/// for each pixel, or a depth as `f32`.
+pub type Frame<'a> = Box<dyn FnMut(bool) -> Result<Vec<u8>> + 'a>;
+
+/// The frame of a row.
+pub fn frame<'a>(row: &'a Row, texture: &'a Texture) -> Result<Frame<'a>> {
+    let normal = |v: usize| Lit { normal: row.mesh.normals[v] };
+    match row.shading {
+        Shading::Depth => with(row, |_| (), DepthOnly::new()),
+        Shading::Lit => with(row, normal, fragment(lit)),
+        Shading::Phong => with(row, normal, fragment(phong)),
+        Shading::Textured => {
+            let sampler = Sampler::default();
+            let textured = move |f: &Fragment<Textured>| {
+                let lod = Lod::Gradients(f.dx(|v| v.uv).extend(0.0), f.dy(|v| v.uv).extend(0.0));
+                sampler.sample(&texture.view(), f.varyings().uv.extend(0.0).extend(0.0), lod)
+            };
+            with(row, |v| Textured { uv: 3.0 * row.mesh.points[v].truncate() }, fragment(textured))
+        }
+    }
+}
+
+fn lit(f: &Fragment<Lit>) -> Vec4 {
+    let light = f.varyings().normal.normalize().dot(TO_LIGHT).max(0.0);
+    Vec4::new(light, light, light, 1.0)
+}
+
+fn phong(f: &Fragment<Lit>) -> Vec4 {
+    let n = f.varyings().normal.normalize();
+    let mirrored = 2.0 * n.dot(TO_LIGHT) * n - TO_LIGHT;
+    let s = mirrored.dot(Vec3::Z).max(0.0);
+    let s2 = s * s;
+    let s4 = s2 * s2;
+    let s8 = s4 * s4;
+    let s16 = s8 * s8;
+    (Vec3::new(0.6, 0.3, 0.2) * n.dot(TO_LIGHT).max(0.0) + s16 * s16).extend(1.0)
+}
+
+fn with<'a, V, F>(row: &'a Row, varyings: impl Fn(usize) -> V + Sync + 'a, shader: F) -> Result<Frame<'a>>
+where
+    V: Varyings + 'a,
+    F: FragmentShader<Varyings = V> + 'a,
+{
+    let extent = Extent::new(WIDTH, HEIGHT).samples(row.samples);
+    let mut framebuffer = match row.shading {
+        Shading::Depth => Framebuffer::with_depth(extent)?,
+        _ => Framebuffer::with_color_and_depth(extent, Format::Rgba8Unorm)?,
+    };
+    let layers = row.layers as f32;
+    let vertex = move |input: VertexInput| {
+        let v = input.vertex as usize;
+        let mut p = row.mesh.matrix * row.mesh.points[v].extend(1.0);
+        // Later layers lie in front.
+        p.z = (p.z + (layers - 1.0 - input.instance as f32) * p.w) / layers;
+        Vertex::new(p, varyings(v))
+    };
+    let depth = Some(DepthState::LESS);
+    let state = State { depth, multisample: Multisample::samples(row.samples), ..State::default() };
+    let pipeline = Pipeline::new(Program::new(vertex, shader), state, framebuffer.layout())?;
+    Ok(Box::new(move |wanted| {
+        framebuffer.clear(Vec4::ZERO, 1.0, 0);
+        pipeline.draw(&mut framebuffer, &Draw::indexed(&row.mesh.indices).instances(0..row.layers))?;
+        let resolved = (row.samples > 1).then(|| framebuffer.color(0).resolve());
+        Ok(match (wanted, row.shading) {
+            (false, _) => Vec::new(),
+            (true, Shading::Depth) => {
+                let depths = framebuffer.depth().map(|depths| depths.to_rows(0));
+                depths.unwrap_or_default().into_iter().flat_map(f32::to_le_bytes).collect()
+            }
+            (true, _) => resolved.as_ref().unwrap_or(framebuffer.color(0)).to_bytes(0),
+        })
+    }))
+}
