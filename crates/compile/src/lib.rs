@@ -14,6 +14,7 @@ mod cube;
 mod description_checks;
 mod dispersion;
 mod displacement;
+mod distance_field;
 mod emission;
 mod fluorescent;
 mod grating;

@@ -208,6 +208,7 @@ impl Compiler<'_> {
         };
         self.textures.rewritten(part, |t| match t {
             Texture::Image(image) => mapped(&mut Arc::make_mut(image).mapping),
+            Texture::DistanceField(field) => mapped(&mut Arc::make_mut(field).image.mapping),
             Texture::Pattern(pattern) if pattern.pattern.is_flat() => mapped(&mut Arc::make_mut(pattern).mapping),
             _ => {}
         })
@@ -221,7 +222,7 @@ impl Compiler<'_> {
         self.choice(node, "basis", &[("gradient", Basis::Gradient), ("value", Basis::Value)])
     }
 
-    fn share(&mut self, node: &Node, name: &str) -> f32 {
+    pub(super) fn share(&mut self, node: &Node, name: &str) -> f32 {
         let v = self.float(node, name);
         if !(0.0..=1.0).contains(&v) {
             let span = node.param(name).and_then(|p| p.span).or(node.span);

@@ -38,7 +38,7 @@ fn origin(desc: &SceneDesc) -> Option<DVec3> {
 /// them, or of lamps that project them.
 fn is_bound(desc: &SceneDesc) -> bool {
     let is_by_texture = |node: &Node| node.get("displacement").is_some() || node.kind == "height_field";
-    let is_solid = |id: NodeId| !matches!(desc.node(id).kind.as_str(), "image" | "constant");
+    let is_solid = |id: NodeId| !matches!(desc.node(id).kind.as_str(), "image" | "distance_field" | "constant");
     desc.groups.iter().flat_map(|group| &group.shapes).any(|shape| is_by_texture(desc.node(shape.node)))
         || desc.lights.iter().any(|light| desc.node(*light).node("texture").is_some_and(is_solid))
 }

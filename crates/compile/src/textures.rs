@@ -43,7 +43,8 @@ impl Compiler<'_> {
         let names = |wanted: fn(&Node) -> bool| -> BTreeSet<&Path> {
             self.desc.nodes.iter().filter(|n| wanted(n)).filter_map(|n| n.path("file")).collect()
         };
-        let mut textures = names(|n| (n.family, n.kind.as_str()) == (Family::Texture, "image"));
+        let mut textures =
+            names(|n| n.family == Family::Texture && matches!(n.kind.as_str(), "image" | "distance_field"));
         let mut others = names(|n| n.family == Family::Light || n.kind == "height_field");
         // What an earlier compilation read is there already.
         let is_limited = self.options.texture_limit.is_some();
@@ -166,7 +167,7 @@ impl Compiler<'_> {
     }
 
     /// The image of a texture, in memory or, where textures are limited, in pages.
-    fn texture_level(&mut self, node: &Node) -> Option<Level> {
+    pub(super) fn texture_level(&mut self, node: &Node) -> Option<Level> {
         let file = node.path("file").unwrap_or(Path::new(""));
         if let Some(level) = self.assets.paged.get(file).cloned() {
             return self.reported(node, level);
@@ -259,6 +260,7 @@ impl Compiler<'_> {
                 let image = self.image_texture(node, &base);
                 Some(self.image_or_opaque(node, &base, image))
             }
+            "distance_field" => self.distance_field(node),
             "time" => Some(Texture::Time),
             "mesh_attribute" => Some(Texture::MeshAttribute {
                 name: self.given_word(node, "name").unwrap_or_default().into(),

@@ -45,6 +45,33 @@ pub const TEXTURES: &[Model] = &[
         source: "Williams, Pyramidal Parametrics (1983); Crow, Summed-Area Tables (1984); Heckbert (1989)",
     },
     Model {
+        kind: "distance_field",
+        doc: "a mask whose edges stay sharp when it is magnified, for opacity: the file is made once into a small \
+         picture of the distances to its edge; the value is the part of the footprint inside of it, and from afar the \
+         mask's mean",
+        parameters: &[
+            file("file", "needed", "the mask, of high resolution: several texels for each of the field"),
+            word(
+                "channel",
+                "alpha, r, g, b",
+                "alpha",
+                "what is compared with cut, as it is stored; alpha is the mean of the colour in a picture without",
+            ),
+            number("cut", SHARE, "0.5", "value from which on a texel of the mask is inside"),
+            integer("size", (1.0, 4096.0), "64", "texels of the field along the longer side of the mask").refused(),
+            number("spread", (0.5, 64.0), "4", "distance that the field holds on each side of the edge")
+                .unit("texels of the field")
+                .refused(),
+            word("wrap_u", "repeat, mirror, clamp", "repeat", "what lies beyond the sides"),
+            word("wrap_v", "repeat, mirror, clamp", "repeat", "what lies beyond top and bottom"),
+            word("origin", "bottom, top", "bottom", "where v = 0 is: at the last row (pbrt), or at the first"),
+            flag("invert", "false", "whether values are one minus the coverage"),
+        ],
+        groups: &[&MAPPING],
+        source: "Green, Improved Alpha-Tested Magnification for Vector Textures and Special Effects (2007); \
+         Felzenszwalb, Huttenlocher, Distance Transforms of Sampled Functions (2012)",
+    },
+    Model {
         kind: "checkerboard",
         doc: "squares or cubes of two values",
         parameters: &[

@@ -122,6 +122,7 @@ impl Textures {
                 Want::Float => Spectrum::splat(image.float(at)),
                 _ => self.as_wanted(image.rgb(at).unwrap_or(Vec3::ZERO), want),
             },
+            Texture::DistanceField(field) => Spectrum::splat(field.value(at)),
             Texture::Time => Spectrum::splat(at.time),
             Texture::MeshAttribute { name, domain, scale } => match super::attribute(name, *domain, at) {
                 Some((_, 3..))

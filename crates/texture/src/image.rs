@@ -39,27 +39,38 @@ impl ImageTexture {
     /// place.
     #[inline]
     pub fn channels<const N: usize>(&self, at: &TextureContext, first: usize) -> [f32; N] {
+        let Some(place) = self.place(at) else { return [0.0; N] };
+        let source = self.source();
+        if self.stochastic {
+            let salt = at.p.x.to_bits() ^ at.p.y.to_bits().rotate_left(11) ^ at.p.z.to_bits().rotate_left(22);
+            return source.one_tap(self.filter, &place, salt, first);
+        }
+        source.lookup(self.filter, &place, first)
+    }
+
+    /// What filters read.
+    #[inline]
+    pub(super) fn source(&self) -> Source<'_> {
+        Source { levels: &self.levels, sums: self.sums.as_deref(), wrap: self.wrap, borders: &self.borders }
+    }
+
+    /// The place of a lookup, in periods from the top left corner, with its footprint if the filter asks for it; `None`
+    /// where there is no place.
+    #[inline]
+    pub(super) fn place(&self, at: &TextureContext) -> Option<Coordinates2> {
         let Coordinates2 { mut uv, mut dx, mut dy } = if self.filter.is_prefiltered() {
             self.mapping.coordinates(at)
         } else {
             Coordinates2 { uv: self.mapping.uv(at), ..Coordinates2::default() }
         };
         if !uv.is_finite() {
-            return [0.0; N];
+            return None;
         }
         if self.origin_bottom {
             uv.y = 1.0 - uv.y;
             (dx.y, dy.y) = (-dx.y, -dy.y);
         }
-        let uv = Wrap::reduce(self.wrap, uv);
-        let source =
-            Source { levels: &self.levels, sums: self.sums.as_deref(), wrap: self.wrap, borders: &self.borders };
-        let place = Coordinates2 { uv, dx, dy };
-        if self.stochastic {
-            let salt = at.p.x.to_bits() ^ at.p.y.to_bits().rotate_left(11) ^ at.p.z.to_bits().rotate_left(22);
-            return source.one_tap(self.filter, &place, salt, first);
-        }
-        source.lookup(self.filter, &place, first)
+        Some(Coordinates2 { uv: Wrap::reduce(self.wrap, uv), dx, dy })
     }
 
     /// A linear value after scale and inversion.

@@ -3,6 +3,7 @@
 pub mod adjust;
 pub mod card;
 mod detail;
+pub mod distance_field;
 mod eval;
 mod ewa;
 pub mod exact;
@@ -28,6 +29,7 @@ pub mod wrap;
 mod image_tests;
 
 pub use adjust::Adjust;
+pub use distance_field::DistanceField;
 pub use filter::Filter;
 pub use grid::GridTexture;
 pub use image::ImageTexture;
@@ -175,6 +177,8 @@ pub enum Texture {
     Constant(Color),
     /// A picture.
     Image(Arc<ImageTexture>),
+    /// The coverage of a mask by its distance field.
+    DistanceField(Arc<DistanceField>),
     /// Numbers on a grid of space.
     Grid(Arc<GridTexture>),
     /// A procedural pattern.
@@ -208,6 +212,7 @@ impl Texture {
         match self {
             Self::Constant(_)
             | Self::Image(_)
+            | Self::DistanceField(_)
             | Self::MeshAttribute { .. }
             | Self::Grid(_)
             | Self::Pattern(_)
@@ -223,6 +228,7 @@ impl Texture {
         match self {
             Self::Constant(_)
             | Self::Image(_)
+            | Self::DistanceField(_)
             | Self::MeshAttribute { .. }
             | Self::Grid(_)
             | Self::Pattern(_)
@@ -278,6 +284,7 @@ impl Textures {
     pub fn add(&mut self, texture: Texture) -> TextureId {
         let is_filtered = match &texture {
             Texture::Image(image) => image.filter.is_prefiltered(),
+            Texture::DistanceField(_) => true,
             Texture::Pattern(pattern) => pattern.is_filtered(),
             _ => false,
         };
@@ -335,6 +342,9 @@ impl Textures {
             Texture::Image(image) => {
                 let sums = image.sums.as_ref().map_or(0, |s| once(Arc::as_ptr(s).addr(), s.byte_size()));
                 once(Arc::as_ptr(&image.levels).addr(), image.levels.resident_bytes()) + sums
+            }
+            Texture::DistanceField(field) => {
+                once(Arc::as_ptr(&field.image.levels).addr(), field.image.levels.resident_bytes())
             }
             Texture::Grid(grid) => once(Arc::as_ptr(&grid.grid).addr(), size_of_val(&grid.grid.data[..])),
             _ => 0,

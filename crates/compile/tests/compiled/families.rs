@@ -42,7 +42,7 @@ fn files() -> tempfile::TempDir {
 fn needs(family: Family, kind: &str, files: &Path) -> Vec<(&'static str, Value)> {
     let (picture, grid) = (Value::Path(files.join("i.pfm")), Value::Path(files.join("g.vol")));
     match (family, kind) {
-        (Family::Texture, "image") | (Family::Light, "goniometric") => vec![("file", picture)],
+        (Family::Texture, "image" | "distance_field") | (Family::Light, "goniometric") => vec![("file", picture)],
         (Family::Texture, "grid") | (Family::Shape, "sdf_grid") => vec![("file", grid)],
         (Family::Texture, "ramp") => vec![("colors", vec![0.0; 6].into())],
         (Family::Texture, "curve") => vec![("values", vec![0.0, 1.0].into())],

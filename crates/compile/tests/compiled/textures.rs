@@ -345,3 +345,46 @@ fn pictures_that_do_not_fit_are_refused_beforehand() {
         assert!(read.contains("large.png") && !read.contains("GiB"), "{read}");
     }
 }
+
+/// A mask as a field of distances: opacity that is 0 or 1 at points, a ramp as wide as a pixel over its edge, and the
+/// mask's mean from afar; inverted, wrapped, and with its channel.
+#[test]
+fn distance_fields_cut_out_masks() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("mask.pfm");
+    // The right three quarters are there, in red.
+    let texels: Vec<[f32; 3]> = (0..128 * 128).map(|i| [f32::from(i % 128 >= 32), 0.0, 0.0]).collect();
+    let image = steradian_image::Image::from_rgb(128, 128, &texels).unwrap();
+    steradian_image::write(&file, &image, &Default::default()).unwrap();
+    let mask = |size: i64| {
+        let node = texture("distance_field").with("file", Value::Path(file.clone())).with("channel", "r");
+        node.with("size", size).with("wrap_u", "clamp").with("spread", 3.0)
+    };
+    let plain = compiled(mask(16)).unwrap();
+    let seen = |c: &(Scene, TextureId), u: f32, width: f32| {
+        let mut at = at(u, 0.4);
+        (at.footprint.duvdx, at.footprint.duvdy) = (Vec2::X * width, Vec2::Y * width);
+        value(c, &at).x
+    };
+    for (u, wanted) in [(0.0, 0.0), (0.248, 0.0), (0.252, 1.0), (1.0, 1.0), (-3.0, 0.0)] {
+        assert_eq!(seen(&plain, u, 0.0), wanted, "{u}");
+    }
+    // A hundredth wide: half at the edge, and the slope of a box there.
+    assert!((seen(&plain, 0.25, 0.01) - 0.5).abs() < 1e-2);
+    assert!((seen(&plain, 0.251, 0.01) - seen(&plain, 0.249, 0.01) - 0.2).abs() < 1e-2);
+    assert!((seen(&plain, 0.5, 1.0) - 0.75).abs() < 1e-3);
+    let inverted = compiled(mask(16).with("invert", true)).unwrap();
+    assert!((seen(&inverted, 0.25, 0.004) - 1.0 + seen(&plain, 0.25, 0.004)).abs() < 1e-6);
+    // The mean of the colour is a third, below the cut.
+    let mean = texture("distance_field").with("file", Value::Path(file.clone()));
+    assert_eq!(seen(&compiled(mean.clone()).unwrap(), 0.5, 0.0), 0.0);
+    assert_eq!(seen(&compiled(mean.with("cut", 0.3)).unwrap(), 0.5, 0.0), 1.0);
+    for (node, part) in [
+        (mask(0), "'size' is from 1 to 4096"),
+        (mask(16).with("spread", 0.1), "'spread' is from 0.5 to 64"),
+        (texture("distance_field"), "needs a file"),
+    ] {
+        let said = compiled(node).unwrap_err().concat();
+        assert!(said.contains(part), "{said}");
+    }
+}

@@ -128,7 +128,7 @@ fn scene_of(family: Family, kind: &str, format: Format) -> (SceneDesc, NodeId) {
     let diffuse = scene.add(Node::new(Family::Material, "diffuse", None));
     let mut node = Node::new(family, kind, None);
     match (family, kind) {
-        (Family::Texture, "image") | (Family::Light, "goniometric" | "projection") => {
+        (Family::Texture, "image" | "distance_field") | (Family::Light, "goniometric" | "projection") => {
             _ = node.set("file", PathBuf::from("i.pfm"), None)
         }
         // Light that is scattered again takes half a second to find: one format in three has it.
