@@ -154,6 +154,8 @@ struct Compiler<'a> {
     /// Files that were read and that the description does not name.
     files: Vec<PathBuf>,
     materials: Vec<Material>,
+    /// True if a normal map of a material so far is in the space of the object.
+    has_object_normals: bool,
     material_names: Vec<String>,
     material_ids: HashMap<NodeId, ResolvedMaterial>,
     media: Vec<Medium>,
@@ -235,6 +237,7 @@ impl<'a> Compiler<'a> {
             assets: Assets::default(),
             files: Vec::new(),
             materials: vec![Material::default_diffuse()],
+            has_object_normals: false,
             material_names: vec!["default".into()],
             material_ids: HashMap::new(),
             media: Vec::new(),

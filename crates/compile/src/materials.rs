@@ -4,8 +4,9 @@ use super::{Compiler, ResolvedMaterial};
 use std::sync::Arc;
 use steradian_bsdf::{CoatSeries, NormalDistribution, Shadowing, Tail, recipes};
 use steradian_core::material::{
-    Eta, Facing, FilteredNormals, Material, Model, NormalFilter, NormalMap, Roughness, SurfaceDetail,
-    normal_code::NORMAL_CODES,
+    Eta, Facing, FilteredNormals, Material, Model, NormalFilter, NormalMap, NormalSpace, Roughness, SurfaceDetail,
+    normal_code::{NORMAL_CODES, NormalCode},
+    normal_map::NORMAL_SPACES,
 };
 use steradian_math::spectra::{
     ColorMode,
@@ -93,11 +94,21 @@ impl Compiler<'_> {
             let mut map = NormalMap {
                 texture: self.as_texture(texture),
                 code: self.choice(node, "normal_map_code", &NORMAL_CODES),
+                space: self.choice(node, "normal_map_space", &NORMAL_SPACES),
                 mirrors: self.bool_or(node, "normal_map_mirrors", mirrors),
                 strength: self.float(node, "normal_map_strength"),
                 filtered: None,
+                over: None,
             };
+            if map.space == NormalSpace::Object {
+                self.has_object_normals = true;
+                if map.code == NormalCode::Xy {
+                    let what = "normals of the object point anywhere: 'normal_map_code' is xyz or octahedral, not xy";
+                    self.error(node.param("normal_map_code").and_then(|p| p.span).or(node.span), what);
+                }
+            }
             map.filtered = self.filtered_normals(node, &map);
+            map.over = self.detail_normal_map(node, &map);
             detail.normal_map = Some(map);
         }
         for name in ["bump", "displacement"] {
@@ -117,10 +128,29 @@ impl Compiler<'_> {
         (detail.normal_map.is_some() || detail.bump.is_some() || detail.rotation.is_some()).then_some(detail)
     }
 
+    /// The map on top of a normal map.
+    fn detail_normal_map(&mut self, node: &Node, below: &NormalMap) -> Option<Box<NormalMap>> {
+        let id = self.reference(node, "detail_normal_map")?;
+        let texture = self.texture(id, Role::Unbounded);
+        Some(Box::new(NormalMap {
+            texture: self.as_texture(texture),
+            code: self.choice(node, "detail_normal_map_code", &NORMAL_CODES),
+            space: NormalSpace::Tangent,
+            strength: self.float(node, "detail_normal_map_strength"),
+            filtered: None,
+            over: None,
+            ..*below
+        }))
+    }
+
     /// A normal map whose spread counts as roughness, where the node asks for it.
     fn filtered_normals(&mut self, node: &Node, map: &NormalMap) -> Option<Arc<FilteredNormals>> {
         let kinds = [("none", None), ("toksvig", Some(NormalFilter::Toksvig)), ("lean", Some(NormalFilter::Lean))];
         let kind = self.choice(node, "normal_map_filter", &kinds)?;
+        if map.space == NormalSpace::Object {
+            self.error(node.span, "'normal_map_filter' needs a normal map in the tangent frame");
+            return None;
+        }
         let Texture::Image(image) = self.textures.get(map.texture) else {
             self.error(node.span, "'normal_map_filter' needs a normal map that is a picture");
             return None;

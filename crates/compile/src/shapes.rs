@@ -101,6 +101,7 @@ impl Compiler<'_> {
             emits: emission.is_some(),
         };
         let parts = self.kept_parts(shape, &placed);
+        let group_from_object = self.has_object_normals.then(|| Arc::new(placed.place));
         let is_interface = scene::is_interface(&self.materials[material.id as usize]);
         for part in parts {
             let part_boxes = match &part {
@@ -130,6 +131,7 @@ impl Compiler<'_> {
                 media,
                 is_interface,
                 needs: Needs::default(),
+                group_from_object: group_from_object.clone(),
                 id: shape.node.0 + 1,
             };
             if let Some(light) = emission {

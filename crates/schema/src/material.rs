@@ -639,7 +639,14 @@ pub static DETAIL: Group = Group {
     name: "any",
     doc: "every material: maps that change its shading normal",
     parameters: &[
-        map("normal_map", "none", "normals in the tangent frame, each component from -1 to 1 as 0 to 1"),
+        map("normal_map", "none", "normals, each component from -1 to 1 as 0 to 1"),
+        word(
+            "normal_map_space",
+            "tangent, object",
+            "tangent",
+            "the frame of the normals: x along ∂p/∂u and z along the shading normal, or the space in which the \
+             shape's vertices are given",
+        ),
         word(
             "normal_map_code",
             "xyz, xy, octahedral",
@@ -654,6 +661,16 @@ pub static DETAIL: Group = Group {
             "none",
             "how the spread of normals in a footprint becomes roughness; for maps that are pictures",
         ),
+        map(
+            "detail_normal_map",
+            "none",
+            "a second map on top of normal_map: normals in the tangent frame, which turns with the first map's normal",
+        )
+        .where_given("normal_map"),
+        word("detail_normal_map_code", "xyz, xy, octahedral", "xyz", "what the numbers of the second map are")
+            .where_given("detail_normal_map"),
+        number("detail_normal_map_strength", (-100.0, 100.0), "1", "factor on the slopes of the second map")
+            .where_given("detail_normal_map"),
         map("bump", "none", "heights, of which the slopes count").unit("scene units"),
         map("displacement", "none", "the same, as pbrt names it").unit("scene units"),
         word(
@@ -677,7 +694,7 @@ pub static DETAIL: Group = Group {
         ),
     ],
     source: "Blinn, Simulation of wrinkled surfaces (1978); Toksvig, Mipmapping normal maps (2005); Olano, \
-     Baker, LEAN mapping (2010)",
+     Baker, LEAN mapping (2010); Barré-Brisebois, Hill, Blending in Detail (2012)",
 };
 
 #[cfg(test)]

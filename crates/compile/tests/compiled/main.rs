@@ -5,6 +5,7 @@ mod colors_agree;
 mod emission;
 mod families;
 mod light_sampling;
+mod normal_maps;
 mod one_shape;
 mod schema;
 mod sky;

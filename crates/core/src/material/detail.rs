@@ -8,26 +8,9 @@
 // Comparisons are negated on purpose: NaN takes the way of the exception.
 #![expect(clippy::neg_cmp_op_on_partial_ord, reason = "a NaN takes the branch, too")]
 
-use super::{Fold, Ground, normal_code::NormalCode, normal_filter::FilteredNormals};
-use std::sync::Arc;
-use steradian_math::{Frame, Vec2, Vec3};
-use steradian_texture::{FloatTexture, TextureContext, TextureId, Textures};
-
-/// A normal map.
-#[derive(Clone, Debug)]
-pub struct NormalMap {
-    /// Normals in the tangent frame: x along ∂p/∂u, z along the shading normal.
-    pub texture: TextureId,
-    /// Encoding of the texture's values.
-    pub code: NormalCode,
-    /// y points along ∂p/∂v, as in MikkTSpace and glTF, also where the parametrisation is mirrored; else along z × x,
-    /// as pbrt and Mitsuba have it.
-    pub mirrors: bool,
-    /// Factor on x and y.
-    pub strength: f32,
-    /// The map averaged over footprints, where its spread is to count as roughness.
-    pub filtered: Option<Arc<FilteredNormals>>,
-}
+use super::{Fold, Ground, normal_map::NormalMap};
+use steradian_math::{Frame, Vec2, Vec3, transform::Affine};
+use steradian_texture::{FloatTexture, TextureContext, Textures};
 
 /// Treatment of a shading normal that surface detail has turned away from the viewer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -75,6 +58,22 @@ pub struct Base {
     pub dpdv: Vec3,
     /// The tangent that normal maps were made for, and the sign of the bitangent, where the mesh has them.
     pub tangent: Option<(Vec3, f32)>,
+    /// From the space of the object to the world, where normal maps ask for it; `None` if they are the same.
+    pub object: Option<Affine>,
+}
+
+impl Base {
+    /// The frame of normal maps, and whether their y is to be turned over: z along the shading normal, and x along the
+    /// tangent. `mirrors`: y follows ∂p/∂v where the parametrisation is mirrored.
+    pub fn tangent_frame(&self, mirrors: bool) -> (Frame, bool) {
+        match self.tangent {
+            Some((tangent, sign)) => (Frame::from_zx(self.ns, tangent), sign < 0.0),
+            None => {
+                let frame = Frame::from_zx(self.ns, self.dpdu);
+                (frame, mirrors && frame.y.dot(self.dpdv) < 0.0)
+            }
+        }
+    }
 }
 
 /// The step of differences where the footprint gives none (pbrt-v4's).
@@ -193,33 +192,6 @@ impl SurfaceDetail {
     }
 }
 
-impl NormalMap {
-    /// The tangent-space normal of a texel's value; not of unit length.
-    pub fn decode(&self, value: Vec3) -> Vec3 {
-        let n = self.code.decode(value);
-        Vec3::new(n.x * self.strength, n.y * self.strength, n.z)
-    }
-
-    /// The normal in the world.
-    fn normal(&self, textures: &Textures, at: &TextureContext, base: &Base, bends: bool) -> Vec3 {
-        let m = match &self.filtered {
-            Some(filtered) => filtered.normal(at).0,
-            None => self.decode(textures.rgb(self.texture, at)),
-        };
-        let (frame, mirrored) = match base.tangent {
-            Some((tangent, sign)) => (Frame::from_zx(base.ns, tangent), sign < 0.0),
-            None => {
-                let frame = Frame::from_zx(base.ns, base.dpdu);
-                (frame, self.mirrors && frame.y.dot(base.dpdv) < 0.0)
-            }
-        };
-        let n = frame.to_world(if mirrored { Vec3::new(m.x, -m.y, m.z) } else { m });
-        let n = n.normalize_or(base.ns);
-        // Maps that point into the surface are turned over.
-        if bends && n.dot(base.n) < 0.0 { -n } else { n }
-    }
-}
-
 /// The normal of the surface moved by heights along `ns`, with differences over half the footprint: Blinn, "Simulation
 /// of Wrinkled Surfaces", SIGGRAPH 1978, without the curvature of the surface that is moved. `exact` are differences
 /// over as little as numbers allow, on both sides.
@@ -282,6 +254,7 @@ pub fn bend(ns: Vec3, n: Vec3, wo: Vec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::material::{NormalSpace, normal_code::NormalCode};
     use std::sync::Arc;
     use steradian_math::{
         hash::HashRng,
@@ -293,16 +266,16 @@ mod tests {
         TextureContext::new(uv.extend(0.0), uv)
     }
 
-    const FLAT: Base = Base { n: Vec3::Z, ns: Vec3::Z, dpdu: Vec3::X, dpdv: Vec3::Y, tangent: None };
+    const FLAT: Base = Base { n: Vec3::Z, ns: Vec3::Z, dpdu: Vec3::X, dpdv: Vec3::Y, tangent: None, object: None };
 
     /// Textures with a map of constant (x, y, z) in [−1, 1].
     fn map(n: Vec3) -> (Textures, SurfaceDetail) {
         let mut textures = Textures::new(ColorMode::Rgb);
         let c = (n + 1.0) * 0.5;
         let texture = textures.add(Texture::Constant(Color::Lanes(steradian_math::Spectrum::rgb(c.x, c.y, c.z))));
-        let normal_map =
-            Some(NormalMap { texture, code: NormalCode::Xyz, mirrors: true, strength: 1.0, filtered: None });
-        (textures, SurfaceDetail { normal_map, ..SurfaceDetail::default() })
+        let (code, space) = (NormalCode::Xyz, NormalSpace::Tangent);
+        let map = NormalMap { texture, code, space, mirrors: true, strength: 1.0, filtered: None, over: None };
+        (textures, SurfaceDetail { normal_map: Some(map), ..SurfaceDetail::default() })
     }
 
     #[test]
@@ -312,7 +285,7 @@ mod tests {
         for _ in 0..50 {
             let mut d = || Vec3::new(rng.next_f32() - 0.5, rng.next_f32() - 0.5, rng.next_f32() - 0.5).normalize();
             let (n, dpdu) = (d(), d());
-            let base = Base { n, ns: n, dpdu, dpdv: n.cross(dpdu), tangent: None };
+            let base = Base { n, ns: n, dpdu, dpdv: n.cross(dpdu), tangent: None, object: None };
             assert!((detail.shading_normal(&textures, &at(Vec2::ZERO), &base, n, false) - n).length() < 1e-6);
         }
     }

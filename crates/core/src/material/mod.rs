@@ -29,12 +29,14 @@ pub mod detail;
 mod fold;
 pub mod normal_code;
 pub mod normal_filter;
+pub mod normal_map;
 mod parametric;
 
-pub use detail::{Cover, Facing, NormalMap, SurfaceDetail};
+pub use detail::{Cover, Facing, SurfaceDetail};
 pub use facets::{FacetReflectance, Facets, Film, Metal};
 pub use fold::Fold;
 pub use normal_filter::{FilteredNormals, NormalFilter};
+pub use normal_map::{NormalMap, NormalSpace};
 pub use parametric::Parametric;
 use std::sync::Arc;
 use steradian_bsdf::{

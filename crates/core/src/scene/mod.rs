@@ -803,19 +803,21 @@ impl Scene {
     }
 
     /// The surface that bump and normal maps change.
-    fn base(&self, i: &Interaction) -> Base {
+    pub fn base(&self, i: &Interaction) -> Base {
         let s = &i.surface;
-        let Shape::Mesh(m) = &self.parts.geometries[i.geometry as usize].shape else {
-            return Base { n: s.n, ns: s.ns, dpdu: s.dpdu, dpdv: self.dpdv(i), tangent: None };
-        };
+        let geometry = &self.parts.geometries[i.geometry as usize];
         let place = self.place(i.id, i.time);
+        let object = geometry.group_from_object.as_deref().map(|object| place.map_or(*object, |place| place * *object));
+        let Shape::Mesh(m) = &geometry.shape else {
+            return Base { n: s.n, ns: s.ns, dpdu: s.dpdu, dpdv: self.dpdv(i), tangent: None, object };
+        };
         let vector = |v: Vec3| place.map_or(v, |a| a.vector(v));
         let tangent = m.tangent_frame(i.id.prim, i.coordinates).map(|(t, sign)| {
             let turned = place.is_some_and(|a| a.m.determinant() < 0.0);
             // Normals stay on the side that the winding had.
             (vector(t), if turned { -sign } else { sign })
         });
-        Base { n: s.n, ns: s.ns, dpdu: s.dpdu, dpdv: vector(m.dpdv(i.id.prim)), tangent }
+        Base { n: s.n, ns: s.ns, dpdu: s.dpdu, dpdv: vector(m.dpdv(i.id.prim)), tangent, object }
     }
 
     /// The medium on the side of a surface that a direction points to; `current` where the surface separates none.

@@ -37,6 +37,8 @@ pub struct Geometry {
     pub is_interface: bool,
     /// Data needed at its points for scattering and emission; set by [`Scene::new`](super::Scene::new).
     pub needs: Needs,
+    /// From the space of the object to the shape's group, where a normal map of the material asks for it.
+    pub group_from_object: Option<Arc<Affine>>,
     /// Number of the shape in the description, from one.
     pub id: u32,
 }
