@@ -5,6 +5,7 @@ use crate::{
         CompareArgs, ConvertArgs, DenoiseArgs, InfoArgs, ListArgs, MaterialArgs, RenderArgs, SignalArgs, VerifyArgs,
         ViewArgs,
     },
+    bake::BakeArgs,
     bench::BenchArgs,
     experiment::ExperimentArgs,
     meter::MeterArgs,
@@ -54,6 +55,8 @@ pub enum Command {
     Convert(ConvertArgs),
     /// Remove the noise of a rendered picture
     Denoise(DenoiseArgs),
+    /// Bake the normals of a fine mesh into a normal map for a coarse one
+    Bake(Box<BakeArgs>),
     /// Measure the speed of ray queries and acceleration structures
     Bench(BenchArgs),
     /// Compute the spectrum of a picture, and the aliases of a coarser sampling

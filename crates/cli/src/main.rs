@@ -4,6 +4,7 @@
 //! `compare --fail-above` says the pictures differ; 130 and 143 stopped by SIGINT and SIGTERM.
 
 mod args;
+mod bake;
 mod bench;
 mod brightness;
 mod checkpoint;
@@ -129,6 +130,7 @@ fn run(command: &Command, terminal: Terminal) -> Outcome {
         Command::Compare(args) => compare::run(args, terminal),
         Command::Convert(args) => convert::run(args, terminal),
         Command::Denoise(args) => denoise::run(args, terminal),
+        Command::Bake(args) => bake::run(args, terminal),
         Command::Bench(args) => bench::run(args, terminal),
         Command::Signal(args) => signal::run(args, terminal),
         Command::Completions { shell } => {

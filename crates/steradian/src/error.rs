@@ -54,6 +54,9 @@ pub enum Error {
     /// A render that could not go on.
     #[error("{0}")]
     Failed(String),
+    /// Meshes of which no normal map can be baked, by the reason.
+    #[error("{0}")]
+    CannotBake(String),
     /// A picture that could not be written or read.
     #[error(transparent)]
     Image(#[from] steradian_image::Error),

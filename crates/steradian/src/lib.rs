@@ -12,6 +12,7 @@
 //! # Ok::<(), steradian::Error>(())
 //! ```
 
+pub mod bake;
 pub mod bench;
 pub mod cornell;
 pub mod denoise;

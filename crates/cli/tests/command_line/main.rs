@@ -3,6 +3,7 @@
 // Tests say on stdout what they skip.
 #![expect(clippy::print_stdout, reason = "output of the program or test")]
 
+mod baking;
 mod benches;
 mod denoising;
 mod exchange;

@@ -55,8 +55,8 @@ fn normals(scene: &Scene, count: usize) -> Vec<(Vec3, Vec3)> {
     rays.filter_map(of).collect()
 }
 
-/// A sphere's map in the space of the object gives the sphere's normals on a coarse mesh: at once, turned, stretched, and
-/// mirrored.
+/// A sphere's map in the space of the object gives the sphere's normals on a coarse mesh: as it is, turned, stretched,
+/// and mirrored.
 #[test]
 fn maps_of_the_object_give_the_normals_of_a_sphere() {
     let stretch = Transform::scale(DVec3::new(2.0, 1.0, -0.5));
