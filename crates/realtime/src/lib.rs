@@ -34,6 +34,7 @@ mod shading;
 mod shading_model;
 mod shadow;
 mod trace;
+mod transparency;
 mod triangle_light;
 mod visibility;
 mod world;
@@ -46,7 +47,8 @@ pub use preview::Preview;
 pub use projection::Projected;
 pub use rasterizer::Rasterizer;
 pub use shading_model::ShadingModel;
-pub use visibility::{Seen, Visibility};
+pub use transparency::Transparency;
+pub use visibility::{Cover, Seen, Visibility, Wanted};
 pub use world::World;
 
 use steradian_core::Scene;

@@ -4,6 +4,7 @@ use crate::{
     Error,
     culling::{BOUNDS, BoundsKind, CULLINGS, Culling},
     shading_model::{MODELS, ShadingModel},
+    transparency::{TRANSPARENCIES, Transparency},
 };
 use steradian_request::MethodRequest;
 
@@ -227,6 +228,10 @@ pub struct Options {
     pub culling: Culling,
     /// Bounding volumes of the chunks that culling tests.
     pub bounds: BoundsKind,
+    /// Blending method of transparent surfaces; hybrid frames dither.
+    pub transparency: Transparency,
+    /// Most transparent layers of a pixel that are peeled.
+    pub layers: u32,
     /// Points on each light that has an extent, and directions of environments.
     pub points: u32,
     /// Largest number of mirrors and panes of glass that are looked through one after the other.
@@ -254,6 +259,8 @@ impl Default for Options {
             visibility: Method::ZBuffer,
             culling: Culling::Items,
             bounds: BoundsKind::Aabb,
+            transparency: Transparency::ABuffer,
+            layers: 8,
             points: 4,
             bounces: 8,
             shading: ShadingModel::Pixel,
@@ -283,13 +290,34 @@ impl Options {
             visibility: named(&METHODS, asked.word("visibility")).unwrap_or(default.visibility),
             culling: named(&CULLINGS, asked.word("culling")).unwrap_or(default.culling),
             bounds: named(&BOUNDS, asked.word("bounds")).unwrap_or(default.bounds),
+            transparency: named(&TRANSPARENCIES, asked.word("transparency")).unwrap_or(default.transparency),
+            layers: asked.count("layers"),
             points: asked.count("points"),
             bounces: asked.count("bounces"),
             harmonics: asked.word("environment") == "harmonics",
             shading: named(&MODELS, asked.word("shading")).unwrap_or(default.shading),
             show: named(&SHOWN, asked.word("show")).unwrap_or(default.show),
         };
+        // Hybrid frames dither, and so do shading models of triangles and views unless they are asked for more.
+        let blends = options.transparency != Transparency::Dither && asked.given("transparency").is_some();
+        if blends && !options.checked()?.blends() {
+            return Err(Error::Option(
+                "raster: transparency other than dither is of frame=forward, and of frame=preview by a-buffer, with \
+                 shading=pixel and show=picture"
+                    .into(),
+            ));
+        }
         options.checked()
+    }
+
+    /// True if transparent surfaces are blended.
+    pub(crate) fn blends(&self) -> bool {
+        let is_picture = self.shading == ShadingModel::Pixel && self.show == Show::Picture;
+        match self.frame {
+            FrameKind::Forward => self.transparency != Transparency::Dither && is_picture,
+            FrameKind::Preview => self.transparency == Transparency::ABuffer,
+            FrameKind::Hybrid => false,
+        }
     }
 
     /// These, where they go together.
@@ -368,6 +396,7 @@ mod tests {
         all_known("bias-by", &BIASES.map(|f| f.0));
         all_known("culling", &CULLINGS.map(|f| f.0));
         all_known("bounds", &BOUNDS.map(|f| f.0));
+        all_known("transparency", &TRANSPARENCIES.map(|f| f.0));
         all_known("visibility", &METHODS.map(|f| f.0));
         all_known("shading", &MODELS.map(|f| f.0));
         all_known("show", &SHOWN.map(|f| f.0));

@@ -13,8 +13,9 @@ use crate::{
     shadow::{Eye, Shadowing},
     spread,
     trace::Trace,
+    transparency::{Layers, View},
     triangle_light::{Found, TriangleLight, key, view_of},
-    visibility::{Seen, Visibility},
+    visibility::{Cover, Seen, Visibility, Wanted},
 };
 use std::sync::OnceLock;
 use steradian_core::{
@@ -59,6 +60,8 @@ struct Drawing<'a> {
     /// Chunks and their verdicts, where culling is by chunks or they are shown.
     culled: Option<(&'a Chunks, Vec<Verdict>)>,
     visibility: Visibility,
+    /// Transparent layers before what `visibility` shows, where they are blended.
+    layers: Option<Layers>,
 }
 
 impl Rasterizer {
@@ -154,9 +157,16 @@ impl Rasterizer {
             (None, Culling::None) => Selection::All,
             (None, _) => Selection::Items,
         };
-        let method = Some(self.options.visibility);
-        let visibility = Visibility::draw_selected_with(run.scene, list, &projected, selection, method)?;
-        Ok(Drawing { run, list, number, projected, weight, culled, visibility })
+        // Where layers are blended the visibility buffer shows what is opaque.
+        let (method, blends) = (Some(self.options.visibility), self.options.blends() && run.scene.has_layers());
+        let cover = if blends { Cover::Opaque } else { Cover::Tested };
+        let visibility = Visibility::draw_wanted(run.scene, list, &projected, Wanted { selection, method, cover })?;
+        let layers = || {
+            let view = View { scene: run.scene, list, projected: &projected, selection, opaque: &visibility };
+            Layers::new(&view, self.options.transparency, self.options.layers)
+        };
+        let layers = blends.then(layers).transpose()?;
+        Ok(Drawing { run, list, number, projected, weight, culled, visibility, layers })
     }
 
     /// Chunks and their verdicts, where culling is by chunks or they are shown.
@@ -262,7 +272,17 @@ impl Rasterizer {
             return Found::of(shader.view(&ray, seen));
         }
         let light = seen.as_ref().and_then(|seen| triangles.at(seen));
-        let found = light.unwrap_or_else(|| self.shade(drawing, &shader, (&ray, seen), (at, Some(pixel)), counters));
+        let mut found =
+            light.unwrap_or_else(|| self.shade(drawing, &shader, (&ray, seen), (at, Some(pixel)), counters));
+        // Transparent layers before it, each lit as a surface of its own.
+        if let Some(layers) = &drawing.layers {
+            let (layers, rest) = layers.of(pixel);
+            found.scale(rest);
+            for (fragment, share) in layers {
+                let seen = Some(fragment.seen);
+                found.add(&self.shade(drawing, &shader, (&ray, seen), (at, None), counters), *share);
+            }
+        }
         // A transparent background leaves pixels without coverage black.
         let sight = Sight { sees_through: false, hide_emitters: self.depth.hide_emitters };
         let is_clear = self.transparent && first_hit(scene, ray, &shader.wavelengths(at), sight, None).coverage == 0.0;

@@ -371,11 +371,11 @@ impl<'a> Shader<'a> {
             let Some(s) = drawn.filter(|s| !s.lobe.is_specular()) else { continue };
             let wi = frame.to_world(s.wi);
             // Previews trace the direction and find area lights too; otherwise only environments matter.
-            let mut is_open = None;
+            let mut open = None;
             if self.is_preview() {
                 let ray = i.spawn(wi);
                 let hit = trace.nearest(self.scene, &ray);
-                is_open = Some(hit.is_none());
+                open = Some(f32::from(u8::from(hit.is_none())));
                 if let Some(hit) = hit {
                     let light = self.met(point, (&ray, &hit), s.pdf, chosen);
                     sum += *beta * s.weight * light / self.options.points as f32;
@@ -390,14 +390,14 @@ impl<'a> Shader<'a> {
                 let other = if chosen || choice <= 0.0 { other } else { other / choice };
                 let arriving = e.radiance(i.surface.p, wi, lambda) * power_heuristic(s.pdf, other);
                 // One ray, and none where it is dark.
-                if !arriving.is_black()
-                    && *is_open.get_or_insert_with(|| self.shadows.is_open(self.scene, &i.spawn(wi), trace))
-                {
-                    let group = self.scene.light_groups().of_lights[light as usize];
-                    let found = *beta * s.weight * arriving / self.options.points as f32;
-                    trace.counters.note(|| Some(group), found);
-                    sum += found;
+                if arriving.is_black() {
+                    continue;
                 }
+                let open = *open.get_or_insert_with(|| self.shadows.of_sky(self.scene, &i.spawn(wi), trace));
+                let group = self.scene.light_groups().of_lights[light as usize];
+                let found = *beta * s.weight * arriving * (open / self.options.points as f32);
+                trace.counters.note(|| Some(group), found);
+                sum += found;
             }
         }
         sum

@@ -5,6 +5,9 @@ use steradian_core::{Scene, scene::Hit};
 use steradian_engine::Counters;
 use steradian_math::Ray;
 
+/// Shares of light below this are taken for none.
+const LEAST_OPEN: f32 = 1e-3;
+
 /// Tracer of a pixel's rays and recorder of its light.
 pub struct Trace<'a> {
     /// Counts rays, and keeps the light of each group of lights.
@@ -39,6 +42,21 @@ impl Trace<'_> {
             Some(world) => world.is_occluded(scene, ray),
             None => scene.occluded(ray),
         }
+    }
+    /// Share of light that passes along a ray, by the opacities of what it meets; 0 once a stop is asked for.
+    pub fn open(&mut self, scene: &Scene, ray: &Ray) -> f32 {
+        let (mut open, mut ray) = (1.0, *ray);
+        while open > LEAST_OPEN && !self.counters.stop.is_asked() {
+            self.counters.rays += 1;
+            let Some((hit, opacity)) = scene.intersect_layer(&ray) else { return open };
+            let i = scene.interaction_of_light(&ray, &hit);
+            // Interfaces between media scatter nothing, and cast no shadow.
+            if !scene.geometry(hit.id).is_interface {
+                open *= 1.0 - opacity;
+            }
+            ray = i.rest(&ray);
+        }
+        0.0
     }
 }
 

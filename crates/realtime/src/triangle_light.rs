@@ -20,6 +20,18 @@ impl Found {
         Self { value, lights: Vec::new() }
     }
 
+    /// Multiplies all light by a share.
+    pub fn scale(&mut self, share: f32) {
+        self.value *= share;
+        self.lights.iter_mut().for_each(|light| *light *= share);
+    }
+
+    /// Adds a share of other light.
+    pub fn add(&mut self, other: &Self, share: f32) {
+        self.value += other.value * share;
+        self.lights.iter_mut().zip(&other.lights).for_each(|(light, other)| *light += *other * share);
+    }
+
     /// Interpolates the light of the points of a triangle at barycentric coordinates (u, v): L = Σ λᵢ Lᵢ.
     pub fn between(points: &[Self], [u, v]: [f32; 2]) -> Self {
         let [a, b, c] = points else { return points.first().cloned().unwrap_or_else(|| Self::of(Vec3::ZERO)) };

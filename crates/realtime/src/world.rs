@@ -99,7 +99,7 @@ impl World {
                     let part = candidate.primitive().primitive_index();
                     let end = Ray { t_max: candidate.ray().t_current, ..*ray };
                     // The shape is intersected within its box; the query keeps the nearest committed distance.
-                    let found = meet(scene, item, part, &end, Border::Excluded);
+                    let found = meet(scene, item, part, &end, Border::Excluded, |h, ray| scene.counts(h, ray));
                     if let Some(hit) = found.filter(|hit| candidate.generate(hit.t, SHAPE)) {
                         met = Some(hit);
                     }
@@ -123,7 +123,9 @@ impl World {
         // Infinite planes are tested one by one behind the traversal.
         self.planes.iter().fold(found, |nearest, item| {
             let end = Ray { t_max: nearest.map_or(ray.t_max, |hit| hit.t), ..*ray };
-            meet(scene, item, 0, &end, Border::Excluded).filter(|hit| hit.t < end.t_max).or(nearest)
+            meet(scene, item, 0, &end, Border::Excluded, |h, ray| scene.counts(h, ray))
+                .filter(|hit| hit.t < end.t_max)
+                .or(nearest)
         })
     }
 

@@ -124,6 +124,13 @@ const RASTER: &[Parameter] = &[
         "what is not drawn; in frames frame=forward: items, or chunks of 256 primitives, outside the view, hidden, small",
     ),
     word("bounds", "aabb, sphere, obb, kdop, hull", "aabb", "bounding volumes of the chunks that culling tests"),
+    word(
+        "transparency",
+        "a-buffer, peel, bsp, sorted, weighted, dither",
+        "a-buffer",
+        "how transparent surfaces are blended: exactly (a-buffer, peel, bsp), nearly, or by chance; hybrid frames dither",
+    ),
+    integer("layers", (1.0, 1024.0), "8", "transparent layers of a pixel").with("transparency", "peel").refused(),
     integer("points", (1.0, 1024.0), "4", "points on each light with an area; previews take one").refused(),
     integer("bounces", (0.0, 64.0), "8", "mirrors and panes that are followed").refused(),
     word(

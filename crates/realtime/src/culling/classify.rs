@@ -1,7 +1,12 @@
 //! Classes of culling methods, by comparison with what rays see.
 
 use super::{Chunks, Culling, Selection, Verdict};
-use crate::{Error, draw_list::DrawList, projection::Projected, visibility::Visibility};
+use crate::{
+    Error,
+    draw_list::DrawList,
+    projection::Projected,
+    visibility::{Visibility, Wanted},
+};
 use rayon::prelude::*;
 use std::{collections::HashMap, fmt};
 use steradian_accel::bounding::{Answers, Class};
@@ -43,7 +48,9 @@ pub fn classify(
 ) -> Result<Classified, Error> {
     let met = met(scene, list, projected, chunks);
     let drawn = |chunk: usize| verdicts[chunk] == Verdict::Drawn;
-    let draw = |selection: Selection<'_>| Visibility::draw_selected(scene, list, projected, selection);
+    let draw = |selection: Selection<'_>| {
+        Visibility::draw_wanted(scene, list, projected, Wanted { selection, ..Wanted::default() })
+    };
     let everything = draw(Selection::All)?;
     let counts = |pixel: usize, chunk: usize| {
         drawn(chunk) || everything.part(pixel).and_then(|(item, part)| chunks.find(item, part)) == Some(chunk)

@@ -1,7 +1,12 @@
 //! Occluders, and the pictures of depths that they make.
 
 use super::{Chunks, Selection, Verdict, footprint::Footprint, pyramid::Pyramid};
-use crate::{Error, draw_list::DrawList, projection::Projected, visibility::Visibility};
+use crate::{
+    Error,
+    draw_list::DrawList,
+    projection::Projected,
+    visibility::{Visibility, Wanted},
+};
 use steradian_core::Scene;
 
 /// Side in pixels of the cells of estimated depths.
@@ -97,6 +102,7 @@ impl Candidates<'_> {
         let mut verdicts = vec![Verdict::Hidden; self.verdicts.len()];
         numbers.iter().for_each(|number| verdicts[*number] = Verdict::Drawn);
         let selection = Selection::Chunks(self.chunks, &verdicts);
-        Visibility::draw_selected(self.scene, self.list, self.projected, selection)
+        let wanted = Wanted { selection, ..Wanted::default() };
+        Visibility::draw_wanted(self.scene, self.list, self.projected, wanted)
     }
 }

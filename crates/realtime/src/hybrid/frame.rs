@@ -11,7 +11,7 @@ use crate::{
     projection::Projected,
     shading::{CameraPath, Point, Shader},
     trace::Trace,
-    visibility::Visibility,
+    visibility::{Visibility, Wanted},
 };
 use std::collections::BTreeMap;
 use steradian_bsdf::{BsdfSample, Lobe};
@@ -67,7 +67,8 @@ impl<'a> Frame<'a> {
     pub fn rasterise(&mut self) -> Result<(), Error> {
         let Setting { run, list, pool, options, .. } = self.setting;
         // Each method of hidden surfaces fills the same visibility buffer.
-        let draw = || Visibility::draw_with(run.scene, list, &self.projected, Some(options.visibility));
+        let wanted = || Wanted { method: Some(options.visibility), ..Wanted::default() };
+        let draw = || Visibility::draw_wanted(run.scene, list, &self.projected, wanted());
         self.visibility = Some(pool.install(draw)?);
         Ok(())
     }

@@ -234,7 +234,7 @@ impl Pass for Hybrid {
             let pool = pool.map_err(|e| Error::Scene(format!("the system gives no threads: {e}")))?;
             let list = DrawList::new(run.scene);
             let world = pool.install(|| World::new(run.scene, &list))?;
-            Ok(Prepared { list, world, shadows: Shadowing::by_rays(), pool })
+            Ok(Prepared { list, world, shadows: Shadowing::by_rays(false), pool })
         };
         match prepare() {
             Ok(prepared) => self.prepared = Some(prepared),

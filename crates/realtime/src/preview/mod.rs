@@ -41,6 +41,11 @@ const ALL_PATHS: u32 = 1 << 14;
 const TRIANGLES_PER_PIXEL: u64 = 4;
 /// Points on each light for what is seen in reflections, which is not freed of noise.
 const REFLECTED_POINTS: u32 = 2;
+/// The same for transparent layers, which are looked at straight.
+const LAYER_POINTS: u32 = 16;
+/// Transparent layers that are followed, and the least share of the light behind them that matters.
+const MOST_LAYERS: usize = 64;
+const LEAST_LAYER: f32 = 0.01;
 /// Albedos are taken for at least this, so that light over albedo is finite.
 const LEAST_ALBEDO: f32 = 1e-3;
 
@@ -79,8 +84,8 @@ struct Drawing<'a> {
     number: u32,
     /// True for a scene without lights, which is lit by a light at the camera.
     is_dark: bool,
-    /// Options of the path that is filtered, and of reflections beside it.
-    options: [Options; 2],
+    /// Options of the path that is filtered, of reflections beside it, and of transparent layers beside it.
+    options: [Options; 3],
     depth: Depth,
 }
 
@@ -119,17 +124,18 @@ impl Preview {
         let size = [crop.width(), crop.height()];
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         // Rasterisation costs a step for each triangle, rays a logarithm of their number for each pixel: where
-        // triangles are many more than pixels, rays are faster.
+        // triangles are many more than pixels, rays are faster. Rays find the transparent layers of a pixel, too.
         let is_flat = matches!(run.scene.camera().projection, Projection::Perspective | Projection::Orthographic);
-        let seen = if is_flat && primitives(run.scene, list) <= TRIANGLES_PER_PIXEL * pixels {
+        let blends = self.options.blends() && run.scene.has_layers();
+        let seen = if is_flat && !blends && primitives(run.scene, list) <= TRIANGLES_PER_PIXEL * pixels {
             let projected = Projected::new(run.scene, offset)?.hiding_emitters(self.depth.hide_emitters);
             let visibility = pool.install(|| Visibility::draw(run.scene, list, &projected))?;
             Some((projected, visibility))
         } else {
             None
         };
-        let options = [1, REFLECTED_POINTS].map(|points| Options { points, ..self.options });
-        let (shadows, depth) = (Shadowing::by_rays(), self.depth);
+        let options = [1, REFLECTED_POINTS, LAYER_POINTS].map(|points| Options { points, ..self.options });
+        let (shadows, depth) = (Shadowing::by_rays(blends), self.depth);
         let is_dark = is_dark(run.scene);
         let drawing = Drawing { is_dark, run, list, seen, offset, shadows, number, options, depth };
         // Three parts of light: what needs no filter, direct light by pixels, light after bounces by blocks of pixels.
@@ -156,8 +162,8 @@ impl Preview {
 }
 
 impl Drawing<'_> {
-    /// The shaders of the way that is filtered, and of reflections.
-    fn shaders(&self) -> [Shader<'_>; 2] {
+    /// The shaders of the way that is filtered, of reflections, and of transparent layers.
+    fn shaders(&self) -> [Shader<'_>; 3] {
         let Self { run, shadows, number, depth, .. } = self;
         let shader = |options| Shader {
             scene: run.scene,
@@ -183,13 +189,17 @@ impl Drawing<'_> {
     }
 
     fn pixel(&self, at: [u32; 2], counters: &mut Counters) -> Pixel {
-        let [shader, reflections] = self.shaders();
+        let [shader, reflections, of_layers] = self.shaders();
         let numbers = shader.numbers(at);
         let mut lambda = shader.wavelengths(at);
         let mut trace = Trace { counters, pixel: None, world: None };
         // Follow the pixel's ray to the first surface that scatters diffusely or glossily.
-        let start = self.start(&shader, at, &mut trace);
-        let look = look(&shader, Some(&reflections), start, &numbers, &mut lambda, &mut trace);
+        let (start, layers) = self.layers(self.start(&shader, at, &mut trace), &mut trace);
+        let mut look = look(&shader, Some(&reflections), start, &numbers, &mut lambda, &mut trace);
+        look.distance += (start.ray.origin - self.ray(at).origin).length();
+        for layer in layers {
+            look.aside += of_layers.follow(layer, &numbers, &mut lambda, &mut trace);
+        }
         let rgb = |light| self.run.developed(light, &lambda);
         let surface = look.point.as_ref().map(|point| {
             // Floor the albedo, so that demodulated light is finite.
@@ -215,6 +225,40 @@ impl Drawing<'_> {
             None => trace.nearest(scene, &ray),
         };
         CameraPath { hit, ..CameraPath::start(shader, &ray, None) }
+    }
+
+    /// The transparent layers along the ray of a pixel, each with its share of the light: the one with the largest, and
+    /// the others.
+    fn layers(&self, start: CameraPath, trace: &mut Trace<'_>) -> (CameraPath, Vec<CameraPath>) {
+        let scene = self.run.scene;
+        if !self.shadows.blends() {
+            return (start, Vec::new());
+        }
+        // Front to back: each layer gets its opacity of what the layers before it let through.
+        let (mut path, mut found, mut rest) = (start, Vec::new(), 1.0);
+        for _ in 0..MOST_LAYERS {
+            let Some((hit, opacity)) = scene.intersect_layer(&path.ray) else {
+                found.push(CameraPath { hit: None, beta: path.beta * rest, ..path });
+                break;
+            };
+            // The last layer that matters takes all that is left.
+            let left = rest * (1.0 - opacity);
+            let is_last = left < LEAST_LAYER;
+            let share = if is_last { rest } else { rest - left };
+            found.push(CameraPath { hit: Some(hit), beta: path.beta * share, ..path });
+            if is_last || trace.counters.stop.is_asked() {
+                break;
+            }
+            let i = scene.interaction_of_light(&path.ray, &hit);
+            path.differential = path.differential.map(|d| d.advance(i.t));
+            path.ray = i.rest(&path.ray);
+            rest = left;
+        }
+        trace.counters.rays += found.len() as u64;
+        let largest = (0..found.len())
+            .max_by(|a, b| found[*a].beta.max_element().total_cmp(&found[*b].beta.max_element()).then(b.cmp(a)));
+        let first = largest.map_or(start, |largest| found.swap_remove(largest));
+        (first, found)
     }
 
     fn ray(&self, at: [u32; 2]) -> Ray {
@@ -265,7 +309,7 @@ impl Drawing<'_> {
 
     /// Light that a pixel's surface sends on after a bounce and more, the mean of some paths.
     fn indirect(&self, at: [u32; 2], paths: u32, counters: &mut Counters) -> Vec3 {
-        let (run, [shader, _]) = (self.run, self.shaders());
+        let (run, [shader, ..]) = (self.run, self.shaders());
         if self.depth.max < 2 {
             return Vec3::ZERO;
         }
@@ -275,7 +319,7 @@ impl Drawing<'_> {
         let numbers = shader.numbers(at);
         let mut lambda = shader.wavelengths(at);
         let mut trace = Trace { counters: &mut *counters, pixel: None, world: None };
-        let start = self.start(&shader, at, &mut trace);
+        let (start, _) = self.layers(self.start(&shader, at, &mut trace), &mut trace);
         let found = look(&shader, None, start, &numbers, &mut lambda, &mut trace);
         let Some(point) = found.point else { return Vec3::ZERO };
         let wo = point.frame.to_local(point.i.wo);

@@ -9,7 +9,12 @@ use steradian_raster::{
 };
 
 use super::{casters::Casters, map::Map};
-use crate::{Error, draw_list::DrawList, projection::Projected, visibility::Visibility};
+use crate::{
+    Error,
+    draw_list::DrawList,
+    projection::Projected,
+    visibility::{Visibility, Wanted},
+};
 
 /// Emits a triangle of the world once for each face of the cube that may see it, in the layer of that face.
 struct ToFaces<'a>(&'a [Projected; 6]);
@@ -61,7 +66,7 @@ pub fn maps(
     let map = |(face, view): (usize, &Projected)| {
         let mut depths = target.depth().map_or(Vec::new(), |depth| depth.to_rows(face as u32));
         if casters.others {
-            let others = Visibility::draw_with(scene, list, view, None)?;
+            let others = Visibility::draw_wanted(scene, list, view, Wanted { method: None, ..Wanted::default() })?;
             depths.iter_mut().zip(&others.depths).for_each(|(depth, other)| *depth = depth.max(*other));
         }
         Ok(Map::of_depths(*view, &depths, size))

@@ -63,6 +63,8 @@ enum Means {
 #[derive(Debug)]
 pub struct Shadowing {
     kind: Shadows,
+    /// True if rays find the share of light that transparent surfaces let pass; otherwise they test their opacity.
+    blends: bool,
     filter: Filter,
     lights: Vec<Means>,
 }
@@ -87,10 +89,10 @@ impl Source {
 }
 
 impl Shadowing {
-    /// By rays alone.
-    pub fn by_rays() -> Self {
+    /// By rays alone, which find shares of light if `blends`.
+    pub fn by_rays(blends: bool) -> Self {
         let filter = Filter::new((0.0, BiasBy::Slope), 1, 0);
-        Self { kind: Shadows::Ray, filter, lights: Vec::new() }
+        Self { kind: Shadows::Ray, blends, filter, lights: Vec::new() }
     }
 
     /// Draws what the options ask for.
@@ -105,7 +107,8 @@ impl Shadowing {
             let maker = Maker { scene, list, options, eye, casters: Casters::new(scene, list, options.shadows)? };
             lights = scene.lights().lights.iter().map(|light| maker.means(light)).collect::<Result<_, _>>()?;
         }
-        Ok(Self { kind: options.shadows, filter, lights })
+        let blends = options.blends() && scene.has_layers();
+        Ok(Self { kind: options.shadows, blends, filter, lights })
     }
 
     /// Visibility of a light from a point: 1 where it is lit, 0 in its shadow.
@@ -123,9 +126,20 @@ impl Shadowing {
             Means::Volumes(volumes) => trace.pixel.and_then(|pixel| volumes.lit(scene, i, sample.wi, pixel)),
             Means::Planar(planar) => trace.pixel.map(|pixel| planar.lit(pixel)),
         };
-        told.unwrap_or_else(|| {
-            f32::from(u8::from(!trace.is_occluded(scene, &i.spawn_towards(sample.wi, sample.distance))))
-        })
+        told.unwrap_or_else(|| self.by_ray(scene, &i.spawn_towards(sample.wi, sample.distance), trace))
+    }
+
+    /// True if rays find shares of light.
+    pub fn blends(&self) -> bool {
+        self.blends
+    }
+
+    /// The share of light that passes along a ray.
+    fn by_ray(&self, scene: &Scene, ray: &Ray, trace: &mut Trace<'_>) -> f32 {
+        match self.blends {
+            true => trace.open(scene, ray),
+            false => f32::from(u8::from(!trace.is_occluded(scene, ray))),
+        }
     }
 
     /// The share of a light that a point sees, where that is told for the whole light at once.
@@ -158,9 +172,9 @@ impl Shadowing {
         Some((0..height).flat_map(|y| (0..width).map(move |x| pixel(x, y))).collect())
     }
 
-    /// True if nothing lies on the way of a ray to the sky.
-    pub fn is_open(&self, scene: &Scene, ray: &Ray, trace: &mut Trace<'_>) -> bool {
-        self.kind == Shadows::None || !trace.is_occluded(scene, ray)
+    /// The share of light of the sky that comes along a ray.
+    pub fn of_sky(&self, scene: &Scene, ray: &Ray, trace: &mut Trace<'_>) -> f32 {
+        if self.kind == Shadows::None { 1.0 } else { self.by_ray(scene, ray, trace) }
     }
 }
 

@@ -4,7 +4,7 @@
 use steradian::{CompileOptions, Control, Quality, Scene, compile, load, math::Vec2};
 use steradian_accel::bounding::{Answers, Class};
 use steradian_realtime::{
-    BoundsKind, Culling, Projected, Visibility,
+    BoundsKind, Culling, Projected, Visibility, Wanted,
     culling::{Chunks, Selection, Tally, Verdict, classify, judge},
     draw_list::DrawList,
 };
@@ -96,8 +96,10 @@ fn judged(scene: &Scene, culling: Culling, bounds: BoundsKind) -> (Tally, Answer
     let projected = Projected::new(scene, Vec2::splat(0.5)).unwrap();
     let chunks = Chunks::new(scene, &list, &projected, bounds);
     let verdicts = judge(scene, &list, &projected, &chunks, culling).unwrap();
-    let all = Visibility::draw_selected(scene, &list, &projected, Selection::All).unwrap();
-    let some = Visibility::draw_selected(scene, &list, &projected, Selection::Chunks(&chunks, &verdicts)).unwrap();
+    let draw = |selection| {
+        Visibility::draw_wanted(scene, &list, &projected, Wanted { selection, ..Wanted::default() }).unwrap()
+    };
+    let (all, some) = (draw(Selection::All), draw(Selection::Chunks(&chunks, &verdicts)));
     assert!(culling == Culling::ScreenSize || all.differing(&some) == 0, "{culling:?} {bounds:?}");
     let classified = classify(scene, &list, &projected, &chunks, &verdicts, culling).unwrap();
     (Tally::new(culling, &chunks, &verdicts), classified.answers)

@@ -32,5 +32,6 @@ mod single_sided;
 mod subsurface;
 mod texture_plugins;
 mod transient;
+mod transparency;
 mod volumes;
 mod waves;

@@ -7,7 +7,7 @@ use steradian::{
     math::{Ray, Vec2, Vec3, spectra::Wavelengths},
 };
 use steradian_core::sampler::Sampler;
-use steradian_realtime::{Method, Projected, Visibility, draw_list::DrawList, lesson};
+use steradian_realtime::{Method, Projected, Visibility, Wanted, draw_list::DrawList, lesson};
 
 /// Every shape, a group placed twice (once mirrored), a mask, a mirror; a point, a spot and parallel light.
 const SCENE: &str = r#"
@@ -517,7 +517,10 @@ fn every_order_shows_what_the_depth_buffer_shows() {
     for (case, (text, can_be_sorted)) in cases.into_iter().enumerate() {
         let scene = scene_of(&text);
         let (list, projected) = (DrawList::new(&scene), Projected::new(&scene, Vec2::splat(0.5)).unwrap());
-        let by = |method| Visibility::draw_with(&scene, &list, &projected, Some(method)).unwrap();
+        let by = |method| {
+            Visibility::draw_wanted(&scene, &list, &projected, Wanted { method: Some(method), ..Wanted::default() })
+                .unwrap()
+        };
         let expected = by(Method::ZBuffer);
         let wrong = |found: &Visibility| {
             let (width, height) = (scene.film().width, scene.film().height);
@@ -552,7 +555,10 @@ fn orders_of_a_room_are_those_of_the_depth_buffer() {
     let options = CompileOptions { size: Some((320, 480)), ..CompileOptions::default() };
     let scene = compile(&loaded.desc, &options).scene.unwrap();
     let (list, projected) = (DrawList::new(&scene), Projected::new(&scene, Vec2::splat(0.5)).unwrap());
-    let by = |method| Visibility::draw_with(&scene, &list, &projected, Some(method)).unwrap();
+    let by = |method| {
+        Visibility::draw_wanted(&scene, &list, &projected, Wanted { method: Some(method), ..Wanted::default() })
+            .unwrap()
+    };
     let expected = by(Method::ZBuffer);
     for method in [Method::Bsp, Method::Newell, Method::Warnock] {
         assert_eq!(by(method).differing(&expected), 0, "{method:?}");
