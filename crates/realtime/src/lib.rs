@@ -42,12 +42,11 @@ mod world;
 pub use culling::{BoundsKind, Culling};
 pub use hybrid::Hybrid;
 pub use method::{METHODS, RASTER, Raster};
-pub use options::{BiasBy, FrameKind, Method, Options, SHADOWS, Shadows, Show};
+pub use options::{BiasBy, FrameKind, Method, Options, SHADOWS, Shadows, Show, Transparency};
 pub use preview::Preview;
 pub use projection::Projected;
 pub use rasterizer::Rasterizer;
 pub use shading_model::ShadingModel;
-pub use transparency::Transparency;
 pub use visibility::{Cover, Seen, Visibility, Wanted};
 pub use world::World;
 

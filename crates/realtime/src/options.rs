@@ -4,7 +4,6 @@ use crate::{
     Error,
     culling::{BOUNDS, BoundsKind, CULLINGS, Culling},
     shading_model::{MODELS, ShadingModel},
-    transparency::{TRANSPARENCIES, Transparency},
 };
 use steradian_request::MethodRequest;
 
@@ -113,6 +112,33 @@ const METHODS: [(&str, Method); 5] = [
     ("bsp", Method::Bsp),
     ("newell", Method::Newell),
     ("warnock", Method::Warnock),
+];
+
+/// Blending method of transparent surfaces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Transparency {
+    /// By the stochastic alpha test: a pixel shows one surface.
+    Dither,
+    /// In the order of the distances of primitives' centres.
+    Sorted,
+    /// In the order of a tree of planes, which cuts triangles (Fuchs, Kedem, Naylor 1980).
+    Bsp,
+    /// By depth peeling, a picture for each layer (Everitt 2001).
+    Peel,
+    /// By sums with weights that fall with distance, in any order (McGuire, Bavoil 2013).
+    Weighted,
+    /// By lists of all fragments of each pixel, sorted by depth (Carpenter 1984).
+    ABuffer,
+}
+
+/// The blending methods by name.
+const TRANSPARENCIES: [(&str, Transparency); 6] = [
+    ("a-buffer", Transparency::ABuffer),
+    ("peel", Transparency::Peel),
+    ("bsp", Transparency::Bsp),
+    ("sorted", Transparency::Sorted),
+    ("weighted", Transparency::Weighted),
+    ("dither", Transparency::Dither),
 ];
 
 /// View that is shown.

@@ -10,37 +10,11 @@ use crate::{
     Error,
     culling::Selection,
     draw_list::DrawList,
+    options::Transparency,
     projection::Projected,
     visibility::{Cover, Seen, Visibility, Wanted, local},
 };
 use steradian_core::Scene;
-
-/// Blending method of transparent surfaces.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Transparency {
-    /// By the stochastic alpha test: a pixel shows one surface.
-    Dither,
-    /// In the order of the distances of primitives' centres.
-    Sorted,
-    /// In the order of a tree of planes, which cuts triangles (Fuchs, Kedem, Naylor 1980).
-    Bsp,
-    /// By depth peeling, a picture for each layer (Everitt 2001).
-    Peel,
-    /// By sums with weights that fall with distance, in any order (McGuire, Bavoil 2013).
-    Weighted,
-    /// By lists of all fragments of each pixel, sorted by depth (Carpenter 1984).
-    ABuffer,
-}
-
-/// The methods by name.
-pub const TRANSPARENCIES: [(&str, Transparency); 6] = [
-    ("a-buffer", Transparency::ABuffer),
-    ("peel", Transparency::Peel),
-    ("bsp", Transparency::Bsp),
-    ("sorted", Transparency::Sorted),
-    ("weighted", Transparency::Weighted),
-    ("dither", Transparency::Dither),
-];
 
 /// A transparent surface at a pixel.
 #[derive(Clone, Copy, Debug)]
@@ -61,7 +35,7 @@ pub struct View<'a> {
     pub list: &'a DrawList,
     pub projected: &'a Projected,
     pub selection: Selection<'a>,
-    /// What is opaque in it.
+    /// Opaque surfaces of the view.
     pub opaque: &'a Visibility,
 }
 

@@ -1,20 +1,21 @@
 //! Primitives that may be seen at a pixel, and the choice among their hits by opacity.
 
-use super::{Border, local, meet};
+use super::meet::{Border, local, meet};
 use crate::{draw_list::Item, projection::Projected};
 use steradian_core::{Scene, scene::Hit};
 use steradian_math::Ray;
 
-/// Surfaces that are drawn, by their opacity.
+/// Class of opacity of the surfaces in a picture.
 #[derive(Clone, Debug)]
 pub enum Cover {
-    /// Those that pass the stochastic alpha test.
+    /// Hits that pass the stochastic alpha test.
     Tested,
-    /// Opaque ones.
+    /// Opaque surfaces.
     Opaque,
-    /// Those between opaque and absent.
+    /// Opacities between 0 and 1.
     Transparent,
-    /// Of these, those behind a depth of each pixel (reversed, by rows): a step of depth peeling (Everitt 2001).
+    /// Opacities between 0 and 1 behind a depth of each pixel (reversed, by rows): a step of depth peeling (Everitt
+    /// 2001).
     Behind(Vec<f32>),
 }
 

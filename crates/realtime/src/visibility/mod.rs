@@ -5,8 +5,8 @@ mod meet;
 mod parts;
 mod stage;
 
+pub(crate) use candidate::Candidate;
 pub use candidate::Cover;
-pub(crate) use candidate::{Candidate, Take};
 pub(crate) use meet::{Border, local, meet};
 pub(crate) use stage::{Stage, in_view};
 

@@ -1,6 +1,10 @@
 //! Drawing of the primitives of a scene, kind by kind of shape.
 
-use super::{Border, Candidate, Take, parts::Parts};
+use super::{
+    candidate::{Candidate, Take},
+    meet::Border,
+    parts::Parts,
+};
 use crate::{
     Error,
     culling::Selection,
