@@ -48,7 +48,7 @@ impl ImageTexture {
         source.lookup(self.filter, &place, first)
     }
 
-    /// Picture with all that filters read.
+    /// Levels, sums and borders of the picture, for the filters.
     #[inline]
     pub(super) fn source(&self) -> Source<'_> {
         Source { levels: &self.levels, sums: self.sums.as_deref(), wrap: self.wrap, borders: &self.borders }
