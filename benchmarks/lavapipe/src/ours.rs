@@ -4,6 +4,7 @@ use crate::work::{HEIGHT, Row, Shading, WIDTH};
 use steradian_raster::{
     Draw, Extent, Format, Fragment, Framebuffer, Pipeline, Program, Result, State, Varyings, Vertex, VertexInput,
     fragment,
+    fragment::Quad,
     glam::{Vec2, Vec3, Vec4},
     stages::{DepthOnly, FragmentShader},
     state::{DepthState, Multisample},
@@ -34,8 +35,8 @@ pub fn frame<'a>(row: &'a Row, texture: &'a Texture) -> Result<Frame<'a>> {
     let normal = |v: usize| Lit { normal: row.mesh.normals[v] };
     match row.shading {
         Shading::Depth => with(row, |_| (), DepthOnly::new()),
-        Shading::Lit => with(row, normal, fragment(lit)),
-        Shading::Phong => with(row, normal, fragment(phong)),
+        Shading::Lit => with(row, normal, Light::<false>),
+        Shading::Phong => with(row, normal, Light::<true>),
         Shading::Textured => {
             let sampler = Sampler::default();
             let textured = move |f: &Fragment<Textured>| {
@@ -47,20 +48,46 @@ pub fn frame<'a>(row: &'a Row, texture: &'a Texture) -> Result<Frame<'a>> {
     }
 }
 
-fn lit(f: &Fragment<Lit>) -> Vec4 {
-    let light = f.varyings().normal.normalize().dot(TO_LIGHT).max(0.0);
-    Vec4::new(light, light, light, 1.0)
+/// Square roots, written out so that they become one instruction.
+#[inline(always)]
+fn roots(x: Vec4) -> Vec4 {
+    Vec4::new(x.x.sqrt(), x.y.sqrt(), x.z.sqrt(), x.w.sqrt())
 }
 
-fn phong(f: &Fragment<Lit>) -> Vec4 {
-    let n = f.varyings().normal.normalize();
-    let mirrored = 2.0 * n.dot(TO_LIGHT) * n - TO_LIGHT;
-    let s = mirrored.dot(Vec3::Z).max(0.0);
-    let s2 = s * s;
-    let s4 = s2 * s2;
-    let s8 = s4 * s4;
-    let s16 = s8 * s8;
-    (Vec3::new(0.6, 0.3, 0.2) * n.dot(TO_LIGHT).max(0.0) + s16 * s16).extend(1.0)
+/// The two models of light, in the four lanes of a quad; Phong's where `SHINES`.
+struct Light<const SHINES: bool>;
+
+impl<const SHINES: bool> FragmentShader for Light<SHINES> {
+    type Varyings = Lit;
+    type Output = Vec4;
+
+    #[inline(always)]
+    fn shade(&self, fragment: &Fragment<Lit>) -> Vec4 {
+        self.shade_quad(fragment.quad)[fragment.lane]
+    }
+
+    #[inline(always)]
+    fn shade_quad(&self, quad: &Quad<Lit>) -> [Vec4; 4] {
+        let [a, b, c, d] = &quad.varyings;
+        let lanes = |axis: usize| Vec4::new(a.normal[axis], b.normal[axis], c.normal[axis], d.normal[axis]);
+        let [x, y, z] = [lanes(0), lanes(1), lanes(2)];
+        let scale = 1.0 / roots(x * x + y * y + z * z);
+        let cosine = (x * TO_LIGHT.x + y * TO_LIGHT.y + z * TO_LIGHT.z) * scale;
+        let light = cosine.max(Vec4::ZERO);
+        if !SHINES {
+            let grey = |light: f32| Vec4::new(light, light, light, 1.0);
+            return [grey(light.x), grey(light.y), grey(light.z), grey(light.w)];
+        }
+        // The third component of the mirrored direction, since the eye is there.
+        let s = (2.0 * cosine * (z * scale) - TO_LIGHT.z).max(Vec4::ZERO);
+        let s2 = s * s;
+        let s4 = s2 * s2;
+        let s8 = s4 * s4;
+        let s16 = s8 * s8;
+        let shine = s16 * s16;
+        let color = |light: f32, shine: f32| (Vec3::new(0.6, 0.3, 0.2) * light + shine).extend(1.0);
+        [color(light.x, shine.x), color(light.y, shine.y), color(light.z, shine.z), color(light.w, shine.w)]
+    }
 }
 
 fn with<'a, V, F>(row: &'a Row, varyings: impl Fn(usize) -> V + Sync + 'a, shader: F) -> Result<Frame<'a>>

@@ -295,7 +295,9 @@ pub trait FragmentShader: Sync {
     /// The outputs of a quad. By default one pixel after the other; a shader that computes in four lanes replaces it.
     #[inline(always)]
     fn shade_quad(&self, quad: &Quad<Self::Varyings>) -> [Self::Output; 4] {
-        std::array::from_fn(|lane| self.shade(&Fragment::new(quad, lane)))
+        // Written out, so that the compiler sees which parts of the quad are used.
+        let of = |lane| Fragment::new(quad, lane);
+        [self.shade(&of(0)), self.shade(&of(1)), self.shade(&of(2)), self.shade(&of(3))]
     }
 }
 

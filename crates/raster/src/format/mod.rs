@@ -8,6 +8,7 @@ mod pack;
 mod small_float;
 mod table;
 
+pub(crate) use pack::{decode_rgba8, encode_rgba8};
 pub use table::Format;
 
 use crate::output::Class;

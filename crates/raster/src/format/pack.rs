@@ -17,6 +17,30 @@ const fn low_bits(bits: u8) -> u32 {
     if bits >= 32 { !0 } else { (1 << bits) - 1 }
 }
 
+/// The nearest of 256 levels of each channel, of two the upper one; NaN gives 0.
+#[inline(always)]
+pub(crate) fn encode_rgba8(color: Vec4) -> [u8; 4] {
+    // The largest is 255.5 rounded down.
+    let levels = color.max(Vec4::ZERO).min(Vec4::ONE) * 255.0 + 0.5;
+    // Floats from 2²³ on have no bits below one: the sum is rounded to a whole number, which its lowest bits are. One
+    // less where that was up.
+    let shift = Vec4::splat(8_388_608.0);
+    let rounded = levels + shift;
+    let down = rounded - Vec4::select((rounded - shift).cmpgt(levels), Vec4::ONE, Vec4::ZERO);
+    let level = |x: f32| x.to_bits() as u8;
+    [level(down.x), level(down.y), level(down.z), level(down.w)]
+}
+
+/// Shares of 255. The quotient is rounded as a division would, since 257/65536 times a level is exact, and the rest of
+/// 1/255, which is 257/65535, is small.
+#[inline(always)]
+pub(crate) fn decode_rgba8([r, g, b, a]: [u8; 4]) -> Vec4 {
+    const HIGH: f32 = 257.0 / 65536.0;
+    const LOW: f32 = HIGH / 65535.0;
+    let levels = Vec4::new(f32::from(r), f32::from(g), f32::from(b), f32::from(a));
+    levels * HIGH + levels * LOW
+}
+
 /// The bits of one channel. `value` holds integers as bits.
 #[inline]
 fn encode_channel(numeric: Numeric, bits: u8, value: f32) -> u32 {
@@ -128,9 +152,7 @@ impl Format {
     pub fn write(self, color: Vec4, texel: &mut [u8]) {
         match self {
             Self::Rgba8Unorm => {
-                // The nearest of 256 levels; the largest is 255.5 rounded down.
-                let levels = color.max(Vec4::ZERO).min(Vec4::ONE) * 255.0 + 0.5;
-                texel[..4].copy_from_slice(&levels.to_array().map(|x| x as u8));
+                texel[..4].copy_from_slice(&encode_rgba8(color));
             }
             Self::Rgba32Float => {
                 for (bytes, x) in texel.chunks_exact_mut(4).zip(color.to_array()) {
@@ -149,10 +171,7 @@ impl Format {
     #[inline]
     pub fn read(self, texel: &[u8]) -> Vec4 {
         match self {
-            Self::Rgba8Unorm => {
-                let channel = |i: usize| f32::from(texel[i]) / 255.0;
-                Vec4::new(channel(0), channel(1), channel(2), channel(3))
-            }
+            Self::Rgba8Unorm => decode_rgba8([texel[0], texel[1], texel[2], texel[3]]),
             Self::Rgba32Float => {
                 Vec4::from_array(std::array::from_fn(|i| f32::from_le_bytes([0, 1, 2, 3].map(|b| texel[4 * i + b]))))
             }
@@ -277,6 +296,17 @@ mod tests {
                 assert_eq!(format.encode(Vec4::splat((middle + step) as f32)), u128::from(code + 1), "{format:?}");
             }
         }
+    }
+
+    #[test]
+    fn levels_are_shares_of_255() {
+        for level in 0..=255u8 {
+            let share = Vec4::splat(f32::from(level) / 255.0);
+            assert_eq!(decode_rgba8([level; 4]), share);
+            assert_eq!(encode_rgba8(share), [level; 4]);
+        }
+        let odd = Vec4::new(f32::NAN, f32::INFINITY, -1.0, 0.5019);
+        assert_eq!(encode_rgba8(odd), [0, 255, 0, 128]);
     }
 
     #[test]

@@ -203,7 +203,11 @@ impl<'a, V: Varyings> Setup<'a, V> {
 
 /// 1/w of three corners as [`Primitive`] has them: the first and differences to it in units of the largest, and the
 /// largest.
+#[inline]
 pub(super) fn relative(inv_w: [f64; 3]) -> ([f32; 3], f32) {
+    if inv_w[0] == inv_w[1] && inv_w[0] == inv_w[2] {
+        return ([1.0, 0.0, 0.0], inv_w[0] as f32);
+    }
     let largest = inv_w[0].max(inv_w[1]).max(inv_w[2]);
     // Scale by the largest 1/w, so that far and near primitives have the same relative precision.
     let [a, b, c] = inv_w.map(|x| (x / largest) as f32);

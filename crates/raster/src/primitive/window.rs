@@ -122,7 +122,11 @@ impl Port {
         let y = self.centre[1] - f64::from(position.y) * inv_w * self.half[1];
         // Corners that a cut at the guard band left outside it, by the rounding of huge coordinates, are moved onto its
         // border.
-        let units = |x: f64| (x.clamp(-BORDER, BORDER) * f64::from(SUBPIXELS)).round_ties_even() as i32;
+        // Added to 3·2⁵¹ a number is rounded to a whole one, ties to even, which the low bits of the sum are.
+        let units = |x: f64| {
+            let rounded = x.clamp(-BORDER, BORDER) * f64::from(SUBPIXELS) + 6_755_399_441_055_744.0;
+            (rounded.to_bits() as u32).cast_signed()
+        };
         Corner {
             at: [units(x), units(y)],
             depth: self.depth_offset + f64::from(position.z) * inv_w * self.depth_scale,

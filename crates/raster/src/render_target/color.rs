@@ -7,7 +7,7 @@ use steradian_image::Image;
 use super::{Extent, TILE_PIXELS};
 use crate::{
     error::{Error, Result, refuse},
-    format::Format,
+    format::{Format, decode_rgba8, encode_rgba8},
     output::Class,
 };
 
@@ -54,8 +54,8 @@ impl ColorTarget {
         let mut texel = [0; 16];
         self.format.write(color, &mut texel);
         let bytes = self.format.bytes();
-        let fill = |part: &mut [u8]| part.chunks_exact_mut(bytes).for_each(|t| t.copy_from_slice(&texel[..bytes]));
-        self.texels.par_chunks_mut(bytes * TILE_PIXELS).for_each(fill);
+        let plane = texel[..bytes].repeat(TILE_PIXELS);
+        self.texels.par_chunks_exact_mut(plane.len()).for_each(|part| part.copy_from_slice(&plane));
     }
 
     /// The colour of a sample; `None` outside.
@@ -103,9 +103,10 @@ impl ColorTarget {
         let mut texels = vec![0; tiles * TILE_PIXELS * bytes];
         let samples = self.extent.samples as usize;
         let averaged = self.format.class() == Class::Float;
-        for (target, source) in
-            texels.chunks_exact_mut(TILE_PIXELS * bytes).zip(self.texels.chunks_exact(self.tile_bytes()))
-        {
+        let resolve = |(target, source): (&mut [u8], &[u8])| {
+            if self.format == Format::Rgba8Unorm && samples > 1 {
+                return mean_of_levels(target, source, samples);
+            }
             for (i, texel) in target.chunks_exact_mut(bytes).enumerate() {
                 let stored = |s: usize| &source[(s * TILE_PIXELS + i) * bytes..][..bytes];
                 if averaged && samples > 1 {
@@ -115,7 +116,9 @@ impl ColorTarget {
                     texel.copy_from_slice(stored(0));
                 }
             }
-        }
+        };
+        let targets = texels.par_chunks_exact_mut(TILE_PIXELS * bytes);
+        targets.zip(self.texels.par_chunks_exact(self.tile_bytes())).for_each(resolve);
         Self { extent, format: self.format, texels }
     }
 
@@ -137,5 +140,16 @@ impl ColorTarget {
             image.push(name, data).map_err(|error| Error { call: CALL, rule: error.to_string() })?;
         }
         Ok(image)
+    }
+}
+
+/// Means over samples of four channels of 8 bits, the samples of a tile one after the other.
+fn mean_of_levels(target: &mut [u8], source: &[u8], samples: usize) {
+    let plane = target.len();
+    for (place, texel) in (0..).step_by(4).zip(target.chunks_exact_mut(4)) {
+        let stored =
+            |s: usize| source[s * plane + place..].first_chunk().map_or(Vec4::ZERO, |texel| decode_rgba8(*texel));
+        let sum = (0..samples).fold(Vec4::ZERO, |sum, s| sum + stored(s));
+        texel.copy_from_slice(&encode_rgba8(sum / samples as f32));
     }
 }

@@ -1,5 +1,6 @@
 //! Textures: pictures that shaders look up.
 
+mod bilinear;
 mod builder;
 mod cube;
 mod sampler;

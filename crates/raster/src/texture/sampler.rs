@@ -1,6 +1,6 @@
 //! Samplers: coordinates to texels to colours.
 
-use glam::{Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 
 use super::{TextureKind, TextureView, cube};
 use crate::{
@@ -26,10 +26,11 @@ pub enum Wrap {
 
 impl Wrap {
     /// The texel for a number that may be outside 0…n − 1; `None` for the border colour.
-    #[inline]
-    fn texel(self, i: i64, n: i64) -> Option<u32> {
+    #[inline(always)]
+    pub(super) fn texel(self, i: i64, n: i64) -> Option<u32> {
         let inside = |i: i64| i.clamp(0, n - 1);
         let at = match self {
+            Self::Repeat if n & (n - 1) == 0 => i & (n - 1),
             Self::Repeat => i.rem_euclid(n),
             Self::Mirror => {
                 // Period 2n: forwards, then backwards.
@@ -161,6 +162,7 @@ impl Sampler {
         self.lookup(view, at, lod, &|texel| Vec4::splat(f32::from(u8::from(self.compare.passes(reference, texel.x))))).x
     }
 
+    #[inline]
     fn lookup(&self, view: &TextureView, at: Vec4, lod: Lod, value: &impl Fn(Vec4) -> Vec4) -> Vec4 {
         let place = Place::new(view, at);
         let (lod, samples, axis) = match lod {
@@ -170,6 +172,9 @@ impl Sampler {
         // λ = λ_base + bias, clamped to the range of the sampler.
         let lod = (lod + self.lod_bias).clamp(self.lod_range[0], self.lod_range[1]);
         let lod = if lod.is_nan() { 0.0 } else { lod };
+        if samples == 1 {
+            return self.at_lod(view, &place, lod, value);
+        }
         let mut sum = Vec4::ZERO;
         // Average samples spread evenly along the longer axis of the footprint.
         for i in 0..samples {
@@ -182,6 +187,7 @@ impl Sampler {
 
     /// Level of detail, number of samples and the axis they lie along (OpenGL 4.6, sections 8.14.1;
     /// `EXT_texture_filter_anisotropic`).
+    #[inline]
     fn footprint(&self, view: &TextureView, place: &Place, dx: Vec3, dy: Vec3) -> (f32, u32, Vec3) {
         let size = view.size(0);
         let texels = match view.kind {
@@ -190,10 +196,14 @@ impl Sampler {
         };
         // Lengths of the footprint's axes in texels of level 0.
         let (dx, dy) = place.on_face(dx, dy);
-        let [px, py] = [dx, dy].map(|d| (d * texels).length());
+        if self.anisotropy == 1 {
+            let longer = (dx * texels).length_squared().max((dy * texels).length_squared()).sqrt();
+            return (longer.log2(), 1, Vec3::ZERO);
+        }
+        let (px, py) = ((dx * texels).length(), (dy * texels).length());
         let (longer, shorter) = (px.max(py), px.min(py));
         // N = ⌈ρ_max/ρ_min⌉ samples, at most the limit; where that bites, the shorter axis is taken to be longer.
-        let samples = if self.anisotropy > 1 && longer > 0.0 {
+        let samples = if longer > 0.0 {
             (longer / shorter.max(longer / self.anisotropy as f32)).ceil().clamp(1.0, self.anisotropy as f32)
         } else {
             1.0
@@ -203,6 +213,7 @@ impl Sampler {
         ((longer / samples).log2(), samples as u32, axis)
     }
 
+    #[inline]
     fn at_lod(&self, view: &TextureView, place: &Place, lod: f32, value: &impl Fn(Vec4) -> Vec4) -> Vec4 {
         // Magnification: a texel covers more than a pixel.
         if lod <= 0.0 {
@@ -218,7 +229,7 @@ impl Sampler {
             }
             Some(Filter::Linear) => {
                 // Trilinear: blend the two levels on either side of λ.
-                let fine = (lod.floor()).min(last as f32) as u32;
+                let fine = (lod as u32).min(last);
                 let weight = if fine == last { 0.0 } else { lod - fine as f32 };
                 let first = self.at_level(view, place, fine, self.minify, value);
                 if weight == 0.0 {
@@ -229,6 +240,7 @@ impl Sampler {
         }
     }
 
+    #[inline]
     fn at_level(
         &self,
         view: &TextureView,
@@ -245,6 +257,10 @@ impl Sampler {
         // The texel that contains the point.
         if filter == Filter::Nearest {
             return texel(std::array::from_fn(|d| whole(at[d])));
+        }
+        let flat = matches!(view.kind, TextureKind::D2 | TextureKind::D2Array);
+        if flat && let Some(mean) = self.bilinear(view, (level, place.layer), Vec2::new(at[0], at[1]), value) {
+            return mean;
         }
         let mut first = [0; 3];
         let mut weight = [0.0; 3];
@@ -308,6 +324,7 @@ struct Place {
 }
 
 impl Place {
+    #[inline]
     fn new(view: &TextureView, at: Vec4) -> Self {
         // The nearest layer; halves up.
         let layer = |x: f32, count: u32| (x + 0.5).floor().clamp(0.0, (count - 1) as f32) as u32;
@@ -333,6 +350,7 @@ impl Place {
     }
 
     /// Changes of the coordinates on the face of a cube, of changes of the direction; others as they are.
+    #[inline]
     fn on_face(&self, dx: Vec3, dy: Vec3) -> (Vec3, Vec3) {
         let Some(face) = self.face else {
             let used =

@@ -116,6 +116,17 @@ impl TextureView<'_> {
         self.texel(0, [at[0], at[1], 0], layer, sample)
     }
 
+    /// The bytes of a layer of a level, and what follows them; `None` outside.
+    #[inline(always)]
+    pub(super) fn plane(&self, level: u32, layer: u32) -> Option<&[u8]> {
+        if level >= self.levels || layer >= self.layers {
+            return None;
+        }
+        let level = self.first_level + level;
+        let place = self.texture.place(level, [0; 3], self.first_layer + layer)?;
+        self.texture.levels[level as usize].get(place..)
+    }
+
     #[inline]
     fn texel(&self, level: u32, at: [u32; 3], layer: u32, sample: u32) -> Vec4 {
         // Levels and layers count from the first ones of the view.

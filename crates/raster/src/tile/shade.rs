@@ -19,6 +19,12 @@ pub(super) const fn quad_lanes(q: usize) -> [usize; 4] {
     [2 * q, 2 * q + 1, 8 + 2 * q, 9 + 2 * q]
 }
 
+/// Four values, written out: compilers do not always inline `map` and `from_fn`, and what they leave in memory is slow.
+#[inline(always)]
+fn four<T>(value: impl Fn(usize) -> T) -> [T; 4] {
+    [value(0), value(1), value(2), value(3)]
+}
+
 /// Weights of the second and third corner at four points: linear in the window, and with perspective.
 struct Weights {
     linear: [[f32; 4]; 2],
@@ -33,11 +39,12 @@ impl Weights {
         let at = [0, 1].map(|axis| f64::from(pixel[axis]) - primitive.origin[axis]);
         // Barycentric weights at the points, as planes in the window; the start is found in `f64` so that far origins
         // lose nothing.
-        let linear = primitive.weights.map(|[gx, gy]| {
+        let along = |[gx, gy]: [f64; 2]| {
             let start = (gx * at[0] + gy * at[1]) as f32;
             let (gx, gy) = (gx as f32, gy as f32);
-            points.map(|[x, y]| start + (gx * x + gy * y))
-        });
+            four(|i| start + (gx * points[i][0] + gy * points[i][1]))
+        };
+        let linear = [along(primitive.weights[0]), along(primitive.weights[1])];
         let [first, second, third] = primitive.inv_w;
         // Equal w at all corners: the map to the window is affine, and no division is needed.
         if second == 0.0 && third == 0.0 {
@@ -158,13 +165,17 @@ impl<F: FragmentShader> TileDrawer<'_, F> {
         let modes = V::<F>::MODES;
         let lanes = quad_lanes(q);
         let count = self.pattern.count;
-        let coverage = lanes.map(|lane| (0..count).fold(0, |c, s| c | u32::from(masks[s] >> lane & 1) << s));
+        let bit = |s: usize, lane: usize| u32::from(masks[s] >> lane & 1) << s;
+        let coverage = match count {
+            1 => four(|i| bit(0, lanes[i])),
+            _ => four(|i| (0..count).fold(0, |c, s| c | bit(s, lanes[i]))),
+        };
         let units = SUBPIXELS as f32;
         let offset_of = |s: usize| self.pattern.offsets[s].map(|x| x as f32 / units);
         let centre = sample.map_or([0.5; 2], offset_of);
         let pixel = [strip.pixel[0] + 2 * q as i32, strip.pixel[1]];
         let point = |lane: usize, [x, y]: [f32; 2]| [(lane & 1) as f32 + x, (lane >> 1) as f32 + y];
-        let weights = Weights::new(primitive, pixel, std::array::from_fn(|lane| point(lane, centre)));
+        let weights = Weights::new(primitive, pixel, four(|lane| point(lane, centre)));
         // Extrapolation at uncovered centres is avoided by moving the point to the centroid of the covered samples.
         let centroids = if any_centroid(modes) && count > 1 && sample.is_none() {
             let points = std::array::from_fn(|lane| point(lane, self.centroid(coverage[lane])));
@@ -198,10 +209,10 @@ impl<F: FragmentShader> TileDrawer<'_, F> {
         let sample_offset = sample.map_or(Pattern::centre(), |s| self.pattern.offsets[s]);
         let depths = primitive.depths(strip.pixel, sample_offset);
         Quad {
-            varyings: std::array::from_fn(|lane| V::<F>::from_floats(|i| floats[i][lane])),
+            varyings: four(|lane| V::<F>::from_floats(|i| floats[i][lane])),
             origin: pixel.map(|x| x as u32),
             offset: Vec2::from_array(centre),
-            depth: lanes.map(|lane| depths[lane]),
+            depth: four(|i| depths[lanes[i]]),
             inv_w: weights.inv_w,
             coverage,
             front_facing: primitive.front,
@@ -210,7 +221,7 @@ impl<F: FragmentShader> TileDrawer<'_, F> {
             viewport: u32::from(primitive.viewport),
             sample: sample.unwrap_or(0) as u32,
             sample_count: count as u32,
-            coordinates: std::array::from_fn(|lane| Vec2::new(weights.linear[0][lane], weights.linear[1][lane])),
+            coordinates: four(|lane| Vec2::new(weights.linear[0][lane], weights.linear[1][lane])),
         }
     }
 

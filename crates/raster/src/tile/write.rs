@@ -4,7 +4,7 @@ use glam::Vec4;
 
 use super::{Masks, Strip, TileDrawer, shade::quad_lanes};
 use crate::{
-    format::{Format, Numeric},
+    format::{Format, Numeric, encode_rgba8},
     output::FragmentOutput,
     primitive::Primitive,
     render_target::{BLOCK_PIXELS, TILE_PIXELS, Tile},
@@ -42,6 +42,11 @@ impl ColorPlan {
     /// True if the colour in the target does not matter.
     fn replaces(&self) -> bool {
         self.blend.is_none() && self.logic.is_none() && self.write == [true; 4]
+    }
+
+    /// True for the commonest target: four channels of 8 bits that are replaced.
+    fn is_plain(&self) -> bool {
+        self.format == Format::Rgba8Unorm && self.replaces()
     }
 
     /// Writes one sample that depends on what is there.
@@ -89,6 +94,10 @@ impl<F: FragmentShader> TileDrawer<'_, F> {
         for (target, plan) in self.plan.colors.iter().enumerate().take(F::Output::COLORS) {
             let Some(plan) = plan else { continue };
             let texels = &mut *tile.colors[target];
+            if plan.is_plain() && !primitive.smooth && !self.state.multisample.alpha_to_one {
+                write_plain::<F>(texels, start, (&masks[..count], target), outputs);
+                continue;
+            }
             // Write quad by quad, lane by lane, and within a pixel every covered sample.
             for (q, quad) in outputs.iter().enumerate() {
                 let Some(quad) = quad else { continue };
@@ -102,11 +111,6 @@ impl<F: FragmentShader> TileDrawer<'_, F> {
                     }
                     if self.state.multisample.alpha_to_one {
                         color.w = 1.0;
-                    }
-                    // The common case: one sample that replaces what is there.
-                    if plan.replaces() && count == 1 {
-                        plan.format.write(color, &mut texels[(start + lane) * plan.bytes..]);
-                        continue;
                     }
                     // Encode once for all samples of the pixel.
                     let mut texel = [0; 16];
@@ -122,6 +126,30 @@ impl<F: FragmentShader> TileDrawer<'_, F> {
                             plan.combine(there, color, output.second());
                         }
                     }
+                }
+            }
+        }
+    }
+}
+
+/// Replaces texels of four bytes.
+#[inline(always)]
+fn write_plain<F: FragmentShader>(
+    texels: &mut [u8],
+    start: usize,
+    (masks, target): (&[u16], usize),
+    outputs: &[Option<[F::Output; 4]>; 4],
+) {
+    for (q, quad) in outputs.iter().enumerate() {
+        let Some(quad) = quad else { continue };
+        // Written out: the compiler does not always inline `map`.
+        let texel = |i: usize| encode_rgba8(quad[i].color(target));
+        let colors = [texel(0), texel(1), texel(2), texel(3)];
+        for (sample, mask) in masks.iter().enumerate() {
+            let Some(strip) = texels[(sample * TILE_PIXELS + start) * 4..].first_chunk_mut::<64>() else { continue };
+            for (lane, color) in quad_lanes(q).into_iter().zip(colors) {
+                if mask >> lane & 1 != 0 {
+                    strip[4 * lane..4 * lane + 4].copy_from_slice(&color);
                 }
             }
         }
