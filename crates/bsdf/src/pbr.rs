@@ -30,6 +30,7 @@ use super::{
     sample_cosine_hemisphere,
     scatter::Scatter,
     sheen,
+    split_sum::SplitSum,
     subsurface::SubsurfacePart,
 };
 use std::f32::consts::FRAC_1_PI;
@@ -348,6 +349,22 @@ impl Pbr {
         let total = coat + facets + diffuse;
         let inverse = 1.0 / total;
         Seen { coat: coat * inverse, facets: facets * inverse, diffuse: diffuse * inverse, below, row }
+    }
+
+    /// Factors of light in two sums; `None` with layers on top, and where light passes.
+    pub(super) fn split_sum(&self, cos: f32) -> Option<SplitSum> {
+        let is_layered = self.coat.0 > 0 || !self.sheen.is_black() || self.film_weight.0 > 0;
+        if is_layered || !self.refracted.is_black() || !self.through.is_black() {
+            return None;
+        }
+        let (alpha, metallic) = (self.facets.mean_alpha(), self.metallic.get());
+        let row = albedo_table::row(alpha);
+        let [a, b] = albedo_table::ggx(row, cos);
+        let dielectric = self.f0.get() * a + Spectrum::splat(self.f90.get() * b);
+        let metal = self.metal.get() * a + Spectrum::splat(b);
+        let facets = dielectric * (1.0 - metallic) + metal * metallic;
+        let facets = if self.facets.is_smooth() { Spectrum::ZERO } else { facets };
+        Some(SplitSum { alpha, facets, diffuse: self.diffuse.get() * self.below(row, cos) })
     }
 
     /// True if diffuse light goes through.

@@ -42,7 +42,7 @@ mod world;
 pub use culling::{BoundsKind, Culling};
 pub use hybrid::Hybrid;
 pub use method::{METHODS, RASTER, Raster};
-pub use options::{BiasBy, FrameKind, Method, Options, SHADOWS, Shadows, Show, Transparency};
+pub use options::{BiasBy, EnvironmentKind, FrameKind, Method, Options, SHADOWS, Shadows, Show, Transparency};
 pub use preview::Preview;
 pub use projection::Projected;
 pub use rasterizer::Rasterizer;

@@ -1,6 +1,6 @@
 //! Rasterisation as a method: its options, its limits, its sessions.
 
-use crate::{Error, FrameKind, Hybrid, Options, Preview, Rasterizer};
+use crate::{EnvironmentKind, Error, FrameKind, Hybrid, Options, Preview, Rasterizer};
 use std::sync::Arc;
 use steradian_core::{ColorMode, Scene};
 use steradian_engine::{
@@ -43,8 +43,8 @@ impl Raster {
         if is_plain && request.spp.is_none() && !by_light && !request.transparent && is_small {
             options.frame = FrameKind::Preview;
         }
-        if options.harmonics && asked.scene.mode() == ColorMode::Spectral {
-            return Err(Refusal("raster: environment=harmonics takes RGB mode (--color rgb)".into()));
+        if options.environment != EnvironmentKind::Sampled && asked.scene.mode() == ColorMode::Spectral {
+            return Err(Refusal("raster: environment=harmonics and prefiltered take RGB mode (--color rgb)".into()));
         }
         let depth = Depth { max: request.max_depth.unwrap_or(u32::MAX), ..asked.depth() };
         Ok(Self { options, depth })

@@ -141,6 +141,25 @@ const TRANSPARENCIES: [(&str, Transparency); 6] = [
     ("dither", Transparency::Dither),
 ];
 
+/// Light of environments.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum EnvironmentKind {
+    /// By directions that light and surface draw, with shadows.
+    #[default]
+    Sampled,
+    /// On diffuse surfaces by nine coefficients of each environment, without shadows.
+    Harmonics,
+    /// So, and on rough metals and glTF's surface by prefiltered maps and the albedo of the facets, without shadows.
+    Prefiltered,
+}
+
+/// The kinds of light of environments by name.
+const ENVIRONMENTS: [(&str, EnvironmentKind); 3] = [
+    ("sampled", EnvironmentKind::Sampled),
+    ("harmonics", EnvironmentKind::Harmonics),
+    ("prefiltered", EnvironmentKind::Prefiltered),
+];
+
 /// View that is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Show {
@@ -264,8 +283,8 @@ pub struct Options {
     pub bounces: u32,
     /// Shading model of triangles.
     pub shading: ShadingModel,
-    /// Lights diffuse surfaces by nine coefficients of each environment, without shadows.
-    pub harmonics: bool,
+    /// How environments light surfaces.
+    pub environment: EnvironmentKind,
     /// View that is shown.
     pub show: Show,
 }
@@ -290,7 +309,7 @@ impl Default for Options {
             points: 4,
             bounces: 8,
             shading: ShadingModel::Pixel,
-            harmonics: false,
+            environment: EnvironmentKind::Sampled,
             show: Show::Picture,
         }
     }
@@ -320,7 +339,7 @@ impl Options {
             layers: asked.count("layers"),
             points: asked.count("points"),
             bounces: asked.count("bounces"),
-            harmonics: asked.word("environment") == "harmonics",
+            environment: named(&ENVIRONMENTS, asked.word("environment")).unwrap_or(default.environment),
             shading: named(&MODELS, asked.word("shading")).unwrap_or(default.shading),
             show: named(&SHOWN, asked.word("show")).unwrap_or(default.show),
         };
@@ -362,8 +381,8 @@ impl Options {
             FrameKind::Preview if self.show != Show::Picture || self.shadows != Shadows::Ray => {
                 refused("frame=preview has no views, and shadows by rays")
             }
-            FrameKind::Hybrid | FrameKind::Preview if self.harmonics => {
-                refused("environment=harmonics is of frame=forward")
+            FrameKind::Hybrid | FrameKind::Preview if self.environment != EnvironmentKind::Sampled => {
+                refused("environment=harmonics and prefiltered are of frame=forward")
             }
             FrameKind::Hybrid | FrameKind::Preview if self.shading != ShadingModel::Pixel => {
                 refused("shading models are of frame=forward")
@@ -423,6 +442,7 @@ mod tests {
         all_known("culling", &CULLINGS.map(|f| f.0));
         all_known("bounds", &BOUNDS.map(|f| f.0));
         all_known("transparency", &TRANSPARENCIES.map(|f| f.0));
+        all_known("environment", &ENVIRONMENTS.map(|f| f.0));
         all_known("visibility", &METHODS.map(|f| f.0));
         all_known("shading", &MODELS.map(|f| f.0));
         all_known("show", &SHOWN.map(|f| f.0));

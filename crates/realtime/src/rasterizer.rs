@@ -6,7 +6,7 @@ use crate::{
     draw_list::DrawList,
     image_light::ImageLights,
     lesson,
-    options::{Method, Options, Show},
+    options::{EnvironmentKind, Method, Options, Show},
     preparation::Preparation,
     projection::Projected,
     shading::Shader,
@@ -245,7 +245,9 @@ impl Rasterizer {
 
     fn shader<'a>(&'a self, drawing: &Drawing<'a>, shadows: &'a Shadowing) -> Shader<'a> {
         let (scene, seed) = (drawing.run.scene, drawing.run.sampler.seed);
-        let image_lights = self.options.harmonics.then(|| self.image_lights.get_or_init(|| ImageLights::new(scene)));
+        let kind = self.options.environment;
+        let image_lights =
+            (kind != EnvironmentKind::Sampled).then(|| self.image_lights.get_or_init(|| ImageLights::new(scene, kind)));
         Shader { scene, shadows, options: &self.options, depth: &self.depth, pass: drawing.number, seed, image_lights }
     }
 

@@ -1,6 +1,6 @@
 //! Radiance of visible points towards the eye.
 
-use steradian_bsdf::{Bsdf, BsdfSample, TransportMode};
+use steradian_bsdf::{Bsdf, BsdfSample, SplitSum, TransportMode};
 use steradian_core::{
     Scene,
     footprint::{Bounce, RayDifferential},
@@ -304,10 +304,11 @@ impl<'a> Shader<'a> {
         }
         let lights = self.scene.lights();
         let (numbers, round, points) = (point.numbers, point.round, self.options.points);
-        let is_diffuse = matches!(point.scattering.bsdf, Bsdf::Diffuse(_));
-        let image_lights = self.image_lights.filter(|_| is_diffuse);
-        let is_done = |light: u32| image_lights.is_some_and(|known| known.has(light));
-        let mut sum = image_lights.map_or(Spectrum::ZERO, |known| self.by_harmonics(point, known, trace));
+        // Environments as image-based light, for surfaces that are split in two sums.
+        let wo = point.frame.to_local(point.i.wo);
+        let image_lights = self.image_lights.and_then(|known| Some((known, known.split(&point.scattering.bsdf, wo)?)));
+        let is_done = |light: u32| image_lights.is_some_and(|(known, _)| known.has(light));
+        let mut sum = image_lights.map_or(Spectrum::ZERO, |lights| self.by_image_lights(point, lights, trace));
         // Many lights: one is chosen for each sample, in proportion to its bound in the light tree.
         if lights.lights.len() > FEW_LIGHTS {
             for k in 0..points {
@@ -333,14 +334,17 @@ impl<'a> Shader<'a> {
         sum + self.bsdf_sampled(point, false, is_done, trace)
     }
 
-    /// The light of environments on a diffuse surface: reflectance times irradiance over π.
-    fn by_harmonics(&self, point: &Point<'_>, known: &ImageLights, trace: &mut Trace<'_>) -> Spectrum {
-        let Point { i, frame, scattering, beta, .. } = point;
-        // f cos θ along the normal is the reflectance over π.
-        let e = scattering.eval(frame.to_local(i.wo), Vec3::Z, TransportMode::Radiance);
-        let reflectance = e.value * std::f32::consts::PI;
-        known.at(frame.z).fold(Spectrum::ZERO, |sum, (group, light)| {
-            let found = *beta * reflectance * light;
+    /// The light of environments by two sums.
+    fn by_image_lights(
+        &self,
+        point: &Point<'_>,
+        (known, split): (&ImageLights, SplitSum),
+        trace: &mut Trace<'_>,
+    ) -> Spectrum {
+        let (n, wo) = (point.frame.z, point.i.wo);
+        let mirrored = n * (2.0 * n.dot(wo)) - wo;
+        known.reflected(split, n, mirrored).fold(Spectrum::ZERO, |sum, (group, light)| {
+            let found = point.beta * light;
             trace.counters.note(|| Some(group), found);
             sum + found
         })

@@ -141,9 +141,10 @@ const RASTER: &[Parameter] = &[
     ),
     word(
         "environment",
-        "sampled, harmonics",
+        "sampled, harmonics, prefiltered",
         "sampled",
-        "light of environments: by rays, or on diffuse surfaces by nine spherical harmonics, without shadows",
+        "light of environments: by rays; without shadows on diffuse surfaces by nine spherical harmonics, on rough ones \
+         by blurred maps",
     ),
     word(
         "show",

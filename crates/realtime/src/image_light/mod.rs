@@ -1,10 +1,15 @@
-//! Light of environments on diffuse surfaces by nine coefficients (Ramamoorthi and Hanrahan, "An efficient
-//! representation for irradiance environment maps", 2001).
+//! Light of environments without rays: on diffuse surfaces by nine coefficients (Ramamoorthi and Hanrahan, "An
+//! efficient representation for irradiance environment maps", 2001), on facets by prefiltered maps.
 //!
 //! The clamped cosine leaves little of what has a degree above 2, so that the irradiance of any environment is a
 //! quadratic polynomial of the normal to about a hundredth. Nothing casts a shadow: the environment is seen by the
 //! whole hemisphere.
 
+mod prefiltered;
+
+use crate::options::EnvironmentKind;
+use prefiltered::Prefiltered;
+use steradian_bsdf::{Bsdf, SplitSum};
 use steradian_core::{Scene, light::Light};
 use steradian_math::{
     Spectrum, Vec2, Vec3,
@@ -17,42 +22,70 @@ use steradian_transport::power_heuristic;
 /// Directions by which an environment is projected, by each of two techniques.
 const DIRECTIONS: u32 = 1 << 15;
 
-/// Irradiance of environments as functions of the normal.
+/// An environment.
+#[derive(Clone, Debug)]
+struct ImageLight {
+    light: u32,
+    /// Its group of lights.
+    group: u32,
+    /// Coefficients of its irradiance over π.
+    irradiance: [Vec3; 9],
+    /// Blurred maps, where the options ask for them.
+    prefiltered: Option<Prefiltered>,
+}
+
+/// Environments as functions of normals and directions.
 #[derive(Clone, Debug, Default)]
 pub struct ImageLights {
-    /// Light, its group of lights, and the coefficients of its irradiance over π.
-    lights: Vec<(u32, u32, [Vec3; 9])>,
+    lights: Vec<ImageLight>,
+    kind: EnvironmentKind,
 }
 
 impl ImageLights {
     /// Projects the environments of a scene in RGB mode. Those behind portals, which look different from each point,
     /// are left out.
-    pub fn new(scene: &Scene) -> Self {
+    pub fn new(scene: &Scene, kind: EnvironmentKind) -> Self {
         let all = &scene.lights().lights;
         let lights = scene.lights().environments.iter().filter_map(|&light| match &all[light as usize] {
             Light::Environment(e) if e.portal.is_none() => {
                 let radiance = |w| Vec3::from_array(e.beyond(w, &Wavelengths::RGB).to_rgb());
-                let density = |w| e.pdf(Vec3::ZERO, w);
-                let coefficients = project(radiance, |u| e.sample(Vec3::ZERO, u), density);
-                Some((light, scene.light_groups().of_lights[light as usize], coefficients))
+                let (draw, density) = (|u| e.sample(Vec3::ZERO, u), |w| e.pdf(Vec3::ZERO, w));
+                let is_prefiltered = kind == EnvironmentKind::Prefiltered;
+                Some(ImageLight {
+                    light,
+                    group: scene.light_groups().of_lights[light as usize],
+                    irradiance: project(radiance, draw, density),
+                    prefiltered: is_prefiltered.then(|| Prefiltered::new(radiance, draw, density)),
+                })
             }
             _ => None,
         });
-        Self { lights: lights.collect() }
+        Self { lights: lights.collect(), kind }
     }
 
     /// True if the light is one of these.
     pub fn has(&self, light: u32) -> bool {
-        self.lights.iter().any(|(known, ..)| *known == light)
+        self.lights.iter().any(|known| known.light == light)
     }
 
-    /// Irradiance over π on a surface with this normal, by light, with the group of each.
-    pub fn at(&self, normal: Vec3) -> impl Iterator<Item = (u32, Spectrum)> + '_ {
-        self.lights.iter().map(move |(_, group, coefficients)| {
-            let mut sum = Vec3::ZERO;
-            visit(2, normal, |l, m, y| sum += coefficients[index(l, m)] * y);
-            let [r, g, b] = sum.max(Vec3::ZERO).to_array();
-            (*group, Spectrum::rgb(r, g, b))
+    /// The factors of a surface that these light; `None` for those that are lit by rays.
+    pub fn split(&self, bsdf: &Bsdf<'_>, wo: Vec3) -> Option<SplitSum> {
+        let is_lit = self.kind == EnvironmentKind::Prefiltered || matches!(bsdf, Bsdf::Diffuse(_));
+        bsdf.split_sum(wo).filter(|_| is_lit)
+    }
+
+    /// Light that a surface with these factors sends on, with the group of each environment. `mirrored` is the mirrored
+    /// direction of the view.
+    pub fn reflected(&self, split: SplitSum, normal: Vec3, mirrored: Vec3) -> impl Iterator<Item = (u32, Spectrum)> {
+        let rgb = |light: Vec3| {
+            let [r, g, b] = light.max(Vec3::ZERO).to_array();
+            Spectrum::rgb(r, g, b)
+        };
+        self.lights.iter().map(move |known| {
+            let mut irradiance = Vec3::ZERO;
+            visit(2, normal, |l, m, y| irradiance += known.irradiance[index(l, m)] * y);
+            let by_facets = known.prefiltered.as_ref().map_or(Vec3::ZERO, |maps| maps.at(mirrored, split.alpha));
+            (known.group, split.diffuse * rgb(irradiance) + split.facets * rgb(by_facets))
         })
     }
 }
