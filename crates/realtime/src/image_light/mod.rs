@@ -81,10 +81,15 @@ impl ImageLights {
             let [r, g, b] = light.max(Vec3::ZERO).to_array();
             Spectrum::rgb(r, g, b)
         };
+        // Lobes of rough facets lean from the mirrored direction to the normal (Lagarde, de Rousiers 2014, "Moving Frostbite
+        // to physically based rendering", section 4.9.3).
+        let alpha = split.alpha.min(1.0);
+        let lean = (1.0 - alpha) * ((1.0 - alpha).sqrt() + alpha);
+        let axis = (normal + (mirrored - normal) * lean).normalize_or(normal);
         self.lights.iter().map(move |known| {
             let mut irradiance = Vec3::ZERO;
             visit(2, normal, |l, m, y| irradiance += known.irradiance[index(l, m)] * y);
-            let by_facets = known.prefiltered.as_ref().map_or(Vec3::ZERO, |maps| maps.at(mirrored, split.alpha));
+            let by_facets = known.prefiltered.as_ref().map_or(Vec3::ZERO, |maps| maps.at(axis, split.alpha));
             (known.group, split.diffuse * rgb(irradiance) + split.facets * rgb(by_facets))
         })
     }

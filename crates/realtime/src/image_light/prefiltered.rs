@@ -6,14 +6,11 @@ use steradian_math::{
     Frame, Vec2, Vec3, cell,
     warp::{equal_area_sphere_to_square, equal_area_square_to_sphere, wrap_equal_area_square},
 };
-use steradian_transport::power_heuristic;
 
 /// Sides of the maps in texels, for roughness √α = k/8.
-const SIZES: [u32; 9] = [512, 512, 256, 128, 64, 64, 32, 32, 32];
+const SIZES: [u32; 9] = [512, 256, 128, 64, 32, 32, 16, 16, 16];
 /// Directions of the lobe for each texel.
-const DIRECTIONS: u32 = 256;
-/// Directions that the light draws for the first map, for each texel.
-const DRAWN: u32 = 4;
+const DIRECTIONS: u32 = 64;
 
 /// A picture of all directions: a square of texels of equal solid angle (Clarberg 2008).
 #[derive(Clone, Debug)]
@@ -67,7 +64,7 @@ impl Prefiltered {
     /// Blurs an environment, of which a direction's radiance, a draw with its density, and the density are given.
     pub fn new(
         radiance: impl Fn(Vec3) -> Vec3 + Sync,
-        draw: impl Fn(Vec2) -> Option<(Vec3, f32)>,
+        draw: impl Fn(Vec2) -> Option<(Vec3, f32)> + Sync,
         density: impl Fn(Vec3) -> f32 + Sync,
     ) -> Self {
         let sharp = sharp(&radiance, draw, density);
@@ -89,32 +86,33 @@ impl Prefiltered {
     }
 }
 
-/// The environment in texels: at their middles, and what the light draws in them, by the power heuristic, so that small
-/// bright suns keep their energy.
+/// The environment in texels: at their middles, and where the light draws many directions for each texel, by these, so
+/// that small bright suns keep their energy.
 fn sharp(
     radiance: &(impl Fn(Vec3) -> Vec3 + Sync),
-    draw: impl Fn(Vec2) -> Option<(Vec3, f32)>,
+    draw: impl Fn(Vec2) -> Option<(Vec3, f32)> + Sync,
     density: impl Fn(Vec3) -> f32 + Sync,
 ) -> Map {
     const EVEN: f32 = 0.25 * std::f32::consts::FRAC_1_PI;
-    let size = SIZES[0];
-    let (count, drawn) = (size * size, DRAWN * size * size);
-    // Both techniques by their numbers of samples: one for each texel, and those that the light draws.
-    let weigh = |pdf: f32, other: f32| power_heuristic(pdf, other);
+    let (size, count) = (SIZES[0], SIZES[0] * SIZES[0]);
+    // Directions drawn for a texel from which on they are better than its middle.
+    const MANY: f32 = 16.0;
     let finite = |light: Vec3| if light.is_finite() { light } else { Vec3::ZERO };
     let at_middle = |k: u32| {
         let w = middle(k, size);
-        finite(radiance(w) * weigh(EVEN, DRAWN as f32 * density(w)))
+        if density(w) < MANY * EVEN { finite(radiance(w)) } else { Vec3::ZERO }
     };
     let mut texels: Vec<Vec3> = (0..count).into_par_iter().map(at_middle).collect();
     // A draw adds its share of the radiance over the solid angle of a texel.
-    for k in 0..drawn {
-        let u = Vec2::new((k as f32 + 0.5) / drawn as f32, k.reverse_bits() as f32 / 4_294_967_296.0);
-        let Some((w, pdf)) = draw(u.min(Vec2::splat(1.0 - f32::EPSILON))) else { continue };
+    let drawn = |k: u32| {
+        let u = Vec2::new((k as f32 + 0.5) / count as f32, k.reverse_bits() as f32 / 4_294_967_296.0);
+        let (w, pdf) = draw(u.min(Vec2::splat(1.0 - f32::EPSILON)))?;
         let at = (equal_area_sphere_to_square(w) * size as f32).clamp(Vec2::ZERO, Vec2::splat(size as f32 - 1.0));
-        let share = weigh(DRAWN as f32 * pdf, EVEN) * EVEN / (DRAWN as f32 * pdf);
-        texels[(at.y as u32 * size + at.x as u32) as usize] += finite(radiance(w) * share);
-    }
+        let light = finite(radiance(w) * (EVEN / pdf));
+        (density(w) >= MANY * EVEN).then_some(((at.y as u32 * size + at.x as u32) as usize, light))
+    };
+    let draws: Vec<_> = (0..count).into_par_iter().filter_map(drawn).collect();
+    draws.into_iter().for_each(|(texel, light)| texels[texel] += light);
     Map { size, texels }
 }
 
