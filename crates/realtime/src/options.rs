@@ -149,7 +149,7 @@ pub enum EnvironmentKind {
     Sampled,
     /// On diffuse surfaces by nine coefficients of each environment, without shadows.
     Harmonics,
-    /// So, and on rough metals and glTF's surface by prefiltered maps and the albedo of the facets, without shadows.
+    /// As harmonics, and on rough metals and glTF's surface by prefiltered maps and the albedo of the facets.
     Prefiltered,
 }
 
