@@ -283,7 +283,7 @@ pub struct Options {
     pub bounces: u32,
     /// Shading model of triangles.
     pub shading: ShadingModel,
-    /// How environments light surfaces.
+    /// Technique for the light of environments.
     pub environment: EnvironmentKind,
     /// View that is shown.
     pub show: Show,
