@@ -35,6 +35,7 @@ mod isa;
 mod lanes;
 mod layout;
 mod leaves;
+mod levels;
 mod many;
 mod nearest;
 mod outline;

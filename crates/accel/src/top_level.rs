@@ -13,7 +13,7 @@ use crate::refit::update;
 use crate::single::{all_hits, any_hit, nearest_hit};
 use crate::supported_isa::SupportedIsa;
 use crate::tree::Tree;
-use crate::{Builder, Bvh, Error, Geometry, Hit, Isa, Shape, UserHit, UserPrimitives, construct, stream};
+use crate::{Builder, Bvh, Error, Geometry, Hit, Isa, PrimId, Shape, UserHit, UserPrimitives, construct, stream};
 use glam::Mat4;
 use rayon::prelude::*;
 use steradian_math::{Bounds3, Ray};
@@ -190,6 +190,14 @@ impl TopLevel {
     /// When the slices differ in length.
     pub fn occluded_stream<U: UserPrimitives>(&self, rays: &[Ray], user: &U, occluded: &mut [bool]) {
         stream::in_order(rays, occluded, false, |rays, occluded| self.occluded_batch(rays, user, occluded));
+    }
+
+    /// The tree that holds a primitive: that over geometry and instances, or an instance's.
+    pub(crate) fn tree_of(&self, id: PrimId) -> &Tree {
+        match self.placements.get(id.instance as usize) {
+            Some(place) => self.objects[place.object as usize].tree(),
+            None => &self.tree,
+        }
     }
 
     /// The tree over geometry and instances.

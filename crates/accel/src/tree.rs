@@ -1,7 +1,8 @@
 //! The tree that builders make and queries go through.
 
 use crate::arena::Arena;
-use crate::layout::{ChildRef, Node};
+use crate::layout::{Block, ChildRef, Node};
+use crate::levels::Levels;
 use crate::simd::LANES;
 use crate::{Builder, PrimId};
 use steradian_math::Bounds3;
@@ -74,8 +75,47 @@ impl Tree {
         boxes.into_iter().map(|(bounds, _)| bounds).filter(|bounds| !bounds.is_empty()).collect()
     }
 
+    /// The index over all geometries of a primitive.
+    pub fn index(&self, id: PrimId) -> u32 {
+        self.first[id.geom as usize] + id.prim
+    }
+
     /// Memory in bytes.
     pub fn bytes(&self) -> usize {
         self.arena.bytes() + size_of_val(&self.first[..]) + size_of::<Self>()
+    }
+}
+
+impl Levels for Tree {
+    /// Reference and box.
+    type Node = (ChildRef, Bounds3);
+
+    fn root(&self) -> Self::Node {
+        (self.root, self.bounds)
+    }
+
+    fn bounds(&self, (_, bounds): Self::Node) -> Bounds3 {
+        bounds
+    }
+
+    fn open(&self, (node, _): Self::Node, children: &mut Vec<Self::Node>) -> bool {
+        if node.is_node() {
+            let node = &self.arena.nodes()[Arena::node_index(node)];
+            let all = (0..LANES).map(|lane| (node.children[lane], node.child_bounds(lane)));
+            children.extend(all.filter(|(child, _)| *child != ChildRef::EMPTY));
+        }
+        node.is_node()
+    }
+
+    fn holder(&self, (leaf, _): Self::Node, index: u32) -> Option<u32> {
+        let is_here = match leaf.is_block() {
+            true => {
+                let block = &self.arena.blocks()[self.arena.block_index(leaf)];
+                let lanes = block.lanes();
+                (0..LANES).any(|lane| lanes >> lane & 1 == 1 && block.ids[lane] & !Block::FILTERED == index)
+            }
+            false => leaf.is_user() && leaf.index() == index as usize,
+        };
+        is_here.then_some(leaf.0)
     }
 }

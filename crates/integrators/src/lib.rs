@@ -8,6 +8,7 @@ pub mod path;
 pub mod radiosity;
 pub mod raycast;
 pub mod stokes;
+pub mod structure;
 pub mod whitted;
 
 mod caustics;
@@ -45,6 +46,7 @@ pub const METHODS: &[MethodKind] = &[
     whitted::WHITTED,
     ao::AO,
     raycast::RAYCAST,
+    structure::STRUCTURE,
     radiosity::RADIOSITY,
     passes::LIGHT,
     passes::BDPT,

@@ -156,6 +156,28 @@ const RASTER: &[Parameter] = &[
     HIDE_EMITTERS,
 ];
 
+const STRUCTURE: &[Parameter] = &[
+    word(
+        "structure",
+        "bvh, bvh-reinsertion, bvh-spatial, bvh-ploc, bvh2, bvh4, bvh16, bvh-quantised, grid, octree, kdtree, \
+         kdtree-ropes, kdtree-median, bsp, none",
+        "that of --accelerator",
+        "acceleration structure that is built over the scene and shown (steradian list accelerators)",
+    ),
+    word(
+        "show",
+        "steps, boxes, cells",
+        "steps",
+        "steps: cost of the ray of each pixel; boxes: those of a level, before the surfaces; cells: a colour for each leaf",
+    ),
+    integer("most", (1.0, MOST), "100", "nodes visited and primitives tested at the end of the colour scale")
+        .with("show", "steps")
+        .refused(),
+    integer("level", (0.0, 1000.0), "3", "level below the root whose boxes are shown, with the leaves above it")
+        .with("show", "boxes")
+        .refused(),
+];
+
 /// All integrators.
 pub const INTEGRATORS: &[Model] = &[
     method("path", "path tracing", GUIDED_PATHS, "Kajiya, The rendering equation (1986)"),
@@ -176,6 +198,7 @@ pub const INTEGRATORS: &[Model] = &[
         "",
     ),
     method("raycast", "the colour of the first surface", &[HIDE_EMITTERS], ""),
+    method("structure", "the acceleration structure: its steps, boxes or cells", STRUCTURE, ""),
     method(
         "radiosity",
         "radiosity of Lambertian patches",

@@ -43,7 +43,7 @@ const SCENES: [&str; 12] = [
     "textured.pbrt",
 ];
 /// Integrators and their options, in forms that take little time.
-const INTEGRATORS: [&str; 24] = [
+const INTEGRATORS: [&str; 27] = [
     "path",
     "path:reuse=4",
     "path:caustics=true,reuse=1",
@@ -52,6 +52,9 @@ const INTEGRATORS: [&str; 24] = [
     "whitted",
     "ao:distance=1",
     "raycast",
+    "structure",
+    "structure:structure=kdtree,show=cells",
+    "structure:structure=octree,show=boxes",
     "radiosity:patches=200",
     "radiosity:patches=200,gather=2",
     "light",

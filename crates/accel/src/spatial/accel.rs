@@ -1,11 +1,13 @@
 //! The choice of a structure.
 
 use super::hierarchy::{Query, cost};
+use super::items::slack;
 use super::partition::Partition;
 use super::scene::PartitionedScene;
 use super::search::Steps;
-use crate::{Builder, Bvh, Error, Geometry, Hit, Instance, TopLevel, UserPrimitives};
-use steradian_math::{Bounds3, Ray};
+use crate::levels;
+use crate::{Builder, Bvh, Error, Geometry, Hit, Instance, PrimId, TopLevel, UserPrimitives};
+use steradian_math::{Bounds3, Ray, Vec3};
 
 /// A structure by name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -174,6 +176,28 @@ impl Accel {
         match self {
             Self::Bvh(top) => top.bounds(),
             Self::Partition(scene) => scene.bounds(),
+        }
+    }
+
+    /// Boxes of the nodes at a level below the root, of leaves above that level, and of cells of the grid from level 1 on;
+    /// without leaves that hold nothing. Instances are leaves. `None` for a BSP, whose cells are no boxes.
+    pub fn boxes(&self, level: u32) -> Option<Vec<Bounds3>> {
+        match self {
+            Self::Bvh(top) => Some(levels::boxes(top.tree(), level)),
+            Self::Partition(scene) => scene.boxes(level),
+        }
+    }
+
+    /// Number of the leaf, among those of its space, that holds a point of a primitive; the point is in the space of the
+    /// primitive. In a BSP, whose planes are those of polygons, it is the cell on the side towards a direction. `None`
+    /// for points that are not on the primitive.
+    pub fn cell(&self, id: PrimId, p: Vec3, towards: Vec3) -> Option<u32> {
+        match self {
+            Self::Bvh(top) => {
+                let tree = top.tree_of(id);
+                levels::leaf(tree, tree.index(id), p, slack(&tree.bounds))
+            }
+            Self::Partition(scene) => scene.cell(id, p, towards),
         }
     }
 

@@ -215,9 +215,34 @@ impl Grid {
         }
     }
 
+    /// The cell of a point.
+    pub fn leaf(&self, p: DVec3) -> u32 {
+        self.index(self.cell_at(p))
+    }
+
+    /// The boxes of the cells that list something; the box of the grid at level 0.
+    pub fn boxes(&self, level: u32) -> Vec<[DVec3; 2]> {
+        if level == 0 {
+            return vec![[self.min, self.corner(self.counts)]];
+        }
+        let [nx, ny, nz] = self.counts;
+        let cells = (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])));
+        let listed = cells.filter(|&cell| !self.lists.get(self.index(cell)).is_empty());
+        listed.map(|cell| [self.corner(cell), self.corner(cell.map(|x| x + 1))]).collect()
+    }
+
     /// Memory in bytes.
     pub fn bytes(&self) -> usize {
         self.lists.bytes() + size_of::<Self>()
+    }
+
+    /// True if a cell lists a slot and its box has a property.
+    #[cfg(test)]
+    pub fn holds(&self, slot: u32, cell: u32, is_in: impl Fn(steradian_math::Bounds3) -> bool) -> bool {
+        let [nx, ny, _] = self.counts;
+        let at = [cell % nx, cell / nx % ny, cell / nx / ny];
+        let [min, max] = [at, at.map(|x| x + 1)].map(|c| self.corner(c).as_vec3());
+        self.lists.get(cell).contains(&slot) && is_in(steradian_math::Bounds3 { min, max })
     }
 
     /// Cells, and entries in their lists.

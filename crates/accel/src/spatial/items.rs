@@ -124,3 +124,10 @@ impl Items {
 
 /// Padding in units of the greatest extent: enough for rays that begin up to sixteen extents away.
 const PADDING: f64 = 1.0 / 65_536.0;
+
+/// Half of the distance by which the structures of this module pad primitives within bounds: no rounding of a point
+/// takes it farther from its leaf, and all points of a face that two leaves share are in the same one.
+pub(super) fn slack(bounds: &Bounds3) -> f32 {
+    let greatest = bounds.min.abs().max(bounds.max.abs()).max_element();
+    0.5 * (bounds.diagonal().max_element() * PADDING as f32 + greatest * super::line::ROUNDING as f32)
+}

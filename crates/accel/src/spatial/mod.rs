@@ -14,6 +14,8 @@
 mod accel;
 mod bsp;
 mod budget;
+#[cfg(test)]
+mod cells_tests;
 mod grid;
 mod hierarchy;
 mod items;

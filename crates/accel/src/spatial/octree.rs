@@ -10,7 +10,8 @@ use super::line::{Line, is_beyond};
 use super::lists::Lists;
 use super::overlap::overlaps;
 use super::search::Visitor;
-use steradian_math::DVec3;
+use crate::levels::Levels;
+use steradian_math::{Bounds3, DVec3};
 
 /// Most levels below the root; coordinates have as many bits.
 const DEPTH: u32 = 16;
@@ -226,6 +227,36 @@ impl Octree {
     #[cfg(test)]
     pub fn listed(&self) -> usize {
         self.lists.len()
+    }
+}
+
+impl Levels for Octree {
+    /// Index, lowest coordinates, and depth.
+    type Node = (u32, [u32; 3], u32);
+
+    fn root(&self) -> Self::Node {
+        (0, [0; 3], 0)
+    }
+
+    fn bounds(&self, (_, low, depth): Self::Node) -> Bounds3 {
+        let [min, max] = self.cell(low, 1 << (DEPTH - depth)).map(|p| p.as_vec3());
+        Bounds3 { min, max }
+    }
+
+    fn open(&self, (node, low, depth): Self::Node, children: &mut Vec<Self::Node>) -> bool {
+        let node = self.nodes[node as usize];
+        if node.list().is_some() {
+            return false;
+        }
+        let half = 1 << (DEPTH - depth - 1);
+        let child = |i: u32| (node.0 + i, [0, 1, 2].map(|axis| low[axis] + half * (i >> axis & 1)), depth + 1);
+        let holds = |i: &u32| self.nodes[(node.0 + i) as usize].list().is_none_or(|l| !self.lists.get(l).is_empty());
+        children.extend((0..8).filter(holds).map(child));
+        true
+    }
+
+    fn holder(&self, (leaf, ..): Self::Node, slot: u32) -> Option<u32> {
+        self.nodes[leaf as usize].list().filter(|list| self.lists.get(*list).contains(&slot))
     }
 }
 

@@ -2,17 +2,20 @@
 
 use super::accel::Accelerator;
 use super::bsp::Bsp;
+#[cfg(test)]
+use super::cells_tests::holders;
 use super::grid::Grid;
-use super::items::Items;
+use super::items::{Items, slack};
 use super::kdtree::{KdTree, Planes};
 use super::line::{Line, is_askable};
 use super::octree::Octree;
 use super::search::{AnySearch, NearestSearch, Tally, Visitor};
 use super::wide::{Kind, Wide};
 use crate::leaves::UserLeaves;
+use crate::levels;
 use crate::nearest::Nearest;
 use crate::{Error, Geometry};
-use steradian_math::{Bounds3, Ray};
+use steradian_math::{Bounds3, DVec3, Ray, Vec3};
 
 /// Subdivision of space.
 #[derive(Clone, Debug)]
@@ -75,6 +78,41 @@ impl Partition {
             }
     }
 
+    /// Boxes at a level, with those of leaves above it; `None` where cells are no boxes.
+    pub(super) fn boxes(&self, level: u32) -> Option<Vec<Bounds3>> {
+        let bounds = &self.items.bounds;
+        if bounds.is_empty() {
+            return Some(Vec::new());
+        }
+        Some(match &self.cells {
+            Cells::Grid(grid) => {
+                let single = |[min, max]: [DVec3; 2]| Bounds3 { min: min.as_vec3(), max: max.as_vec3() };
+                grid.boxes(level).into_iter().map(single).collect()
+            }
+            Cells::Octree(tree) => levels::boxes(tree, level),
+            Cells::KdTree(tree) => levels::boxes(tree, level),
+            Cells::Bsp(_) => return None,
+            Cells::Wide(tree) => tree.boxes(bounds, level),
+            Cells::None(_) => vec![*bounds],
+        })
+    }
+
+    /// Number of the leaf that holds a point of a primitive, by the index of that over all geometries. Of a point in a
+    /// plane of the BSP it is the leaf on the side towards a direction.
+    pub(super) fn cell(&self, index: u32, p: Vec3, towards: Vec3) -> Option<u32> {
+        let slot = self.items.list.partition_point(|item| item.index() < index) as u32;
+        let slack = slack(&self.items.bounds);
+        match &self.cells {
+            // Slightly aside, so that all points of a face between cells are in the same one.
+            Cells::Grid(grid) => Some(grid.leaf((p - slack).as_dvec3())),
+            Cells::Octree(tree) => levels::leaf(tree, slot, p, slack),
+            Cells::KdTree(tree) => levels::leaf(tree, slot, p, slack),
+            Cells::Bsp(tree) => Some(tree.leaf(p.as_dvec3(), towards.as_dvec3())),
+            Cells::Wide(tree) => tree.leaf(&self.items.bounds, slot, p),
+            Cells::None(_) => Some(0),
+        }
+    }
+
     /// Shows a visitor what is along a ray.
     #[inline]
     fn walk(&self, ray: &Ray, visitor: &mut impl Visitor) {
@@ -122,5 +160,22 @@ impl Partition {
         let mut search = AnySearch::new(&self.items, users, ray, tally);
         self.walk(ray, &mut search);
         (search.found, search.tally)
+    }
+}
+
+#[cfg(test)]
+impl Partition {
+    /// True if the leaf of a number lists a primitive, in a box with a property.
+    pub(super) fn holds(&self, index: u32, cell: u32, is_in: impl Fn(Bounds3) -> bool) -> bool {
+        let slot = self.items.list.partition_point(|item| item.index() < index) as u32;
+        let holders = match &self.cells {
+            Cells::Grid(grid) => return grid.holds(slot, cell, is_in),
+            Cells::Bsp(tree) => return tree.holds(slot, cell),
+            Cells::None(slots) => return cell == 0 && slots.contains(&slot),
+            Cells::Octree(tree) => holders(tree, slot),
+            Cells::KdTree(tree) => holders(tree, slot),
+            Cells::Wide(tree) => tree.holders(&self.items.bounds, slot),
+        };
+        holders.into_iter().any(|(number, bounds)| number == cell && is_in(bounds))
     }
 }

@@ -10,7 +10,7 @@ use crate::outline::Outline;
 use crate::placement::Placement;
 use crate::{Error, Geometry, Hit, Instance, PrimId, UserHit, UserPrimitives};
 use std::cell::Cell;
-use steradian_math::{Bounds3, Ray};
+use steradian_math::{Bounds3, Ray, Vec3};
 
 /// Geometry and instances of objects.
 #[derive(Clone, Debug)]
@@ -58,6 +58,20 @@ impl PartitionedScene {
         self.world.bounds()
     }
 
+    /// Boxes at a level of the structure of the world, where instances are primitives.
+    pub(super) fn boxes(&self, level: u32) -> Option<Vec<Bounds3>> {
+        self.world.boxes(level)
+    }
+
+    /// Number of the leaf of a point; see [`Partition::cell`].
+    pub(super) fn cell(&self, id: PrimId, p: Vec3, towards: Vec3) -> Option<u32> {
+        let partition = match self.placements.get(id.instance as usize) {
+            Some(place) => &self.objects[place.object as usize],
+            None => &self.world,
+        };
+        partition.cell(partition.items().first[id.geom as usize] + id.prim, p, towards)
+    }
+
     /// Memory in bytes.
     pub fn bytes(&self) -> usize {
         let objects = self.objects.iter().map(Partition::bytes).sum::<usize>();
@@ -81,6 +95,14 @@ impl PartitionedScene {
         let leaves = Leaves { scene: self, user, below: Cell::new(T::default()) };
         let (found, tally) = self.world.any(ray, &leaves, tally);
         (found, tally.plus(leaves.below.take()))
+    }
+}
+
+#[cfg(test)]
+impl PartitionedScene {
+    /// True if the leaf of a number lists a primitive of the world, in a box with a property.
+    pub(super) fn holds(&self, id: PrimId, cell: u32, is_in: impl Fn(Bounds3) -> bool) -> bool {
+        self.world.holds(self.world.items().first[id.geom as usize] + id.prim, cell, is_in)
     }
 }
 

@@ -2,9 +2,10 @@
 //! with the same choices for each width, to be compared. They hold the primitives in an order of their own, but no copy
 //! of them in blocks.
 
-use super::items::Items;
+use super::items::{Items, slack};
 use super::search::Visitor;
 use crate::construct::{self, Part};
+use crate::levels::{self, Levels};
 use crate::ray_constants::RayConstants;
 use crate::widened::widened;
 use crate::{Builder, Error, Geometry};
@@ -183,6 +184,35 @@ impl<B: Boxes<WIDTH>, const WIDTH: usize> Tree<B, WIDTH> {
     }
 }
 
+impl<B: Boxes<WIDTH>, const WIDTH: usize> Levels for (&Tree<B, WIDTH>, &Bounds3) {
+    /// Child and box.
+    type Node = (Child, Bounds3);
+
+    fn root(&self) -> Self::Node {
+        (if self.0.nodes.is_empty() { Child::NONE } else { Child(0) }, *self.1)
+    }
+
+    fn bounds(&self, (_, bounds): Self::Node) -> Bounds3 {
+        bounds
+    }
+
+    fn open(&self, (child, _): Self::Node, children: &mut Vec<Self::Node>) -> bool {
+        let (0, index) = child.get() else { return false };
+        let node = &self.0.nodes[index];
+        let [min, max] = node.boxes.get().map(|planes| {
+            std::array::from_fn::<Vec3, WIDTH, _>(|i| Vec3::from_array(planes.map(|of_axis| of_axis[i])))
+        });
+        let all = (0..WIDTH).map(|i| (node.children[i], Bounds3 { min: min[i], max: max[i] }));
+        children.extend(all.filter(|(child, _)| *child != Child::NONE));
+        true
+    }
+
+    fn holder(&self, (leaf, _): Self::Node, slot: u32) -> Option<u32> {
+        let (count, first) = leaf.get();
+        (leaf != Child::NONE && self.0.order[first..first + count].contains(&slot)).then_some(leaf.0)
+    }
+}
+
 /// Which of the hierarchies.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Kind {
@@ -221,6 +251,39 @@ impl Wide {
             Trees::Four(tree) => tree.walk(ray, bounds, visitor),
             Trees::Sixteen(tree) => tree.walk(ray, bounds, visitor),
             Trees::Quantised(tree) => tree.walk(ray, &grown(bounds), visitor),
+        }
+    }
+
+    /// Boxes at a level, see [`levels::boxes`].
+    pub fn boxes(&self, bounds: &Bounds3, level: u32) -> Vec<Bounds3> {
+        match &self.0 {
+            Trees::Two(tree) => levels::boxes(&(tree, bounds), level),
+            Trees::Four(tree) => levels::boxes(&(tree, bounds), level),
+            Trees::Sixteen(tree) => levels::boxes(&(tree, bounds), level),
+            Trees::Quantised(tree) => levels::boxes(&(tree, bounds), level),
+        }
+    }
+
+    /// The leaf of a point of a primitive, see [`levels::leaf`].
+    pub fn leaf(&self, bounds: &Bounds3, slot: u32, p: Vec3) -> Option<u32> {
+        let slack = slack(bounds);
+        match &self.0 {
+            Trees::Two(tree) => levels::leaf(&(tree, bounds), slot, p, slack),
+            Trees::Four(tree) => levels::leaf(&(tree, bounds), slot, p, slack),
+            Trees::Sixteen(tree) => levels::leaf(&(tree, bounds), slot, p, slack),
+            Trees::Quantised(tree) => levels::leaf(&(tree, bounds), slot, p, slack),
+        }
+    }
+
+    /// Leaves that hold a slot.
+    #[cfg(test)]
+    pub fn holders(&self, bounds: &Bounds3, slot: u32) -> Vec<(u32, Bounds3)> {
+        use super::cells_tests::holders;
+        match &self.0 {
+            Trees::Two(tree) => holders(&(tree, bounds), slot),
+            Trees::Four(tree) => holders(&(tree, bounds), slot),
+            Trees::Sixteen(tree) => holders(&(tree, bounds), slot),
+            Trees::Quantised(tree) => holders(&(tree, bounds), slot),
         }
     }
 

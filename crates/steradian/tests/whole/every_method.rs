@@ -6,7 +6,7 @@ use steradian::{ColorMode, CompileOptions, Quality, Scene, compile, formats::Opt
 
 /// Methods that compute other things than all light, by their definition; `direct` and `whitted` do with one bounce.
 /// `pssmlt` brings what `bdpt` does, with means too skewed for so few samples.
-const OTHERS: &[&str] = &["ao", "raycast", "stokes-s1", "stokes-s2", "stokes-s3", "pssmlt"];
+const OTHERS: &[&str] = &["ao", "raycast", "structure", "stokes-s1", "stokes-s2", "stokes-s3", "pssmlt"];
 const SEEDS: u64 = 3;
 
 /// A floor before the camera, with what is asked for; paths of so many bounces.

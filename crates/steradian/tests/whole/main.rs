@@ -29,6 +29,7 @@ mod ray_pipeline;
 mod references;
 mod shading_models;
 mod single_sided;
+mod structures;
 mod subsurface;
 mod texture_plugins;
 mod transient;

@@ -120,6 +120,38 @@ impl Bsp {
         }
     }
 
+    /// The list of the leaf of a point; of one in a plane, on the side towards a direction.
+    pub fn leaf(&self, p: DVec3, towards: DVec3) -> u32 {
+        let mut child = self.root;
+        loop {
+            let Node { plane, children, .. } = match child {
+                Child::List(list) => return list,
+                Child::Node(node) => &self.nodes[node as usize],
+            };
+            let height = plane.height(p);
+            let side = if height.abs() > self.padding { height } else { plane.normal.dot(towards) };
+            child = children[usize::from(side > 0.0)];
+        }
+    }
+
+    /// True if a leaf, or a plane above it, lists a slot.
+    #[cfg(test)]
+    pub fn holds(&self, slot: u32, leaf: u32) -> bool {
+        let holds = |list: u32| self.lists.get(list).contains(&slot);
+        let mut pending = vec![(self.root, false)];
+        while let Some((child, above)) = pending.pop() {
+            match child {
+                Child::List(list) if list == leaf => return above || holds(list),
+                Child::List(_) => {}
+                Child::Node(node) => {
+                    let Node { coplanar, children, .. } = self.nodes[node as usize];
+                    pending.extend(children.map(|child| (child, above || holds(coplanar))));
+                }
+            }
+        }
+        false
+    }
+
     /// Memory in bytes.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.nodes[..]) + self.lists.bytes() + size_of::<Self>()

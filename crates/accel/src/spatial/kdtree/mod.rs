@@ -9,9 +9,10 @@ use super::items::Items;
 use super::line::{Line, is_beyond};
 use super::lists::Lists;
 use super::search::Visitor;
+use crate::levels::Levels;
 pub(super) use build::Planes;
 use ropes::Ropes;
-use steradian_math::DVec3;
+use steradian_math::{Bounds3, DVec3};
 
 /// Most levels below the root.
 const DEPTH: u32 = 60;
@@ -142,6 +143,37 @@ impl KdTree {
     pub fn bytes(&self) -> usize {
         let ropes = self.ropes.as_ref().map_or(0, Ropes::bytes);
         size_of_val(&self.nodes[..]) + self.lists.bytes() + ropes + size_of::<Self>()
+    }
+}
+
+impl Levels for KdTree {
+    /// Index and box.
+    type Node = (u32, Bounds3);
+
+    fn root(&self) -> Self::Node {
+        let [min, max] = self.bounds.map(|p| p.as_vec3());
+        (0, Bounds3 { min, max })
+    }
+
+    fn bounds(&self, (_, bounds): Self::Node) -> Bounds3 {
+        bounds
+    }
+
+    fn open(&self, (index, bounds): Self::Node, children: &mut Vec<Self::Node>) -> bool {
+        let node = self.nodes[index as usize];
+        if node.list().is_some() {
+            return false;
+        }
+        let (mut low, mut high) = (bounds, bounds);
+        low.max[node.axis()] = node.plane;
+        high.min[node.axis()] = node.plane;
+        let holds = |i: u32| self.nodes[i as usize].list().is_none_or(|list| !self.lists.get(list).is_empty());
+        children.extend([(index + 1, low), (node.second(), high)].into_iter().filter(|(i, _)| holds(*i)));
+        true
+    }
+
+    fn holder(&self, (leaf, _): Self::Node, slot: u32) -> Option<u32> {
+        self.nodes[leaf as usize].list().filter(|list| self.lists.get(*list).contains(&slot))
     }
 }
 
