@@ -12,6 +12,9 @@ const EDGES: [f32; 2] = [0.9, 0.35];
 /// Faces so little behind a surface, relatively, are before it: those that touch it are drawn whole.
 const TOUCHING: f32 = 1e-4;
 
+/// Refusal of a BSP.
+pub const NO_BOXES: &str = "the cells of a bsp are polyhedra, not boxes: show=cells shows them";
+
 /// Boxes of a level, in a hierarchy of their own.
 #[derive(Debug)]
 pub struct Boxes {
@@ -23,8 +26,7 @@ pub struct Boxes {
 impl Boxes {
     /// Boxes at a level of a structure; none of a BSP.
     pub fn new(accel: &Accel, level: u32) -> Result<Self, Refusal> {
-        let none = "the cells of a bsp are polyhedra, not boxes: show=cells shows them";
-        let boxes = accel.boxes(level).ok_or(Refusal(none.into()))?;
+        let boxes = accel.boxes(level).ok_or(Refusal(NO_BOXES.into()))?;
         let bvh = Bvh::build(&[Geometry::boxes(&boxes)]).map_err(|e| Refusal(e.to_string()))?;
         Ok(Self { level, boxes, bvh })
     }

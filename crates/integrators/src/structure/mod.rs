@@ -15,6 +15,7 @@ use steradian_engine::{
     Support::{self, Approximates, Refuses},
 };
 use steradian_math::{Ray, Vec2, Vec3, spectra::Wavelengths};
+use steradian_request::MethodRequest;
 
 /// Pictures of the acceleration structure.
 #[derive(Clone, Copy, Debug)]
@@ -35,7 +36,9 @@ enum Show {
 }
 
 /// `structure`.
-pub const STRUCTURE: MethodKind = MethodKind::new("structure", |asked: &Asked<'_>| {
+pub const STRUCTURE: MethodKind = MethodKind { check, ..MethodKind::new("structure", new) };
+
+fn new(asked: &Asked<'_>) -> Result<Arc<dyn Method>, Refusal> {
     let options = asked.options;
     let show = match options.word("show") {
         "boxes" => Show::Boxes(options.count("level")),
@@ -45,13 +48,28 @@ pub const STRUCTURE: MethodKind = MethodKind::new("structure", |asked: &Asked<'_
     let given = options.given("structure").is_some();
     let accelerator = given.then(|| Accelerator::by_name(options.word("structure"))).flatten();
     Ok(Arc::new(Structure { accelerator, show }))
-});
+}
+
+/// Refuses options of another view than the one that is shown, and boxes of a BSP.
+fn check(options: &MethodRequest) -> Result<(), Refusal> {
+    let shown = options.word("show");
+    for (name, view) in [("most", "steps"), ("level", "boxes")] {
+        if options.given(name).is_some() && shown != view {
+            return Err(Refusal(format!("option '{name}' is of show={view}, not of show={shown}")));
+        }
+    }
+    match options.word("structure") {
+        "bsp" if shown == "boxes" => Err(Refusal(boxes::NO_BOXES.into())),
+        _ => Ok(()),
+    }
+}
 
 impl Method for Structure {
     fn supports(&self, feature: Feature) -> Support {
         match feature {
             Feature::Motion | Feature::MovingCamera => Approximates("it is shown as the shutter opens"),
-            Feature::Transparency | Feature::Denoising => Refuses(""),
+            Feature::Transparency => Refuses(""),
+            Feature::Denoising => Refuses("it has no noise"),
             Feature::LightGroups => Refuses("it shows no light"),
             Feature::Adaptivity => Refuses("it makes whole pictures pass by pass"),
             _ => support::of_camera_rays(feature),

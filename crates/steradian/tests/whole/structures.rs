@@ -2,7 +2,9 @@
 //! the same in every structure.
 
 use std::sync::Arc;
-use steradian::{Accelerator, CompileOptions, Control, Layer, Quality, Scene, compile, develop, load, math::Vec2};
+use steradian::{
+    Accelerator, CompileOptions, Control, Layer, Quality, Scene, compile, develop, load, math::Vec2, scene::Family,
+};
 
 /// The head of scenes of 48 × 36 pixels.
 const HEAD: &str = r#"
@@ -178,7 +180,23 @@ fn boxes_are_those_of_the_level() {
         assert!(counts[0] == 1 && counts.is_sorted(), "{name}: {counts:?}");
         assert!(name == "none" || counts[3] > 5, "{name}: {counts:?}");
     }
-    let scene = Arc::new(scene);
-    let refused = Quality::of("structure:structure=bsp,show=boxes").render(&scene).unwrap().session(&scene);
+    let scene = Arc::new(scene_of(&many(), Accelerator::Bsp));
+    let refused = Quality::of("structure:show=boxes").render(&scene).unwrap().session(&scene);
     assert!(refused.unwrap_err().to_string().contains("show=cells"));
+}
+
+/// Options are refused that do nothing, and those of the structure are the names of all structures.
+#[test]
+fn options_go_together() {
+    for (options, part) in [
+        ("level=2", "of show=boxes, not of show=steps"),
+        ("show=cells,most=9", "of show=steps, not of show=cells"),
+        ("structure=bsp,show=boxes", "polyhedra"),
+        ("structure=quadtree", "octree"),
+    ] {
+        let refused = Quality::of(&format!("structure:{options}")).request().unwrap_err().to_string();
+        assert!(refused.contains(part), "{options}: {refused}");
+    }
+    let row = Family::Integrator.models().iter().find(|model| model.kind == "structure").unwrap();
+    assert!(row.parameter("structure").unwrap().words().eq(names()));
 }
