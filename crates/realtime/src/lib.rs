@@ -18,6 +18,7 @@
 //! are many; mirrors and glass go on with rays. Shadow maps are visibility pictures too, seen from lights. A technique
 //! of shadows is a file of `shadow`, a variant of `Shadows` and a row of `SHADOWS`.
 
+mod clusters;
 pub mod culling;
 pub mod draw_list;
 mod hybrid;
@@ -42,7 +43,9 @@ mod world;
 pub use culling::{BoundsKind, Culling};
 pub use hybrid::Hybrid;
 pub use method::{METHODS, RASTER, Raster};
-pub use options::{BiasBy, EnvironmentKind, FrameKind, Method, Options, SHADOWS, Shadows, Show, Transparency};
+pub use options::{
+    BiasBy, EnvironmentKind, FrameKind, LightChoice, Method, Options, SHADOWS, Shadows, Show, Transparency,
+};
 pub use preview::Preview;
 pub use projection::Projected;
 pub use rasterizer::Rasterizer;

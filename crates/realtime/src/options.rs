@@ -141,6 +141,21 @@ const TRANSPARENCIES: [(&str, Transparency); 6] = [
     ("dither", Transparency::Dither),
 ];
 
+/// Choice among the lights of a scene, for each point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightChoice {
+    /// All of up to sixteen; of more as many as a light has points, by chance and the light tree.
+    Chosen,
+    /// All.
+    All,
+    /// All that matter in the cell of the view.
+    Clustered,
+}
+
+/// The choices among lights by name.
+const LIGHTS: [(&str, LightChoice); 3] =
+    [("chosen", LightChoice::Chosen), ("all", LightChoice::All), ("clustered", LightChoice::Clustered)];
+
 /// Light of environments.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum EnvironmentKind {
@@ -277,6 +292,8 @@ pub struct Options {
     pub transparency: Transparency,
     /// Most transparent layers of a pixel that are peeled.
     pub layers: u32,
+    /// Choice among the lights of scenes with many.
+    pub lights: LightChoice,
     /// Points on each light that has an extent, and directions of environments.
     pub points: u32,
     /// Largest number of mirrors and panes of glass that are looked through one after the other.
@@ -306,6 +323,7 @@ impl Default for Options {
             bounds: BoundsKind::Aabb,
             transparency: Transparency::ABuffer,
             layers: 8,
+            lights: LightChoice::Chosen,
             points: 4,
             bounces: 8,
             shading: ShadingModel::Pixel,
@@ -337,6 +355,7 @@ impl Options {
             bounds: named(&BOUNDS, asked.word("bounds")).unwrap_or(default.bounds),
             transparency: named(&TRANSPARENCIES, asked.word("transparency")).unwrap_or(default.transparency),
             layers: asked.count("layers"),
+            lights: named(&LIGHTS, asked.word("lights")).unwrap_or(default.lights),
             points: asked.count("points"),
             bounces: asked.count("bounces"),
             environment: named(&ENVIRONMENTS, asked.word("environment")).unwrap_or(default.environment),
@@ -380,6 +399,9 @@ impl Options {
             }
             FrameKind::Preview if self.show != Show::Picture || self.shadows != Shadows::Ray => {
                 refused("frame=preview has no views, and shadows by rays")
+            }
+            FrameKind::Hybrid | FrameKind::Preview if self.lights == LightChoice::Clustered => {
+                refused("lights=clustered is of frame=forward")
             }
             FrameKind::Hybrid | FrameKind::Preview if self.environment != EnvironmentKind::Sampled => {
                 refused("environment=harmonics and prefiltered are of frame=forward")
@@ -443,6 +465,7 @@ mod tests {
         all_known("bounds", &BOUNDS.map(|f| f.0));
         all_known("transparency", &TRANSPARENCIES.map(|f| f.0));
         all_known("environment", &ENVIRONMENTS.map(|f| f.0));
+        all_known("lights", &LIGHTS.map(|f| f.0));
         all_known("visibility", &METHODS.map(|f| f.0));
         all_known("shading", &MODELS.map(|f| f.0));
         all_known("show", &SHOWN.map(|f| f.0));

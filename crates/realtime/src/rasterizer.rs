@@ -2,11 +2,12 @@
 
 use crate::{
     Error,
+    clusters::Clusters,
     culling::{Chunks, Culling, Selection, Tally, Verdict, classify, judge},
     draw_list::DrawList,
     image_light::ImageLights,
     lesson,
-    options::{EnvironmentKind, Method, Options, Show},
+    options::{EnvironmentKind, LightChoice, Method, Options, Show},
     preparation::Preparation,
     projection::Projected,
     shading::Shader,
@@ -38,6 +39,8 @@ pub struct Rasterizer {
     preparation: Preparation,
     /// Made once, for kinds of shadows that hold for all passes.
     shadows: OnceLock<Shadowing>,
+    /// Lights by cells of the view of the first pass, where the options ask for that.
+    clusters: OnceLock<Clusters>,
     /// Environments by their coefficients, where the options ask for that.
     image_lights: OnceLock<ImageLights>,
     /// Pixels that the painter's algorithm gets wrong in the first pass.
@@ -83,6 +86,7 @@ impl Rasterizer {
             by_light: plan.has(LayerInputs::LIGHT_GROUPS),
             preparation: Preparation::default(),
             shadows: OnceLock::new(),
+            clusters: OnceLock::new(),
             image_lights: OnceLock::new(),
             wrong: OnceLock::new(),
             chunks: OnceLock::new(),
@@ -94,6 +98,11 @@ impl Rasterizer {
     fn draw(&self, run: &Run<'_>, number: u32, film: &mut PassFilm<'_>) -> Result<Option<Counters>, Error> {
         let Some((list, pool)) = self.preparation.get() else { return Ok(None) };
         let drawing = pool.install(|| self.drawing(run, list, number))?;
+        if self.options.lights == LightChoice::Clustered && self.clusters.get().is_none() {
+            // Cells lie about the centres of pixels, whichever pass comes first.
+            let view = Projected::new(run.scene, Vec2::splat(0.5))?;
+            let _ = self.clusters.set(pool.install(|| Clusters::new(run.scene, &view))?);
+        }
         // The painter's algorithm has no right order for all scenes: its errors are counted against the depth buffer.
         if number == 0 && self.options.visibility == Method::Painter {
             let right = pool.install(|| Visibility::draw(run.scene, list, &drawing.projected))?;
@@ -245,10 +254,20 @@ impl Rasterizer {
 
     fn shader<'a>(&'a self, drawing: &Drawing<'a>, shadows: &'a Shadowing) -> Shader<'a> {
         let (scene, seed) = (drawing.run.scene, drawing.run.sampler.seed);
+        let clusters = self.clusters.get();
         let kind = self.options.environment;
         let image_lights =
             (kind != EnvironmentKind::Sampled).then(|| self.image_lights.get_or_init(|| ImageLights::new(scene, kind)));
-        Shader { scene, shadows, options: &self.options, depth: &self.depth, pass: drawing.number, seed, image_lights }
+        Shader {
+            scene,
+            shadows,
+            options: &self.options,
+            depth: &self.depth,
+            pass: drawing.number,
+            seed,
+            image_lights,
+            clusters,
+        }
     }
 
     fn pixel(
@@ -339,7 +358,9 @@ impl Pass for Rasterizer {
     fn notes(&self) -> Vec<String> {
         let wrong = |pixels| format!("the order of the painter's algorithm is wrong in {pixels} pixels");
         let culling = self.culled.get().into_iter().chain(self.classified.get()).cloned();
-        self.wrong.get().map(wrong).into_iter().chain(culling).collect()
+        let cells = |clusters: &Clusters| format!("{:.1} lights in a cell, in the mean", clusters.mean_count());
+        let clusters = self.clusters.get().map(cells);
+        self.wrong.get().map(wrong).into_iter().chain(culling).chain(clusters).collect()
     }
 
     fn failure(&self) -> Option<String> {

@@ -12,8 +12,9 @@ use steradian_math::{Frame, Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
 use steradian_transport::{Depth, nee, power_heuristic};
 
 use crate::{
+    clusters::Clusters,
     image_light::ImageLights,
-    options::{FrameKind, Options, Show},
+    options::{FrameKind, LightChoice, Options, Show},
     shading_model::Normals,
     shadow::Shadowing,
     trace::Trace,
@@ -37,6 +38,8 @@ pub struct Shader<'a> {
     pub seed: u64,
     /// Environments that light diffuse surfaces by their coefficients, where the options ask for that.
     pub image_lights: Option<&'a ImageLights>,
+    /// Lights by cells of the view, where the options ask for that.
+    pub clusters: Option<&'a Clusters>,
 }
 
 /// A point that scatters, on the path of a pixel.
@@ -309,27 +312,42 @@ impl<'a> Shader<'a> {
         let image_lights = self.image_lights.and_then(|known| Some((known, known.split(&point.scattering.bsdf, wo)?)));
         let is_done = |light: u32| image_lights.is_some_and(|(known, _)| known.has(light));
         let mut sum = image_lights.map_or(Spectrum::ZERO, |lights| self.by_image_lights(point, lights, trace));
-        // Many lights: one is chosen for each sample, in proportion to its bound in the light tree.
-        if lights.lights.len() > FEW_LIGHTS {
+        // Lights of the point's cell; beyond the view as without cells.
+        let in_cell = self.clusters.and_then(|clusters| clusters.at(point.i.surface.p));
+        // Many lights: one is chosen for each sample, in proportion to its bound in the light tree. Lights of the cell
+        // are asked in any case.
+        let is_asked = |light: &u32| in_cell.is_some_and(|in_cell| in_cell.binary_search(light).is_ok());
+        let is_chosen = lights.lights.len() > FEW_LIGHTS && self.options.lights != LightChoice::All;
+        if is_chosen {
             for k in 0..points {
                 let u = numbers.get_2d(4 + 8 * round, k).x;
-                if let Some((light, p)) = lights.choose(&point.ctx, u).filter(|(light, _)| !is_done(*light)) {
+                let chosen = lights.choose(&point.ctx, u).filter(|(light, _)| !is_done(*light) && !is_asked(light));
+                if let Some((light, p)) = chosen {
                     let u = numbers.get_2d(5 + 8 * round, k);
                     sum += self.light_of(point, (light, p), None, u, 1.0 / points as f32, trace);
                 }
             }
+        }
+        if is_chosen && in_cell.is_none() {
             return sum + self.bsdf_sampled(point, true, is_done, trace);
         }
         // Few lights: each is asked, with as many points as the options say.
-        for (number, light) in lights.lights.iter().enumerate().filter(|(number, _)| !is_done(*number as u32)) {
-            // Points and parallel light have one place.
-            let is_delta = !matches!(light, Light::Environment(_) | Light::Area(_));
-            let count = if is_delta { 1 } else { points };
-            let share = self.shadows.share(number as u32, &point.i);
-            for k in 0..count {
-                let u = numbers.get_2d(1000 * (number as u32 + 1) + 6 + 8 * round, k);
-                sum += self.light_of(point, (number as u32, 1.0), share, u, 1.0 / count as f32, trace);
+        let mut ask = |number: u32| {
+            if is_done(number) {
+                return;
             }
+            // Points and parallel light have one place.
+            let is_delta = !matches!(lights.lights[number as usize], Light::Environment(_) | Light::Area(_));
+            let count = if is_delta { 1 } else { points };
+            let share = self.shadows.share(number, &point.i);
+            for k in 0..count {
+                let u = numbers.get_2d(1000u32.wrapping_mul(number + 1).wrapping_add(6 + 8 * round), k);
+                sum += self.light_of(point, (number, 1.0), share, u, 1.0 / count as f32, trace);
+            }
+        };
+        match in_cell {
+            Some(in_cell) => in_cell.iter().copied().for_each(&mut ask),
+            None => (0..lights.lights.len() as u32).for_each(&mut ask),
         }
         sum + self.bsdf_sampled(point, false, is_done, trace)
     }

@@ -131,6 +131,12 @@ const RASTER: &[Parameter] = &[
         "how transparent surfaces are blended: exactly (a-buffer, peel, bsp), nearly, or by chance; hybrid frames dither",
     ),
     integer("layers", (1.0, 1024.0), "8", "transparent layers of a pixel").with("transparency", "peel").refused(),
+    word(
+        "lights",
+        "chosen, all, clustered",
+        "chosen",
+        "lights of each point: some of many, by chance; all; those that matter in a cell of the view",
+    ),
     integer("points", (1.0, 1024.0), "4", "points on each light with an area; previews take one").refused(),
     integer("bounces", (0.0, 64.0), "8", "mirrors and panes that are followed").refused(),
     word(

@@ -283,7 +283,8 @@ impl<'a> Frame<'a> {
         let (scene, seed) = (run.scene, run.sampler.seed);
         // Rows run in parallel; wavelengths and random numbers depend on pixel and pass alone.
         let rows = run.in_order(crop.height() as usize, |row, counters| {
-            let shader = Shader { scene, shadows, options, depth, pass: *number, seed, image_lights: None };
+            let shader =
+                Shader { scene, shadows, options, depth, pass: *number, seed, image_lights: None, clusters: None };
             let of_pixel = |x| {
                 let mut trace = Trace { counters, pixel: None, world: Some(world) };
                 pixel(self, [x, row as u32], &shader, &mut trace)

@@ -173,6 +173,7 @@ impl Drawing<'_> {
             pass: *number,
             seed: run.sampler.seed,
             image_lights: None,
+            clusters: None,
         };
         self.options.each_ref().map(shader)
     }
