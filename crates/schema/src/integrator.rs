@@ -167,7 +167,7 @@ const STRUCTURE: &[Parameter] = &[
         "structure",
         "bvh, bvh-reinsertion, bvh-spatial, bvh-ploc, bvh2, bvh4, bvh16, bvh-quantised, grid, octree, kdtree, \
          kdtree-ropes, kdtree-median, bsp, none",
-        "that of --accelerator",
+        "--accelerator's",
         "acceleration structure that is built over the scene and shown (steradian list accelerators)",
     ),
     word(
