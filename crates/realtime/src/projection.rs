@@ -166,6 +166,11 @@ impl Projected {
         self.perspective
     }
 
+    /// Start of the view along its axis.
+    pub(crate) fn near(&self) -> f32 {
+        self.near
+    }
+
     /// Distance of a point from the eye along the axis of the view.
     pub(crate) fn along_axis(&self, p: Vec3) -> f32 {
         self.camera_from_world.point(p).z

@@ -119,7 +119,7 @@ const RASTER: &[Parameter] = &[
     word("visibility", "zbuffer, painter, bsp, newell, warnock", "zbuffer", "how hidden surfaces are removed"),
     word(
         "culling",
-        "items, none, frustum, hiz, occlusion, screen-size",
+        "items, none, frustum, hiz, occlusion, portals, pvs, screen-size",
         "items",
         "what is not drawn; in frames frame=forward: items, or chunks of 256 primitives, outside the view, hidden, small",
     ),

@@ -1,12 +1,12 @@
 //! Chunks of the items of a draw list.
 
-use super::{Bounding, BoundsKind};
+use super::{Bounding, BoundsKind, rooms::Rooms};
 use crate::{
     draw_list::{DrawList, Item, box_count, part_bounds},
     projection::Projected,
 };
 use rayon::prelude::*;
-use std::ops::Range;
+use std::{ops::Range, sync::OnceLock};
 use steradian_accel::WORLD;
 use steradian_core::{Scene, scene::Shape};
 use steradian_math::Vec3;
@@ -33,6 +33,8 @@ pub struct Chunks {
     chunks: Vec<Chunk>,
     /// Index of the first chunk of each item, and the number of all chunks.
     starts: Vec<usize>,
+    /// Cells of the scene; made by the first method that needs them.
+    rooms: OnceLock<Rooms>,
 }
 
 impl Chunks {
@@ -56,12 +58,23 @@ impl Chunks {
             let points = points(scene, item, &list.geometry(scene, item).shape, chunk.first..chunk.first + chunk.count);
             chunk.volume = Bounding::around(kind, &points);
         });
-        Self { chunks, starts }
+        Self { chunks, starts, rooms: OnceLock::new() }
     }
 
     /// The chunks.
     pub fn all(&self) -> &[Chunk] {
         &self.chunks
+    }
+
+    /// Cells of the scene.
+    pub(super) fn rooms(&self, scene: &Scene, list: &DrawList, projected: &Projected) -> &Rooms {
+        let volumes = self.chunks.iter().filter_map(|chunk| chunk.volume.as_ref());
+        self.rooms.get_or_init(|| Rooms::new(scene, list, projected, volumes))
+    }
+
+    /// Cells, where they were made.
+    pub(super) fn made_rooms(&self) -> Option<&Rooms> {
+        self.rooms.get()
     }
 
     /// Numbers of the chunks of an item.

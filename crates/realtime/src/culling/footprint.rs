@@ -5,14 +5,14 @@ use crate::projection::Projected;
 use std::ops::RangeInclusive;
 use steradian_core::Scene;
 use steradian_math::{DMat4, DVec3, Vec4};
-use steradian_raster::glam::DVec4;
+use steradian_raster::glam::{DVec2, DVec4};
 
 /// Margin beyond a plane at which a volume counts as outside, relative to the summands of the test: for rounding of
 /// positions.
 const MARGIN: f64 = 1e-6;
 
 /// Pixels around a footprint that may show what lies in it, for rounding of positions and places within pixels.
-const BORDER: f64 = 1.0;
+pub(super) const BORDER: f64 = 1.0;
 
 /// Relative margin of depths, for rounding.
 const DEPTH_MARGIN: f64 = 1e-5;
@@ -62,6 +62,24 @@ impl Screen {
             slack: if projected.is_perspective() { 0.0 } else { 1e-6 },
             size: [extent.width, extent.height],
         }
+    }
+
+    /// Rows of the matrix to homogeneous pixels.
+    pub fn pixel_from_world(&self) -> [DVec4; 3] {
+        let [x, y, w] = [0, 1, 3].map(|i| self.clip_from_world.row(i));
+        let [[left, top], [width, height]] = self.view;
+        [w * left + (w + x) * (0.5 * width), w * top + (w - y) * (0.5 * height), w]
+    }
+
+    /// Plane at which the view begins, with its normal inwards.
+    pub fn near_plane(&self) -> DVec4 {
+        self.planes[4]
+    }
+
+    /// Corners of the picture in pixels, with a border for rounding.
+    pub fn frame(&self) -> Vec<DVec2> {
+        let [x, y] = self.size.map(|side| f64::from(side) + BORDER);
+        [[-BORDER, -BORDER], [x, -BORDER], [x, y], [-BORDER, y]].map(DVec2::from).to_vec()
     }
 
     /// True if a volume lies outside one plane of the view. Some volumes near two planes and in the view of neither are

@@ -5,17 +5,26 @@
 //! has without culling, so that primitives of equal depth are resolved alike. [`classify`] compares the verdicts with
 //! what rays see.
 //!
+//! Two methods divide the scene into cells (`rooms`): walls make cells and portals, which windows pass, or lines.
+//!
 //! A method is a variant of [`Culling`], a row of `CULLINGS`, and a case of [`judge`].
 
 mod bounding;
+mod cells;
 mod chunks;
 mod classify;
 mod footprint;
 mod occluders;
+mod portals;
+mod pvs;
 mod pyramid;
+mod rooms;
 mod selection;
 mod tally;
+#[cfg(test)]
+mod tests;
 mod verdict;
+mod walls;
 
 pub use bounding::{Bounding, BoundsKind};
 pub use chunks::{CHUNK, Chunk, Chunks};
@@ -38,6 +47,12 @@ pub enum Culling {
     /// And chunks behind the bounding volumes of the largest ones where these cover the picture: coverage by pixels,
     /// depth by cells (Zhang, Manocha, Hudson, Hoff 1997).
     Occlusion,
+    /// Chunks outside the view, and those that are seen through no sequence of portals between cells (Luebke, Georges
+    /// 1995).
+    Portals,
+    /// Chunks outside the view, and those in cells that cannot be seen from anywhere in the eye's cell (Teller, Séquin
+    /// 1991).
+    Pvs,
     /// Chunks outside the view, and those that are smaller than a pixel, seen or not.
     ScreenSize,
 }
@@ -55,12 +70,14 @@ impl Culling {
 }
 
 /// The culling methods by name.
-pub(crate) const CULLINGS: [(&str, Culling); 6] = [
+pub(crate) const CULLINGS: [(&str, Culling); 8] = [
     ("items", Culling::Items),
     ("none", Culling::None),
     ("frustum", Culling::Frustum),
     ("hiz", Culling::Hiz),
     ("occlusion", Culling::Occlusion),
+    ("portals", Culling::Portals),
+    ("pvs", Culling::Pvs),
     ("screen-size", Culling::ScreenSize),
 ];
 

@@ -1,6 +1,9 @@
 //! Counts of what is drawn and what is not, and why.
 
-use super::{Chunks, Culling, Verdict};
+use super::{
+    Chunks, Culling, Verdict,
+    rooms::{Census, Rooms},
+};
 use std::fmt;
 
 /// Numbers of chunks, and of the primitives in them, by verdict.
@@ -9,6 +12,8 @@ pub struct Tally {
     culling: Culling,
     /// Chunks and primitives for each of [`KINDS`].
     counts: [[u64; 2]; 4],
+    /// Numbers of cells, for methods that use them.
+    census: Option<Census>,
 }
 
 const KINDS: [(Verdict, &str); 4] = [
@@ -25,7 +30,8 @@ impl Tally {
             let those = chunks.all().iter().zip(verdicts).filter(|(_, verdict)| **verdict == kind);
             those.fold([0, 0], |[chunks, parts], (chunk, _)| [chunks + 1, parts + u64::from(chunk.count)])
         };
-        Self { culling, counts: KINDS.map(|kind| count(kind.0)) }
+        let census = chunks.made_rooms().map(Rooms::census);
+        Self { culling, counts: KINDS.map(|kind| count(kind.0)), census }
     }
 
     /// Number of chunks with a verdict.
@@ -41,6 +47,6 @@ impl fmt::Display for Tally {
         for (i, ((_, name), [chunks, parts])) in KINDS.iter().zip(self.counts).enumerate() {
             write!(f, "{} {chunks} ({parts}) {name}", if i == 0 { "" } else { "," })?;
         }
-        Ok(())
+        self.census.map_or(Ok(()), |census| write!(f, "; {census}"))
     }
 }

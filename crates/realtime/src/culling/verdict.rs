@@ -16,7 +16,7 @@ pub enum Verdict {
     Drawn,
     /// It lies outside the view.
     Outside,
-    /// It lies behind occluders.
+    /// It lies behind occluders, or is seen through no portal.
     Hidden,
     /// Its footprint is less than a pixel.
     Small,
@@ -55,6 +55,16 @@ pub fn judge(
         }
     };
     let (mut verdicts, footprints): (Vec<_>, Vec<_>) = chunks.all().par_iter().map(in_picture).unzip();
+    if matches!(culling, Culling::Portals | Culling::Pvs) {
+        let sight = chunks.rooms(scene, list, projected).sight(projected, &screen, culling == Culling::Pvs);
+        let Some(may_see) = sight else { return Ok(verdicts) };
+        verdicts.par_iter_mut().zip(chunks.all()).for_each(|(verdict, chunk)| {
+            if *verdict == Verdict::Drawn && chunk.volume.as_ref().is_some_and(|volume| !may_see(volume)) {
+                *verdict = Verdict::Hidden;
+            }
+        });
+        return Ok(verdicts);
+    }
     let candidates =
         Candidates { scene, list, projected, chunks, verdicts: &verdicts, footprints: &footprints, size: screen.size };
     let pyramids = match culling {

@@ -117,7 +117,7 @@ fn pictures_stay_as_they_are() {
         let (all, notes) = render(&scene, "culling=none", 2);
         assert_eq!(notes, Vec::<String>::new());
         let (primitives, _) = render(&scene, "culling=none,show=primitives", 2);
-        for name in ["items", "frustum", "hiz", "occlusion"] {
+        for name in ["items", "frustum", "hiz", "occlusion", "portals", "pvs"] {
             let (some, notes) = render(&scene, &format!("culling={name}"), 2);
             assert!(all == some, "{name}");
             assert_eq!(notes.len(), usize::from(name != "items"), "{notes:?}");
@@ -174,4 +174,79 @@ fn sizes_leave_out_what_is_seen() {
     let (pixels, notes) = render(&scene_of(&tiny()), "culling=screen-size,show=culling", 2);
     assert!(notes.iter().any(|note| note.contains("aggressive") || note.contains("approximate")), "{notes:?}");
     assert!(pixels.iter().any(|p| p[0] > 0.4 && p[1] == 0.0 && p[2] > 0.4), "no pixel is magenta");
+}
+
+/// `scenes/rooms.pbrt` from another place, with some more text.
+fn rooms(head: &str, more: &str) -> Scene {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/rooms.pbrt");
+    let text = std::fs::read_to_string(path).unwrap();
+    let (_, world) = text.split_once("WorldBegin").unwrap();
+    let film = "Film \"rgb\" \"integer xresolution\" 120 \"integer yresolution\" 80";
+    scene_of(&format!("{head}\n{film}\nWorldBegin{world}\n{more}"))
+}
+
+/// From everywhere in a flat, in doors, on planes between cells, outside, and with parallel rays, portals and sets hide
+/// nothing that is seen; they hide more than planes, and portals more than sets.
+#[test]
+fn portals_hide_other_rooms() {
+    let perspective = "Camera \"perspective\" \"float fov\" 70";
+    let parallel = "Camera \"orthographic\" \"float screenwindow\" [-3 3 -2 2]";
+    let mut hidden = [0, 0];
+    for (camera, look) in [
+        (perspective, "2.2 0.4 1.6  2.6 6 1.3"),
+        (perspective, "2.5 4.1 1  2.4 9 1"),
+        (perspective, "2.5 4.1 1  12 5 1.2"),
+        (perspective, "0.5 5 1.6  17 5 1.4"),
+        (perspective, "7.5 4 1  7.5 8 1"),
+        (perspective, "5 5.8 1.5  14 4.2 1"),
+        (perspective, "6 8.4 1.6  14 9.2 1.2"),
+        (perspective, "17.5 1 1.6  17 9 1"),
+        (perspective, "18 5 1.6  2 5 1"),
+        (perspective, "13 2 2.6  12.4 9 0"),
+        (perspective, "-8 -6 4  5 5 1"),
+        (perspective, "9 5 12  9 5.1 0"),
+        (parallel, "2.5 0.5 1.4  2.5 9 1.4"),
+        (parallel, "-6 4.9 1.2  9 5.2 1.2"),
+    ] {
+        let scene = rooms(&format!("LookAt {look}  0 0 1\n{camera}"), "");
+        let [frustum, portals, pvs] =
+            [Culling::Frustum, Culling::Portals, Culling::Pvs].map(|culling| judged(&scene, culling, BoundsKind::Aabb));
+        for (tally, answers) in [&frustum, &portals, &pvs] {
+            assert_eq!(answers.false_negatives, 0, "{look}: {tally} {answers:?}");
+        }
+        let drawn = [frustum, portals, pvs].map(|(tally, _)| tally.chunks(Verdict::Drawn));
+        assert!(drawn[1] <= drawn[2] && drawn[2] <= drawn[0], "{look}: {drawn:?}");
+        hidden = [hidden[0] + drawn[0] - drawn[1], hidden[1] + drawn[0] - drawn[2]];
+    }
+    assert!(hidden[0] > 1000 && hidden[1] > 500, "{hidden:?}");
+}
+
+/// A door that is closed hides the room behind it, and pictures stay as they are.
+#[test]
+fn closed_doors_hide_rooms() {
+    let head = "LookAt 2.2 0.4 1.6  2.6 6 1.3  0 0 1\nCamera \"perspective\" \"float fov\" 60";
+    let door = r#"Shape "trianglemesh" "point3 P" [2 4 0 3 4 0 3 4 2.1 2 4 2.1] "integer indices" [0 1 2 0 2 3]"#;
+    let counts = ["", door].map(|more| {
+        let scene = rooms(head, more);
+        let (all, _) = render(&scene, "culling=none", 2);
+        ["portals", "pvs"].map(|name| {
+            let (some, notes) = render(&scene, &format!("culling={name}"), 2);
+            assert!(all == some, "{name}");
+            assert!(notes[0].contains("portals") && notes[0].contains(" cells"), "{notes:?}");
+            let culling = if name == "pvs" { Culling::Pvs } else { Culling::Portals };
+            judged(&scene, culling, BoundsKind::Hull).0.chunks(Verdict::Drawn)
+        })
+    });
+    assert!(counts[1].iter().zip(counts[0]).all(|(closed, open)| 2 * closed < open), "{counts:?}");
+}
+
+/// Without walls nothing but the view decides, which the notes say.
+#[test]
+fn scenes_without_walls_say_so() {
+    let scene = scene_of(&terrain());
+    for culling in [Culling::Portals, Culling::Pvs] {
+        let [some, frustum] = [culling, Culling::Frustum].map(|culling| judged(&scene, culling, BoundsKind::Aabb).0);
+        assert_eq!(some.chunks(Verdict::Drawn), frustum.chunks(Verdict::Drawn));
+        assert!(some.to_string().contains("no wall"), "{some}");
+    }
 }
