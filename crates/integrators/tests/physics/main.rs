@@ -10,6 +10,7 @@ mod determinism;
 mod emitters;
 mod film;
 mod furnace;
+mod gathering;
 mod glass;
 mod glow;
 mod grating;
