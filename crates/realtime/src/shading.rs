@@ -317,14 +317,19 @@ impl<'a> Shader<'a> {
         // Many lights: one is chosen for each sample, in proportion to its bound in the light tree. Lights of the cell
         // are asked in any case.
         let is_asked = |light: &u32| in_cell.is_some_and(|in_cell| in_cell.binary_search(light).is_ok());
-        let is_chosen = lights.lights.len() > FEW_LIGHTS && self.options.lights != LightChoice::All;
+        // Previews, whose filter takes the noise, draw four of five lights and more.
+        let (few, drawn) = match self.is_preview() && lights.lights.len() <= FEW_LIGHTS {
+            true => (FEW_LIGHTS / 4, points.max(FEW_LIGHTS as u32 / 4)),
+            false => (FEW_LIGHTS, points),
+        };
+        let is_chosen = lights.lights.len() > few && self.options.lights != LightChoice::All;
         if is_chosen {
-            for k in 0..points {
+            for k in 0..drawn {
                 let u = numbers.get_2d(4 + 8 * round, k).x;
                 let chosen = lights.choose(&point.ctx, u).filter(|(light, _)| !is_done(*light) && !is_asked(light));
                 if let Some((light, p)) = chosen {
                     let u = numbers.get_2d(5 + 8 * round, k);
-                    sum += self.light_of(point, (light, p), None, u, 1.0 / points as f32, trace);
+                    sum += self.light_of(point, (light, p), None, u, 1.0 / drawn as f32, trace);
                 }
             }
         }
