@@ -4,6 +4,7 @@
 use glam::Vec4;
 
 use super::{
+    context::Context,
     framebuffers::{Attachment, AttachmentPoint, FramebufferObject, FramebufferStatus},
     names,
     storage::Storage,
@@ -18,10 +19,7 @@ use crate::{
 /// A framebuffer with the contents of the attached images: as wide, as high and with as many layers as all of them are.
 /// Colours are those of the draw buffers, by location.
 pub(super) fn load(object: &FramebufferObject, call: &'static str) -> Result<Framebuffer> {
-    match object.status() {
-        FramebufferStatus::Complete => {}
-        status => return incomplete(call, format_args!("the framebuffer is not complete: {status:?}")),
-    }
+    check_complete(object, call)?;
     let extent = extent(object);
     let mut colors = Vec::new();
     // Outputs without a buffer go to a target that is dropped, of a class that fits.
@@ -65,6 +63,35 @@ pub(super) fn load(object: &FramebufferObject, call: &'static str) -> Result<Fra
         colors.push(ColorTarget::new(extent, dropped).or_else(|error| incomplete(call, error.rule))?);
     }
     Framebuffer::new(colors, depth, stencil).or_else(|error| incomplete(call, error.rule))
+}
+
+fn check_complete(object: &FramebufferObject, call: &'static str) -> Result<()> {
+    match object.status() {
+        FramebufferStatus::Complete => Ok(()),
+        status => incomplete(call, format_args!("the framebuffer is not complete: {status:?}")),
+    }
+}
+
+/// Targets that are read: the colour of the read buffer, depths and stencil values.
+pub(super) type ReadParts = (Option<ColorTarget>, Option<DepthTarget>, Option<StencilTarget>);
+
+impl Context {
+    /// Targets of the framebuffer that is read from.
+    pub(super) fn read_parts(&self, call: &'static str) -> Result<ReadParts> {
+        let (framebuffer, has_color) = match &self.read_framebuffer {
+            None => (self.default.clone(), true),
+            Some(object) => {
+                let object = object.borrow();
+                check_complete(&object, call)?;
+                // Of the colours only that of the read buffer.
+                let number = object.read_buffer;
+                let read = FramebufferObject { draw_buffers: vec![number], ..object.copied() };
+                (load(&read, call)?, number.is_some())
+            }
+        };
+        let (colors, depth, stencil) = framebuffer.into_parts();
+        Ok((colors.into_iter().next().filter(|_| has_color), depth, stencil))
+    }
 }
 
 /// Copies the targets back to the attached images.

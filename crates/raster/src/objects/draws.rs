@@ -128,7 +128,7 @@ impl Context {
             }
             None => None,
         };
-        let object = self.framebuffer.clone();
+        let object = self.draw_framebuffer.clone();
         let mut loaded = match &object {
             Some(object) => Some(load(&object.borrow(), call)?),
             None => None,
@@ -164,13 +164,13 @@ impl Context {
         done.map(|()| counters)
     }
 
-    /// Clears all colour targets, depth and stencil of the framebuffer that is bound (section 17.4.3).
+    /// Clears all colour targets, depth and stencil of the framebuffer that is drawn to (section 17.4.3).
     ///
     /// # Errors
     /// For a framebuffer that is not complete.
     pub fn clear(&mut self, color: Vec4, depth: f32, stencil: u8) -> Result<()> {
         const CALL: &str = "clear";
-        match self.framebuffer.clone() {
+        match self.draw_framebuffer.clone() {
             _ if self.queries.drops() => {}
             None => self.default.clear(color, depth, stencil),
             Some(object) => {

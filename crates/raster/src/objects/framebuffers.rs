@@ -11,6 +11,17 @@ use super::{
 };
 use crate::{error::Result, format::Numeric, state::MAX_TARGETS, texture::TextureKind};
 
+/// Target that a framebuffer is bound to (section 9.2).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FramebufferTarget {
+    /// Destination of draws, clears and blits.
+    Draw,
+    /// Source of copies and blits.
+    Read,
+    /// Both.
+    Both,
+}
+
 /// Point of a framebuffer that an image is attached to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum AttachmentPoint {

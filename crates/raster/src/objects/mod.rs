@@ -36,6 +36,7 @@
 //! ```
 
 mod attached;
+mod blits;
 mod buffer_calls;
 mod buffers;
 mod commands;
@@ -62,6 +63,7 @@ mod texel_copies;
 mod texture_storage;
 mod textures;
 
+pub use blits::BlitMask;
 pub use buffers::{BufferFlags, BufferParameters, Contents, MAX_BUFFER_BYTES, Mapping, Usage};
 pub use commands::{Elements, IndexType, Indirect};
 pub use containers::VertexBuffer;
@@ -69,7 +71,7 @@ pub use context::{BufferRef, BufferTarget, Context, ShareGroup};
 pub use dispatches::Groups;
 pub use draws::Output;
 pub use feedback::FeedbackPrimitive;
-pub use framebuffers::{AttachmentPoint, FramebufferStatus};
+pub use framebuffers::{AttachmentPoint, FramebufferStatus, FramebufferTarget};
 pub use images::{Image, ImageAccess};
 pub use inputs::Inputs;
 pub use queries::{ConditionalMode, QueryTarget};

@@ -27,8 +27,8 @@ impl Context {
     pub fn delete_renderbuffers(&mut self, names: &[u32]) {
         for name in names {
             let deleted = self.shared.borrow_mut().renderbuffers.delete(*name);
-            if let (Some(image), Some(framebuffer)) = (deleted, &self.framebuffer) {
-                framebuffer.borrow_mut().detach(&image);
+            if let Some(image) = deleted {
+                self.detach(&image);
             }
         }
     }

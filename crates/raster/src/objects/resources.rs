@@ -268,7 +268,7 @@ impl Context {
 
     /// The attachment of the framebuffer that is drawn to with texels that lookups in a texture see, and both names.
     fn feedback_loop(&self, of: &str, storage: &Storage, seen: &ViewRange) -> Option<String> {
-        let framebuffer = self.framebuffer.as_ref()?;
+        let framebuffer = self.draw_framebuffer.as_ref()?;
         let object = framebuffer.borrow();
         let is_seen = |attachment: &Attachment| {
             let Some(image) = attachment.storage() else { return false };

@@ -1,10 +1,8 @@
 //! Clears of textures and copies between them (OpenGL 4.6 core, sections 8.21 and 18.3.3).
 
 use super::{
-    attached::load,
     context::Context,
     error::{invalid_enum, invalid_operation, invalid_value},
-    framebuffers::FramebufferObject,
     names::written,
     storage::{Storage, is_in_view_class},
     textures::{Region, check, check_transfer},
@@ -106,8 +104,9 @@ impl Context {
 }
 
 impl Context {
-    /// Copies pixels of the framebuffer that is bound, from one on, to as many texels of a texture as the region has:
-    /// depths to formats of depth, else colours of the read buffer. Rows keep their order: `glCopyTextureSubImage2D`.
+    /// Copies pixels of the framebuffer that is read from, from one on, to as many texels of a texture as the region
+    /// has: depths to formats of depth, else colours of the read buffer. Rows keep their order:
+    /// `glCopyTextureSubImage2D`.
     ///
     /// # Errors
     /// For names without objects, textures without storage or with samples, a framebuffer that is not complete, has
@@ -156,21 +155,11 @@ impl Context {
         Ok(())
     }
 
-    /// The target of the framebuffer that is bound which pixels of a format are read from.
+    /// The target of the framebuffer that is read from which pixels of a format are read from.
     fn read(&self, format: Format, call: &'static str) -> Result<Read> {
         let wants_depth = matches!(format.numeric(), Numeric::Depth | Numeric::DepthStencil);
-        let (framebuffer, number) = match &self.framebuffer {
-            None => (self.default.clone(), Some(0)),
-            Some(object) => {
-                let object = object.borrow();
-                // Of the colours only that of the read buffer.
-                let number = object.read_buffer;
-                let read = FramebufferObject { draw_buffers: vec![number], ..object.copied() };
-                (load(&read, call)?, number.map(|_| 0))
-            }
-        };
-        let (colors, depth, _) = framebuffer.into_parts();
-        match (wants_depth, depth, number.and_then(|number| colors.into_iter().nth(number))) {
+        let (color, depth, _) = self.read_parts(call)?;
+        match (wants_depth, depth, color) {
             (true, Some(depth), _) => Ok(Read::Depth(depth)),
             (false, _, Some(color)) => Ok(Read::Color(color)),
             _ => invalid_operation(call, format_args!("the framebuffer has nothing to read for {format:?}")),

@@ -6,7 +6,7 @@ use crate::{
     glam::Vec4,
     objects::{
         AttachmentPoint::{Color, Depth, DepthStencil, Stencil},
-        Context, FramebufferStatus, Inputs, Output, PixelsMut, Region, TextureParameter,
+        Context, FramebufferStatus, FramebufferTarget, Inputs, Output, PixelsMut, Region, TextureParameter,
     },
     state::{DepthState, Multisample},
     texture::{TextureKind, TextureSize},
@@ -21,7 +21,7 @@ fn prepared() -> Context {
     let array = c.create_vertex_arrays(1).unwrap()[0];
     c.bind_vertex_array(array).unwrap();
     c.create_framebuffers(1).unwrap();
-    c.bind_framebuffer(1).unwrap();
+    c.bind_framebuffer(FramebufferTarget::Both, 1).unwrap();
     c
 }
 
@@ -303,7 +303,7 @@ fn layers_and_samples_are_drawn_and_copied() {
     // Instances 1 and 2 draw to layers of their numbers.
     c.draw_arrays(0..3, 1..3, |_, output| cover(output, 0.5, state, Vec4::splat(0.2))).unwrap();
     c.bind_texture(0, TextureKind::D2MultisampleArray, array).unwrap();
-    c.bind_framebuffer(0).unwrap();
+    c.bind_framebuffer(FramebufferTarget::Both, 0).unwrap();
     c.draw_arrays(0..0, 0..1, |inputs, _| {
         let texture = inputs.texture(0, TextureKind::D2MultisampleArray)?;
         for sample in 0..4 {
@@ -323,7 +323,7 @@ fn layers_and_samples_are_drawn_and_copied() {
     let integers = texture(&mut c, TextureKind::D2, Format::R8Uint);
     assert_refused(c.copy_texture_sub_image(integers, region, [0, 0]), call, ["does not take", OP]);
     assert_refused(c.copy_texture_sub_image(array, region, [0, 0]), call, ["with samples", OP]);
-    c.bind_framebuffer(1).unwrap();
+    c.bind_framebuffer(FramebufferTarget::Both, 1).unwrap();
     assert_refused(c.copy_texture_sub_image(flat, region, [0, 0]), call, ["the framebuffer has samples", OP]);
     c.named_framebuffer_read_buffer(1, None).unwrap();
     assert_refused(c.copy_texture_sub_image(flat, region, [0, 0]), call, ["nothing to read", OP]);
@@ -365,7 +365,7 @@ fn feedback_loops_are_refused() {
     assert_refused(sample(&mut c), "Inputs::sampler", words);
     // Bound, but not looked up.
     c.draw_arrays(0..3, 0..1, |_, output| cover(output, 0.5, State::default(), Vec4::ONE)).unwrap();
-    c.bind_framebuffer(0).unwrap();
+    c.bind_framebuffer(FramebufferTarget::Both, 0).unwrap();
     sample(&mut c).unwrap();
 }
 

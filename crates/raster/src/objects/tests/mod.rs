@@ -1,5 +1,6 @@
 //! Scripted traces of calls.
 
+mod blits;
 mod buffers;
 mod commands;
 mod draws;

@@ -5,8 +5,8 @@ use crate::{
     Format,
     glam::Vec4,
     objects::{
-        AttachmentPoint, BufferTarget, Contents, Context, Elements, IndexType, Pixels, QueryTarget, Region, ShareGroup,
-        Usage, VertexBuffer,
+        AttachmentPoint, BufferTarget, Contents, Context, Elements, FramebufferTarget, IndexType, Pixels, QueryTarget,
+        Region, ShareGroup, Usage, VertexBuffer,
     },
     texture::{TextureKind, TextureSize},
 };
@@ -146,12 +146,12 @@ fn containers_and_queries_are_not_shared() {
     assert!(!context().is_texture(texture));
     for (result, call) in [
         (b.bind_vertex_array(array), "bind_vertex_array"),
-        (b.bind_framebuffer(framebuffer), "bind_framebuffer"),
+        (b.bind_framebuffer(FramebufferTarget::Both, framebuffer), "bind_framebuffer"),
         (b.begin_query(QueryTarget::SamplesPassed, query), "begin_query"),
     ] {
         assert_refused(result, call, ["is not a generated name", "INVALID_OPERATION"]);
     }
-    a.bind_framebuffer(framebuffer).unwrap();
+    a.bind_framebuffer(FramebufferTarget::Both, framebuffer).unwrap();
     a.delete_framebuffers(&[framebuffer]);
     // The default framebuffer is bound again, which can be cleared.
     a.clear(Vec4::ONE, 1.0, 0).unwrap();
@@ -167,11 +167,11 @@ fn a_deleted_texture_lives_while_it_is_attached_to_a_framebuffer_that_is_not_bou
     for framebuffer in &framebuffers {
         c.named_framebuffer_texture(*framebuffer, AttachmentPoint::Color(0), texture, 0).unwrap();
     }
-    c.bind_framebuffer(framebuffers[0]).unwrap();
+    c.bind_framebuffer(FramebufferTarget::Both, framebuffers[0]).unwrap();
     c.delete_textures(&[texture]);
     assert!(!c.is_texture(texture));
     assert_refused(c.clear(Vec4::ONE, 1.0, 0), "clear", ["MissingAttachment", "INVALID_FRAMEBUFFER_OPERATION"]);
-    c.bind_framebuffer(framebuffers[1]).unwrap();
+    c.bind_framebuffer(FramebufferTarget::Both, framebuffers[1]).unwrap();
     c.clear(Vec4::ONE, 1.0, 0).unwrap();
 }
 

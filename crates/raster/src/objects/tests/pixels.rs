@@ -5,7 +5,8 @@ use crate::{
     Format,
     glam::Vec4,
     objects::{
-        AttachmentPoint, BufferFlags, BufferTarget, Contents, Context, PixelStore, Pixels, PixelsMut, Region, Usage,
+        AttachmentPoint, BufferFlags, BufferTarget, Contents, Context, FramebufferTarget, PixelStore, Pixels,
+        PixelsMut, Region, Usage,
     },
     texture::{TextureKind, TextureSize},
 };
@@ -114,7 +115,7 @@ fn what_is_drawn_to_a_texture_is_in_its_level_and_layer() {
     c.texture_storage(texture, 2, Format::Rgba8Unorm, TextureSize { layers: 2, ..TextureSize::d2(80, 8) }).unwrap();
     let framebuffer = c.create_framebuffers(1).unwrap()[0];
     c.named_framebuffer_texture_layer(framebuffer, AttachmentPoint::Color(0), texture, (1, 1)).unwrap();
-    c.bind_framebuffer(framebuffer).unwrap();
+    c.bind_framebuffer(FramebufferTarget::Both, framebuffer).unwrap();
     c.clear(Vec4::new(1.0, 0.0, 0.0, 1.0), 1.0, 0).unwrap();
     let read = |level: u32, width: u32, height: u32| {
         let region = Region { level, origin: [0; 3], size: [width, height, 2] };

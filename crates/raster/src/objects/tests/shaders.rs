@@ -8,8 +8,8 @@ use crate::{
     State, Vertex, VertexInput, block, fragment,
     glam::{Vec3, Vec4},
     objects::{
-        AttachmentPoint, BufferFlags, BufferTarget, Contents, Context, Image, ImageAccess, Inputs, Output, Pixels,
-        PixelsMut, Region, ShareGroup, Usage,
+        AttachmentPoint, BufferFlags, BufferTarget, Contents, Context, FramebufferTarget, Image, ImageAccess, Inputs,
+        Output, Pixels, PixelsMut, Region, ShareGroup, Usage,
     },
     texture::{TextureKind, TextureSize, TextureView, ViewRange},
 };
@@ -364,7 +364,7 @@ fn each_broken_rule_of_images_and_blocks_is_refused() {
     let framebuffer = c.create_framebuffers(1).unwrap()[0];
     let array = c.create_vertex_arrays(1).unwrap()[0];
     c.named_framebuffer_texture(framebuffer, AttachmentPoint::Color(0), flat, 0).unwrap();
-    c.bind_framebuffer(framebuffer).unwrap();
+    c.bind_framebuffer(FramebufferTarget::Both, framebuffer).unwrap();
     c.bind_vertex_array(array).unwrap();
     let drawn = c.draw_arrays(0..3, 0..1, |inputs, _| inputs.image(0, ImageAccess::ReadOnly).map(drop));
     assert_refused(drawn, "Inputs::image", ["image unit 0 are texture 1, Color(0) of framebuffer 1", OP]);

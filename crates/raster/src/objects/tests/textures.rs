@@ -4,7 +4,7 @@ use super::{assert_refused, context};
 use crate::{
     Format, Result,
     glam::Vec4,
-    objects::{AttachmentPoint, Context, Pixels, PixelsMut, Region, TextureParameter},
+    objects::{AttachmentPoint, Context, FramebufferTarget, Pixels, PixelsMut, Region, TextureParameter},
     texture::{Filter, TextureKind, TextureSize, ViewRange, Wrap},
 };
 
@@ -305,7 +305,7 @@ fn views_share_texels() {
     // Drawn through a view, seen in the original; the texels outlive the original's name.
     let framebuffer = c.create_framebuffers(1).unwrap()[0];
     c.named_framebuffer_texture(framebuffer, AttachmentPoint::Color(0), names[1], 0).unwrap();
-    c.bind_framebuffer(framebuffer).unwrap();
+    c.bind_framebuffer(FramebufferTarget::Both, framebuffer).unwrap();
     c.clear(Vec4::new(1.0, 0.0, 1.0, 0.0), 1.0, 0).unwrap();
     assert_eq!(read(&c, original, 2, 3, Format::Rgba8Unorm), [255, 0, 255, 0]);
     c.delete_textures(&[original]);
