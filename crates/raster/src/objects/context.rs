@@ -16,7 +16,12 @@ use super::{
     queries::Queries,
     textures::{PixelStore, TextureObject},
 };
-use crate::{error::Result, render_target::Framebuffer, texture::TextureKind, vertex_array::MAX_ATTRIBUTES};
+use crate::{
+    error::Result,
+    render_target::Framebuffer,
+    texture::{Sampler, TextureKind},
+    vertex_array::MAX_ATTRIBUTES,
+};
 
 /// The most texture units.
 pub(super) const MAX_UNITS: u32 = 80;
@@ -77,8 +82,8 @@ impl From<u32> for BufferRef {
     }
 }
 
-/// Names and objects that several contexts share: buffers, textures and renderbuffers. Containers and queries are not
-/// shared (section 5.1). The contexts of a group live in one thread.
+/// Names and objects that several contexts share: buffers, textures, renderbuffers and samplers. Containers and queries
+/// are not shared (section 5.1). The contexts of a group live in one thread.
 #[derive(Clone, Debug)]
 pub struct ShareGroup(pub(super) Rc<RefCell<Shared>>);
 
@@ -87,6 +92,7 @@ pub(super) struct Shared {
     pub buffers: Names<Buffer>,
     pub textures: Names<TextureObject>,
     pub renderbuffers: Names<TextureObject>,
+    pub samplers: Names<Sampler>,
 }
 
 impl ShareGroup {
@@ -96,6 +102,7 @@ impl ShareGroup {
             buffers: Names::new("buffer"),
             textures: Names::new("texture"),
             renderbuffers: Names::new("renderbuffer"),
+            samplers: Names::new("sampler"),
         })))
     }
 }
@@ -114,6 +121,8 @@ pub struct Context {
     pub(super) buffers: BTreeMap<BufferTarget, Object<Buffer>>,
     /// Textures by unit and kind.
     pub(super) textures: BTreeMap<(u32, u8), Object<TextureObject>>,
+    /// Samplers by unit.
+    pub(super) samplers: BTreeMap<u32, Object<Sampler>>,
     /// Images by unit.
     pub(super) images: BTreeMap<u32, ImageBinding>,
     /// Buffers by target and index.
@@ -140,6 +149,7 @@ impl Context {
             shared: Rc::clone(&group.0),
             buffers: BTreeMap::new(),
             textures: BTreeMap::new(),
+            samplers: BTreeMap::new(),
             images: BTreeMap::new(),
             indexed: BTreeMap::new(),
             vertex_arrays: Names::new("vertex array"),

@@ -55,7 +55,8 @@ impl<'a> Inputs<'a> {
         self.bound_texture(unit, kind, "Inputs::texture").map(|(texture, _)| texture)
     }
 
-    /// As [`texture`](Self::texture), with the sampler of the texture's parameters.
+    /// As [`texture`](Self::texture), with the sampler that is bound to the unit, else that of the texture's parameters
+    /// (section 8.2).
     ///
     /// # Errors
     /// As there, and for textures that are not complete: filters other than `Nearest` of integers and stencil values,

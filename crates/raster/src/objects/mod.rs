@@ -1,10 +1,10 @@
 //! Objects of a graphics API as OpenGL 4.6 (core profile) has them: names, bindings, attachments and deletion, buffers
-//! with mappings, vertex arrays, textures with views, framebuffers, images, queries. A thin layer over the pipeline,
-//! for who learns the API or ports a program.
+//! with mappings, vertex arrays, textures with views, samplers, framebuffers, images, queries. A thin layer over the
+//! pipeline, for who learns the API or ports a program.
 //!
 //! A [`Context`] has the calls under their names, `bind_buffer` for `glBindBuffer`. Contexts that were made from one
-//! [`ShareGroup`] share buffers, textures and renderbuffers; vertex arrays, framebuffers and queries are of one
-//! context. Calls that take a buffer take a target, as calls before OpenGL 4.5 do, or a name, as those of direct state
+//! [`ShareGroup`] share buffers, textures, renderbuffers and samplers; vertex arrays, framebuffers and queries are of
+//! one context. Calls that take a buffer take a target, as calls before OpenGL 4.5 do, or a name, as those of direct state
 //! access do.
 //!
 //! Each call that breaks a rule returns an [`Error`](crate::Error) with the call, the rule and OpenGL's code, and
@@ -55,6 +55,7 @@ mod names;
 mod queries;
 mod renderbuffers;
 mod resources;
+mod samplers;
 mod sampling;
 mod storage;
 #[cfg(test)]

@@ -228,7 +228,9 @@ impl Context {
             let storage = texture.storage.clone()?;
             let seen = texture.parameters.seen(&storage);
             let feedback = feedback_loop(format!("unit {}", key.0), &storage, &seen);
-            Some((*key, seen, texture.parameters.sampler(), storage.texels, feedback))
+            // A sampler object takes the place of the texture's own.
+            let sampler = self.samplers.get(&key.0).map_or(texture.parameters.sampler(), |sampler| *sampler.borrow());
+            Some((*key, seen, sampler, storage.texels, feedback))
         });
         let mut gathered = Gathered {
             textures: textures.collect(),

@@ -10,10 +10,11 @@ use super::{
 };
 use crate::{
     error::Result,
+    state::Compare,
     texture::{Filter, Sampler, TextureKind, ViewRange, Wrap},
 };
 
-/// A parameter of a texture (table 8.14).
+/// A parameter of a texture or, but for its levels, of a sampler (tables 8.14 and 23.18).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TextureParameter {
     /// The first level of lookups; 0 at first.
@@ -33,6 +34,8 @@ pub enum TextureParameter {
     LodBias(f32),
     /// Colour of the border.
     Border(Vec4),
+    /// Comparison of depths with a reference; `LessEqual` at first.
+    Compare(Compare),
 }
 
 /// Parameters of a texture.
@@ -54,7 +57,7 @@ impl Parameters {
 
     /// Sets a parameter, if the kind has it (section 8.10).
     fn set(&mut self, kind: TextureKind, parameter: TextureParameter, call: &'static str) -> Result<()> {
-        use TextureParameter::{BaseLevel, Border, LodBias, LodRange, Magnify, MaxLevel, Minify, Wrap as WrapOf};
+        use TextureParameter::{BaseLevel, MaxLevel, Minify, Wrap as WrapOf};
         let is_of_level = matches!(parameter, BaseLevel(_) | MaxLevel(_));
         if kind == TextureKind::Buffer || kind.is_multisample() && !is_of_level {
             return invalid_enum(call, format_args!("{parameter:?}, which a {kind:?} texture does not have"));
@@ -72,20 +75,9 @@ impl Parameters {
             {
                 return invalid_enum(call, format_args!("{wrap:?}; coordinates of Rectangle textures are clamped"));
             }
-            LodRange([low, high])
-                if !matches!(low.partial_cmp(&high), Some(std::cmp::Ordering::Less | std::cmp::Ordering::Equal)) =>
-            {
-                return invalid_value(call, format_args!("levels of detail from {low} to {high}"));
-            }
-            LodBias(bias) if bias.is_nan() => return invalid_value(call, "the bias is no number"),
             BaseLevel(level) => self.base = level,
             MaxLevel(level) => self.max = level,
-            Magnify(filter) => self.sampler.magnify = filter,
-            Minify(filter, levels) => (self.sampler.minify, self.sampler.levels) = (filter, levels),
-            WrapOf(wrap) => self.sampler.wrap = wrap,
-            LodRange(range) => self.sampler.lod_range = range,
-            LodBias(bias) => self.sampler.lod_bias = bias,
-            Border(color) => self.sampler.border = color,
+            _ => return set_sampling(&mut self.sampler, parameter, call),
         }
         Ok(())
     }
@@ -102,6 +94,30 @@ impl Parameters {
         let first = storage.range.levels.start;
         ViewRange { levels: first + base..first + self.max.clamp(base, last) + 1, ..storage.range.clone() }
     }
+}
+
+/// Sets a parameter of a sampler (section 8.2).
+pub(super) fn set_sampling(sampler: &mut Sampler, parameter: TextureParameter, call: &'static str) -> Result<()> {
+    use TextureParameter::{BaseLevel, Border, Compare, LodBias, LodRange, Magnify, MaxLevel, Minify, Wrap};
+    match parameter {
+        BaseLevel(_) | MaxLevel(_) => {
+            return invalid_enum(call, format_args!("{parameter:?}, which a sampler does not have"));
+        }
+        LodRange([low, high])
+            if !matches!(low.partial_cmp(&high), Some(std::cmp::Ordering::Less | std::cmp::Ordering::Equal)) =>
+        {
+            return invalid_value(call, format_args!("levels of detail from {low} to {high}"));
+        }
+        LodBias(bias) if bias.is_nan() => return invalid_value(call, "the bias is no number"),
+        Magnify(filter) => sampler.magnify = filter,
+        Minify(filter, levels) => (sampler.minify, sampler.levels) = (filter, levels),
+        Wrap(wrap) => sampler.wrap = wrap,
+        LodRange(range) => sampler.lod_range = range,
+        LodBias(bias) => sampler.lod_bias = bias,
+        Border(color) => sampler.border = color,
+        Compare(compare) => sampler.compare = compare,
+    }
+    Ok(())
 }
 
 impl Context {

@@ -8,6 +8,7 @@ mod framebuffers;
 mod names;
 mod pixels;
 mod queries;
+mod samplers;
 mod shaders;
 mod textures;
 
