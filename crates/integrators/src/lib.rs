@@ -2,7 +2,6 @@
 //! `steradian-engine` turns them into a film.
 
 pub mod ao;
-pub mod gather;
 pub mod meter;
 pub mod passes;
 pub mod path;
@@ -46,7 +45,6 @@ pub const METHODS: &[MethodKind] = &[
     shared_path::DIRECT,
     whitted::WHITTED,
     ao::AO,
-    gather::GATHER,
     raycast::RAYCAST,
     structure::STRUCTURE,
     radiosity::RADIOSITY,

@@ -10,7 +10,6 @@ mod determinism;
 mod emitters;
 mod film;
 mod furnace;
-mod gathering;
 mod glass;
 mod glow;
 mod grating;
