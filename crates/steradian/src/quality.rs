@@ -107,7 +107,7 @@ mod tests {
     use super::*;
     use steradian_compile::{Options, compile};
     use steradian_scene::{Node, SceneDesc};
-    use steradian_schema::{Type, integrator::INTEGRATORS};
+    use steradian_schema::{Condition, Type, integrator::INTEGRATORS};
 
     fn scene(integrator: Node) -> Scene {
         let mut desc = SceneDesc::default();
@@ -229,7 +229,12 @@ mod tests {
                         && ["emission", "direct", "indirect", "reflections", "transparency", "occlusion", "graph"]
                             .contains(&value.as_str());
                     let frame = if of_hybrid { "frame=hybrid," } else { "" };
-                    let text = format!("{}:{frame}{}={value}", info.kind, p.name);
+                    // Options of a view count with it.
+                    let with = match p.condition {
+                        Condition::Is(name, word) => format!("{name}={word},"),
+                        _ => String::new(),
+                    };
+                    let text = format!("{}:{frame}{with}{}={value}", info.kind, p.name);
                     assert!(render(&text).is_ok(), "{text}: {:?}", render(&text));
                 }
                 let text = format!("{}:{}=§", info.kind, p.name);

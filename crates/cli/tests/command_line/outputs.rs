@@ -158,6 +158,11 @@ const CLASHES: &[(&str, &[&str], &[&str])] = &[
         &["diffuse", "--plot", "n.png", "--picture", "./n.png"],
     ),
     ("material", &["diffuse", "--geometry", "part.ply", "--table", "part.ply"], &[]),
+    (
+        "bake",
+        &["normals", "sky.pbrt", "sky.pbrt", "-o", "sky.exr"],
+        &["normals", "sky.pbrt", "sky.pbrt", "-o", "n.png", "--height", "./n.png"],
+    ),
     ("compare", &["wall.png", "wall.png", "-o", "wall.png"], &[]),
     ("convert", &["wall.png", "wall.png"], &[]),
     ("convert", &["sky.pbrt", "sky.pbrt"], &["sky.pbrt", "n.steradian", "--report", "./n.steradian"]),

@@ -4,8 +4,8 @@
 //!
 //! A [`Context`] has the calls under their names, `bind_buffer` for `glBindBuffer`. Contexts that were made from one
 //! [`ShareGroup`] share buffers, textures, renderbuffers and samplers; vertex arrays, framebuffers and queries are of
-//! one context. Calls that take a buffer take a target, as calls before OpenGL 4.5 do, or a name, as those of direct state
-//! access do.
+//! one context. Calls that take a buffer take a target, as calls before OpenGL 4.5 do, or a name, as those of direct
+//! state access do.
 //!
 //! Each call that breaks a rule returns an [`Error`](crate::Error) with the call, the rule and OpenGL's code, and
 //! changes nothing. Nothing panics, and nothing is left undefined: bytes that OpenGL leaves undefined are zero.
