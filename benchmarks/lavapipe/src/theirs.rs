@@ -27,7 +27,7 @@ pub struct Frame<'a> {
     indices: wgpu::Buffer,
     count: u32,
     layers: u32,
-    /// Where the picture is at last.
+    /// Final picture, resolved.
     picture: wgpu::Texture,
     color: Option<wgpu::TextureView>,
     resolved: Option<wgpu::TextureView>,
@@ -83,7 +83,7 @@ impl Lavapipe {
         self.device.create_texture_with_data(&self.queue, &wanted, wgpu::util::TextureDataOrder::LayerMajor, &bytes)
     }
 
-    /// What a row needs.
+    /// Pipeline, buffers and targets of a row.
     pub fn frame(&self, row: &Row, texture: &Texture) -> Frame<'_> {
         let floats = |points: &[steradian_raster::glam::Vec3]| -> Vec<u8> {
             points.iter().flat_map(|p| p.to_array()).flat_map(f32::to_le_bytes).collect()

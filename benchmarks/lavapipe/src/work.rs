@@ -1,4 +1,4 @@
-//! What both sides draw.
+//! Meshes, textures and rows of the benchmark, for both renderers.
 
 use std::{error::Error, io::Read};
 use steradian_raster::{
@@ -79,7 +79,7 @@ impl Mesh {
     }
 }
 
-/// What fragments compute.
+/// Work of the fragment shader.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Shading {
     /// The cosine to a light.
@@ -96,7 +96,7 @@ pub enum Shading {
 pub struct Row<'a> {
     pub name: &'static str,
     pub mesh: &'a Mesh,
-    /// How often the mesh is drawn, back to front.
+    /// Number of copies of the mesh, drawn back to front.
     pub layers: u32,
     pub samples: u32,
     pub shading: Shading,

@@ -22,6 +22,7 @@ impl<'a, const SHADOW: bool> Query<'a, SHADOW> {
 }
 
 impl<const SHADOW: bool> Query<'_, SHADOW> {
+    /// True if a hit counts; hit and ray are in the space of the shape's group.
     #[inline]
     fn passes(&self, geometry: &Geometry, hit: &Hit, ray: &Ray) -> bool {
         if SHADOW && geometry.is_interface {
@@ -36,9 +37,7 @@ impl<const SHADOW: bool> Query<'_, SHADOW> {
             Some(alpha) => self.scene.is_opaque_at(geometry, alpha, hit, ray),
         }
     }
-}
 
-impl<const SHADOW: bool> Query<'_, SHADOW> {
     /// The nearest infinite plane; the ray is cut there.
     #[inline]
     fn nearest_plane(&self, ray: &mut Ray) -> Option<Hit> {
@@ -70,6 +69,7 @@ impl<const SHADOW: bool> UserPrimitives for Query<'_, SHADOW> {
         self.passes(self.scene.geometry(hit.id), hit, ray)
     }
 }
+
 impl Scene {
     /// Tests a hit found otherwise than by [`Scene::intersect`]: false if the opacity of its shape lets the ray
     /// through. The ray is in the space of the shape's group.

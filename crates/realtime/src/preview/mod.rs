@@ -41,7 +41,7 @@ const ALL_PATHS: u32 = 1 << 14;
 const TRIANGLES_PER_PIXEL: u64 = 4;
 /// Points on each light for what is seen in reflections, which is not freed of noise.
 const REFLECTED_POINTS: u32 = 2;
-/// The same for transparent layers, which are looked at straight.
+/// Points on each light for the transparent layers beside the one that is denoised.
 const LAYER_POINTS: u32 = 16;
 /// Transparent layers that are followed, and the least share of the light behind them that matters.
 const MOST_LAYERS: usize = 64;
