@@ -192,16 +192,24 @@ impl Feature {
     }
 }
 
+/// Interfaces between media that [`specular_material`] looks past along a ray.
+const MOST_INTERFACES: u32 = 64;
+
 /// The material of a surface that the camera sees and that reflects or refracts in one direction, by a grid of rays.
 pub fn specular_material(scene: &Scene) -> Option<String> {
     const EDGE: u32 = 48;
     let size = Vec2::new(scene.film().width as f32, scene.film().height as f32);
     (0..EDGE * EDGE).find_map(|k| {
         let place = Vec2::new((k % EDGE) as f32 + 0.5, (k / EDGE) as f32 + 0.5) / EDGE as f32;
-        let ray = scene.camera().ray(scene.film(), place * size, Vec2::splat(0.5));
-        let i = scene.interaction(&ray, &scene.intersect(&ray)?);
+        let mut ray = scene.camera().ray(scene.film(), place * size, Vec2::splat(0.5));
         let mut lambda = scene.mode().wavelengths(|| 0.5);
-        let (s, frame) = scene.scattering(&i, 0.5, &mut lambda)?;
+        // The first surface that scatters, past interfaces between media.
+        let (i, (s, frame)) = (0..MOST_INTERFACES).find_map(|_| {
+            let Some(hit) = scene.intersect(&ray) else { return Some(None) };
+            let i = scene.interaction(&ray, &hit);
+            ray = i.rest(&ray);
+            scene.scattering(&i, 0.5, &mut lambda).map(|s| Some((i, s)))
+        })??;
         let wo = frame.to_local(i.wo);
         let lobe = |u| s.bsdf.sample(wo, u, Vec2::splat(0.4), TransportMode::Radiance);
         let is_specular = [0.0, 0.25, 0.5, 0.75, 0.999].into_iter().filter_map(lobe).any(|s| s.lobe.is_specular());

@@ -8,7 +8,11 @@ use steradian_core::{
 };
 use steradian_engine::PathContext;
 use steradian_math::{Frame, Ray, Spectrum, Vec2, Vec3, warp};
-use steradian_transport::{NoGuide, PathState, attenuation, power_heuristic, volume_emission};
+use steradian_transport::{
+    NoGuide, PathState,
+    attenuation::{self, Shadow},
+    power_heuristic, volume_emission,
+};
 
 /// Receiver of a light meter. Its medium is that of the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -143,7 +147,7 @@ impl<const MEDIA: bool> PathTracer<MEDIA> {
         if MEDIA {
             let number = context.sampler.get_1d(dimension::at(0, dimension::FLIGHT));
             let medium = context.scene.camera().medium;
-            return light * attenuation::towards(ray, s.distance, (medium, number), context);
+            return light * attenuation::towards(ray, s.distance, (medium, number), &mut Shadow::of(context));
         }
         context.counters.rays += 1;
         if context.scene.occluded(&ray) { Spectrum::ZERO } else { light }

@@ -24,12 +24,10 @@ pub(crate) fn of_local_scattering(feature: Feature) -> Support {
     }
 }
 
-/// Answers of methods by passes, on surfaces alone.
+/// Answers of methods by passes.
 pub(crate) fn of_passes(feature: Feature) -> Support {
     match feature {
-        Feature::MovingCamera | Feature::Media | Feature::Transparency | Feature::TransparencyBehindMedia => {
-            Refuses("")
-        }
+        Feature::MovingCamera | Feature::Transparency | Feature::TransparencyBehindMedia => Refuses(""),
         Feature::RealisticLens => Refuses("what it sees has no inverse"),
         Feature::Adaptivity => Refuses("it makes whole pictures pass by pass"),
         Feature::Denoising => Refuses(
@@ -40,10 +38,10 @@ pub(crate) fn of_passes(feature: Feature) -> Support {
     }
 }
 
-/// Answers of methods that gather photons.
+/// Answers of methods that gather photons, on surfaces alone.
 pub(crate) fn of_photons(feature: Feature) -> Support {
     match feature {
-        Feature::InfinitePlanes => Refuses(""),
+        Feature::Media | Feature::InfinitePlanes => Refuses(""),
         Feature::UnsampledEmitters => LeavesOut(""),
         _ => of_passes(feature),
     }

@@ -7,7 +7,6 @@ use crate::{
     live_max, nee,
     sink::{Sink, Step},
     state::PathState,
-    tracking::Stretch,
     vertex::Vertex,
     volume_emission,
 };
@@ -80,23 +79,12 @@ pub fn meet<'s, const MEDIA: bool>(
             // MIS weight of emission along the segment: a light sample of the emissive medium at the last vertex could
             // have taken the same direction.
             let weight = volume_emission::weight(scene, medium, &path_state.origin, path_state.ray.direction);
-            let flight = match &scattering.field {
-                // Homogeneous medium: Le over the whole segment in closed form, and a distance t = −ln(1 − u)/σt.
-                None => {
-                    if scattering.glow.is_some() {
-                        sink.add(path_state.beta * scattering.glow_over(distance, lambda) * weight);
-                    }
-                    flight::sample_flight(scene, scattering, distance, lane, u, lambda)
-                }
-                // Medium that varies: tracking through cells of bounded extinction; Le is gathered at the collisions.
-                Some(field) => {
-                    let (mut glow, ray, stop) = (Spectrum::ZERO, &path_state.ray, &counters.stop);
-                    let stretch = Stretch { medium: scattering, field, ray, distance, lambda, stop };
-                    let flight = stretch.sample_flight(scene, (lane, u), &mut glow);
-                    sink.add(path_state.beta * glow * weight);
-                    flight
-                }
-            };
+            let mut glow = Spectrum::ZERO;
+            let way = (&path_state.ray, distance);
+            let flight = flight::fly(scattering, way, (lane, u), (scene, lambda, &counters.stop), &mut glow);
+            if scattering.glow.is_some() {
+                sink.add(path_state.beta * glow * weight);
+            }
             // β is multiplied by the transmittance, times σs if the path scatters, over the density of the flight (the
             // mean over lanes).
             let (factor, t) = match flight {
@@ -169,11 +157,17 @@ pub fn meet<'s, const MEDIA: bool>(
                 lambda.delay += delay;
                 sink.wait(delay);
             }
-            // The depth is reached: emission was added, and nothing more is to come.
-            if is_last {
-                *arrival = Arrival::End;
+            if !is_last {
+                return;
             }
-            return;
+            // The depth is reached, and emission was added. What light passes straight is no event: the path goes on to
+            // what shines behind thin panes, as shadow rays do.
+            let straight = if MEDIA { scattering.bsdf.straight_transmission(frame.to_local(i.wo)) } else { None };
+            let Some(part) = straight else {
+                *arrival = Arrival::End;
+                return;
+            };
+            path_state.beta *= part;
         }
         // 7. The surface scatters nothing (an interface between media): the path goes on behind it, without an event.
         let i = *i;

@@ -1,6 +1,9 @@
 //! Vertices of paths: light straight from lights, and the way on.
 
-use crate::{attenuation, nee, power_heuristic};
+use crate::{
+    attenuation::{self, Shadow},
+    nee, power_heuristic,
+};
 use steradian_bsdf::{Bsdf, BsdfEval, BsdfSample, Lobe, TransportMode};
 use steradian_core::{
     Scene,
@@ -224,9 +227,10 @@ impl Vertex<'_> {
         context: &PathContext<'_, '_>,
     ) -> Spectrum {
         // Without a medium in that direction all light arrives.
-        let (true, Some(m)) = (MEDIA, self.medium_towards(context.scene, wi)) else { return light };
-        let number = shadow_number::<MEDIA>(context.sampler, event);
-        light * attenuation::passed(m, (&self.spawn(wi), distance), number, context)
+        let PathContext { scene, sampler, lambda, counters } = context;
+        let (true, Some(m)) = (MEDIA, self.medium_towards(scene, wi)) else { return light };
+        let number = shadow_number::<MEDIA>(sampler, event);
+        light * attenuation::passed(m, (&self.spawn(wi), distance), number, (scene, lambda, &counters.stop))
     }
 
     /// Light straight from a light, scattered back along the path.
@@ -262,7 +266,7 @@ impl Vertex<'_> {
         // With media: visibility and transmittance, past interfaces and thin panes.
         if MEDIA {
             let medium = self.medium_towards(context.scene, wi);
-            return light * attenuation::towards(ray, distance, (medium, number), context);
+            return light * attenuation::towards(ray, distance, (medium, number), &mut Shadow::of(context));
         }
         // Without: a plain shadow ray.
         context.counters.rays += 1;

@@ -4,7 +4,11 @@
 //! A light sample is a direction, and counts all the light that the medium emits along it. A path's own flight through
 //! the medium is therefore weighted by the density of the direction that it took.
 
-use crate::{attenuation, power_heuristic, vertex::Vertex};
+use crate::{
+    attenuation::{self, Shadow},
+    power_heuristic,
+    vertex::Vertex,
+};
 use steradian_core::{
     Scene,
     light::{LightContext, LightSample},
@@ -53,7 +57,7 @@ pub fn arriving(
     let (ray, medium) = leave(wi);
     let number = context.sampler.get_1d(dimension::at(event + VOLUME_EVENTS, dimension::FLIGHT));
     let mut radiance = Spectrum::ZERO;
-    attenuation::along(ray, (medium, number), Some((of, &mut radiance)), context);
+    attenuation::along(ray, (medium, number), Some((of, &mut radiance)), false, &mut Shadow::of(context));
     let found = LightSample { wi, distance: f32::INFINITY, radiance, pdf, is_delta: false };
     (!radiance.is_black()).then_some(found)
 }

@@ -12,7 +12,7 @@ use super::{AreaLight, AreaShape, Environment, Light, Lights};
 use crate::Scene;
 use std::f32::consts::{FRAC_1_PI, PI};
 use steradian_math::{
-    Frame, Ray, Spectrum, Vec2, Vec3,
+    Bounds3, Frame, Ray, Spectrum, Vec2, Vec3,
     distribution::AliasTable,
     ray::{gamma, offset_ray_origin},
     spectra::Wavelengths,
@@ -73,7 +73,7 @@ impl Emission {
     /// be sent at them: it is left out then, with density zero.
     pub fn new(scene: &Scene) -> Option<Self> {
         // A slightly larger bounding sphere: rays from infinity start outside of everything.
-        let (center, radius) = scene.bounds().bounding_sphere();
+        let (center, radius) = reach(scene).bounding_sphere();
         let radius = (radius * 1.001).max(f32::MIN_POSITIVE);
         let lights = scene.lights();
         let is_sent = |l: &Light| scene.planes().is_empty() || !matches!(l, Light::Distant(..) | Light::Environment(_));
@@ -219,6 +219,13 @@ impl Emission {
         // Mixture of both strategies.
         if e.sampled_irradiance() > 0.0 { 0.5 * (uniform + e.pdf(self.center, to)) } else { uniform }
     }
+}
+
+/// Box around all that light from infinity meets first: surfaces, and media that vary around them.
+fn reach(scene: &Scene) -> Bounds3 {
+    let around = scene.camera().medium.into_iter().chain(scene.geometries().iter().filter_map(|g| g.media?.1));
+    let fields = around.filter_map(|m| scene.media()[m as usize].field.as_ref());
+    fields.fold(scene.bounds(), |bounds, field| bounds.union(field.world_bounds()))
 }
 
 /// The cosine density, on one side or both.

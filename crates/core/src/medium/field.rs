@@ -335,6 +335,11 @@ impl Field {
         self.cells.walk(ray, distance, |begin, end, cell| visit(begin, end, self.most[cell]));
     }
 
+    /// Box around the medium in the world.
+    pub fn world_bounds(&self) -> Bounds3 {
+        self.cube().inverse().bounds(&Bounds3 { min: Vec3::ZERO, max: Vec3::ONE })
+    }
+
     /// The unit cube that stands for the box.
     pub fn cube(&self) -> &Affine {
         &self.cells.cube_from_world

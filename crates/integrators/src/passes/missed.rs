@@ -2,6 +2,7 @@
 //! No light sample passes a mirror, and no path meets a light without size.
 
 use super::{
+    passage,
     subpath::{Arrival, LIGHT_EVENTS, Subpath, Ways},
     vertex::Vertex,
 };
@@ -42,7 +43,9 @@ pub fn missed_caustics(scene: &Scene, depth: &Depth) -> Vec3 {
 fn path(run: &Run<'_>, emission: &Emission, depth: &Depth, numbers: &PixelSampler) -> Vec3 {
     let (scene, ways) = (run.scene, Ways::connections(PATHS as f32, true));
     let (mut counters, mut sum) = (Counters::default(), Vec3::ZERO);
-    let Some(mut path) = Subpath::from_light(scene, emission, numbers, run.wavelengths(numbers)) else { return sum };
+    let lambda = run.wavelengths(numbers);
+    let path = Subpath::from_light(scene, emission, numbers, lambda, &mut counters);
+    let Some(mut path) = path else { return sum };
     // Only lights without extent are missed by camera paths.
     if !path.is_from_delta(scene) {
         return sum;
@@ -55,8 +58,8 @@ fn path(run: &Run<'_>, emission: &Emission, depth: &Depth, numbers: &PixelSample
             break;
         }
         // Connect to the camera where no camera path could have found the light.
-        if is_focused && !v.scattering.bsdf.is_specular() {
-            sum += seen(run, &v, numbers, depth);
+        if is_focused && !v.is_specular() {
+            sum += seen(run, &v, numbers, depth, &mut counters);
         }
         if !path.scatter(scene, &v, numbers, &ways, depth) || !(is_focused || path.is_specular) {
             break;
@@ -66,19 +69,18 @@ fn path(run: &Run<'_>, emission: &Emission, depth: &Depth, numbers: &PixelSample
 }
 
 /// Contribution of a vertex of a light path to the crop: its connection to the camera.
-fn seen(run: &Run<'_>, v: &Vertex<'_>, numbers: &PixelSampler, depth: &Depth) -> Vec3 {
+fn seen(run: &Run<'_>, v: &Vertex<'_>, numbers: &PixelSampler, depth: &Depth, counters: &mut Counters) -> Vec3 {
     let (scene, crop) = (run.scene, run.scene.film().crop);
     let lens = numbers.get_2d(dimension::at(LIGHT_EVENTS + v.events, dimension::BRANCHES));
     // The place on the film and the importance of the camera for this point.
-    let Some(seen) = scene.camera().receive(scene.film(), v.i.surface.p, lens) else { return Vec3::ZERO };
+    let Some(seen) = scene.camera().receive(scene.film(), v.p(), lens) else { return Vec3::ZERO };
     let within = |at: f32, from: u32, to: u32| at >= from as f32 && at < to as f32;
     if !within(seen.at.x, crop.x0, crop.x1) || !within(seen.at.y, crop.y0, crop.y1) {
         return Vec3::ZERO;
     }
     // f |cos| towards the camera; then visibility, and the mean over all light paths.
     let Some(e) = v.eval(scene, seen.to_camera, TransportMode::Importance) else { return Vec3::ZERO };
-    if super::is_hidden_from_camera(scene, depth, &v.i, (seen.to_camera, seen.distance)) {
-        return Vec3::ZERO;
-    }
-    run.developed(v.beta * e.value * (seen.density / PATHS as f32), &v.lambda)
+    let way = (seen.to_camera, seen.distance);
+    let passed = passage::to_camera(v, way, || 0.5, (scene, depth), counters);
+    run.developed(v.beta * passed * e.value * (seen.density / PATHS as f32), &v.lambda)
 }

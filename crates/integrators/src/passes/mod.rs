@@ -4,19 +4,23 @@
 //! Contributions are added in the order of pieces of work (`Run::in_order`), so that splats need no atomics and bits do
 //! not depend on threads. The spread between passes gives the variance of pixels.
 //!
-//! `subpath` traces subpaths from the camera or from lights, and `vertex` scatters at their vertices. `bidirectional`
-//! connects subpaths for `light`, `bdpt` and `vcm`; `mlt` drives the same code with Markov chains; `sppm` and
+//! `subpath` traces subpaths from the camera or from lights, `vertex` scatters at their vertices, on a `surface` or in a
+//! medium, and `passage` is the way between two of them. `pair` connects subpaths for the methods of `bidirectional`:
+//! `light`, `bdpt` and `vcm`; `mlt` drives the same code with Markov chains; `sppm` and
 //! `photon_map` gather photons. `missed` estimates the caustics that no path from the camera finds. The emission of
 //! lights is in `steradian_core::light::emission`, the importance of cameras in `steradian_core::camera::importance`.
 
 mod bidirectional;
 mod missed;
 mod mlt;
+mod pair;
+mod passage;
 mod photon_map;
 mod photons;
 mod radius;
 mod sppm;
 mod subpath;
+mod surface;
 mod vertex;
 
 pub use bidirectional::{BDPT, Bidirectional, LIGHT, Strategy, VCM};
@@ -26,22 +30,10 @@ pub use photon_map::{PHOTON, PhotonMap};
 pub use radius::Radius;
 pub use sppm::{SPPM, Sppm};
 
-use crate::Depth;
-use steradian_core::{Scene, scene::Interaction};
 use steradian_engine::Run;
-use steradian_math::{Vec3, spectra::Wavelengths};
+use steradian_math::spectra::Wavelengths;
 
 /// The wavelengths and the moment that all paths of a pass share.
 fn pass_wavelengths(run: &Run<'_>, number: u32) -> Wavelengths {
     run.wavelengths(&run.sampler.pixel(u32::MAX, u32::MAX, number))
-}
-
-/// True if a surface point is hidden from the camera, which lies at a direction and a distance. A camera that hides
-/// lights sees nothing that emits, and sees past all that does.
-fn is_hidden_from_camera(scene: &Scene, depth: &Depth, i: &Interaction, (to_camera, distance): (Vec3, f32)) -> bool {
-    let ray = i.spawn_towards(to_camera, distance);
-    match depth.hide_emitters && !scene.settings().hidden_emitters_block {
-        true => depth.hides(scene, i.geometry, 0) || scene.occluded_past_emitters(&ray),
-        false => scene.occluded(&ray),
-    }
 }

@@ -8,7 +8,7 @@ use super::{
     radius::{self, Radius},
     sppm::{brought, direct, gathered, land, next, paths},
     subpath::{Subpath, Ways},
-    vertex::{Vertex, View},
+    vertex::Vertex,
 };
 use crate::{Counters, Depth, support};
 use std::{f32::consts::PI, sync::Arc};
@@ -106,9 +106,9 @@ impl Mapped {
         }
         // The k nearest photons on the surface: a density estimate with the radius of the next one.
         let mut near: Vec<(f32, Photon)> = Vec::new();
-        map.near(v.i.surface.p, radius, |photon| {
-            if v.events + photon.events < depth.max && photon.lies_on(&v.i) {
-                near.push(((photon.p - v.i.surface.p).length_squared(), *photon));
+        map.near(v.p(), radius, |photon| {
+            if v.events + photon.events < depth.max && photon.lies_on(v) {
+                near.push(((photon.p - v.p()).length_squared(), *photon));
             }
         });
         let k = self.settings.nearest as usize;
@@ -139,10 +139,10 @@ impl Mapped {
                 sum += run.developed(seen, &path.lambda);
             }
             let Some(v) = v else { break };
-            let is_curve = v.view == View::Curve;
+            let is_curve = v.is_on_curve();
             if is_curve {
                 sum += direct(run, &v, sampler, counters);
-            } else if !v.scattering.bsdf.is_specular() {
+            } else if !v.is_specular() {
                 // Direct light, caustics, and what the global map knows where no gather follows.
                 sum += match stage {
                     Stage::Open => self.lit(run, &v, maps, sampler, counters),

@@ -1,7 +1,9 @@
 //! Photons where they landed, in a grid.
 
-use super::{subpath::Sums, vertex::Vertex};
-use steradian_core::scene::Interaction;
+use super::{
+    subpath::Sums,
+    vertex::{Place, Vertex},
+};
 use steradian_math::{Spectrum, Vec3, spectra::Wavelengths};
 
 /// Light that arrived at a surface.
@@ -24,24 +26,24 @@ pub(super) struct Photon {
 }
 
 impl Photon {
-    /// At a vertex of a light subpath, all of whose events may have been specular.
-    pub fn of(v: &Vertex<'_>, is_specular: bool) -> Self {
-        let (p, n, is_focused) = (v.i.surface.p, v.i.surface.n, is_specular && v.events > 0);
-        Self {
-            p,
-            wi: v.i.wo,
-            n,
-            beta: v.beta / v.opacity,
+    /// At a vertex of a light subpath, all of whose events may have been specular; `None` within media.
+    pub fn of(v: &Vertex<'_>, is_specular: bool) -> Option<Self> {
+        let Place::Surface(s) = &v.place else { return None };
+        Some(Self {
+            p: s.i.surface.p,
+            wi: s.i.wo,
+            n: s.i.surface.n,
+            beta: v.beta / s.opacity,
             lambda: v.lambda,
             events: v.events,
             sums: v.sums,
-            is_focused,
-        }
+            is_focused: is_specular && v.events > 0,
+        })
     }
 
-    /// True if the photon lies on this surface, rather than on another one about the corner: |n·n'| > 0.8.
-    pub fn lies_on(&self, i: &Interaction) -> bool {
-        self.n.dot(i.surface.n).abs() > 0.8
+    /// True if the photon lies on a vertex's surface, rather than on another one about the corner: |n·n'| > 0.8.
+    pub fn lies_on(&self, v: &Vertex<'_>) -> bool {
+        v.cos(self.n) > 0.8
     }
 }
 

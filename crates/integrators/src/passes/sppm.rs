@@ -2,11 +2,12 @@
 //! within a radius that shrinks from pass to pass (Hachisuka, Jensen 2009; Knaus, Zwicker 2011).
 
 use super::{
-    bidirectional::common,
+    pair::common,
     photons::{Grid, Photon},
     radius::{self, Radius},
     subpath::{Arrival, Subpath, Ways},
-    vertex::{Vertex, View},
+    surface::Surface,
+    vertex::{Place, Vertex},
 };
 use crate::{Counters, Depth, MAX_PASSES, dimension, nee, support};
 use std::{f32::consts::PI, sync::Arc};
@@ -95,13 +96,14 @@ pub(super) fn land(
         for k in (piece * PIECE..count.min((piece + 1) * PIECE)).take_while(|_| !run.is_cancelled()) {
             let (sampler, lambda) = seed(k as u32);
             // One light path: photons at its vertices that are not specular, until roulette or the depth.
-            let Some(mut path) = Subpath::from_light(run.scene, emission, &sampler, lambda) else { continue };
+            let path = Subpath::from_light(run.scene, emission, &sampler, lambda, counters);
+            let Some(mut path) = path else { continue };
             while let Arrival::Vertex(v) = path.arrive(run.scene, &sampler, counters, |_, _, _, _| ()) {
                 if v.events >= depth.max {
                     break;
                 }
-                if !v.scattering.bsdf.is_specular() && keeps(&v) {
-                    photons.push(Photon::of(&v, path.is_specular));
+                if !v.is_specular() && keeps(&v) {
+                    photons.extend(Photon::of(&v, path.is_specular));
                 }
                 if !path.scatter(run.scene, &v, &sampler, &ways, depth) {
                     break;
@@ -118,8 +120,8 @@ pub(super) fn gathered(v: &Vertex<'_>, photons: &Grid, radius: f32, paths: f32, 
     let mut sum = Vec3::ZERO;
     // Density estimate with a constant kernel: Σ β f / (π r² n).
     let scale = 1.0 / (PI * radius * radius * paths);
-    photons.near(v.i.surface.p, radius, |photon| {
-        if v.events + photon.events < depth.max && photon.lies_on(&v.i) {
+    photons.near(v.p(), radius, |photon| {
+        if v.events + photon.events < depth.max && photon.lies_on(v) {
             sum += brought(v, photon, scale, run);
         }
     });
@@ -137,14 +139,15 @@ pub(super) fn brought(v: &Vertex<'_>, photon: &Photon, scale: f32, run: &Run<'_>
 /// Light straight from lights at a vertex of a camera path: by a light sample and by scattering, weighted against each
 /// other.
 pub(super) fn direct(run: &Run<'_>, v: &Vertex<'_>, sampler: &PixelSampler, counters: &mut Counters) -> Vec3 {
-    let (scene, context, wo) = (run.scene, v.context(), v.frame.to_local(v.i.wo));
+    let Place::Surface(Surface { i, scattering, frame, .. }) = &v.place else { return Vec3::ZERO };
+    let (scene, context, wo) = (run.scene, v.context(), frame.to_local(i.wo));
     let mut sum = Spectrum::ZERO;
     // Technique 1: a light sample, with its MIS weight.
     if let Some(s) = nee::sample_light(scene, &context, v.events, sampler, &v.lambda) {
-        let light = nee::unoccluded(&s, wo, &v.frame, &v.scattering);
+        let light = nee::unoccluded(&s, wo, frame, scattering);
         if !light.is_black() {
             counters.rays += 1;
-            if !scene.occluded(&v.i.spawn_towards(s.wi, s.distance)) {
+            if !scene.occluded(&i.spawn_towards(s.wi, s.distance)) {
                 sum += light;
             }
         }
@@ -152,9 +155,9 @@ pub(super) fn direct(run: &Run<'_>, v: &Vertex<'_>, sampler: &PixelSampler, coun
     let at = |decision| dimension::at(v.events, decision);
     let (u, u2) = (sampler.get_1d(at(dimension::LOBE)), sampler.get_2d(at(dimension::DIRECTION)));
     // Technique 2: a direction by scattering, and the light that it meets, with its MIS weight.
-    if let Some(s) = v.scattering.sample(wo, u, u2, Radiance).filter(|s| !s.lobe.is_specular()) {
+    if let Some(s) = scattering.sample(wo, u, u2, Radiance).filter(|s| !s.lobe.is_specular()) {
         let origin = Some((context, s.pdf));
-        let mut ray = v.i.spawn(v.frame.to_world(s.wi));
+        let mut ray = i.spawn(frame.to_world(s.wi));
         for _ in 0..MAX_PASSES {
             counters.rays += 1;
             let Some(hit) = scene.intersect(&ray) else {
@@ -240,10 +243,10 @@ impl Progressive {
                 sum += run.developed(seen, &path.lambda);
             }
             let Some(v) = v else { break };
-            let is_curve = v.view == View::Curve;
+            let is_curve = v.is_on_curve();
             is_gathered &= !is_curve;
             // Direct light by sampling, indirect light by photons.
-            if !v.scattering.bsdf.is_specular() && !is_gathered {
+            if !v.is_specular() && !is_gathered {
                 sum += direct(run, &v, sampler, counters);
                 if !is_curve {
                     sum += gathered(&v, &landed.photons, landed.radius, landed.paths, depth, run);

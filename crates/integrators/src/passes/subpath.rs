@@ -5,8 +5,21 @@
 //! connecting two vertices, by connecting to the camera, and by merging. They are computed from three sums that are
 //! carried along a subpath (Georgiev 2012, "Implementing Vertex Connection and Merging", equations 31 to 38). Roulette
 //! is left out of densities, which changes no mean.
+//!
+//! Subpaths fly through media, and scatter there by the phase function (Lafortune, Willems 1996, "Rendering
+//! Participating Media with Bidirectional Path Tracing"). Points of media have densities by volume, with 1 in place of
+//! the cosine. Weights leave out what draws the distances of flights: all ways to find a path draw each of its points
+//! in a medium once, so that the extinction there cancels, and of the transmittances only that of the segment which a
+//! technique connects remains. Weights of a path are thus a function of its vertices, and sum to one over all ways,
+//! in media that vary too, where the density of a flight is not known. The cost is noise: connections through dense
+//! media have the weight that they would have in clear air. Straight passage of interfaces and thin panes is no event,
+//! and left out in the same way.
 
-use super::vertex::{Vertex, View};
+use super::{
+    passage,
+    surface::{Surface, View},
+    vertex::{Drawn, Place, Vertex, Within},
+};
 use crate::{Counters, Depth, MAX_PASSES, dimension, live_max};
 use steradian_bsdf::TransportMode;
 use steradian_core::{
@@ -19,6 +32,7 @@ use steradian_core::{
     scene::Interaction,
 };
 use steradian_math::{Ray, Spectrum, Vec2, spectra::Wavelengths};
+use steradian_transport::flight::{self, Flight};
 
 /// Events of paths from lights take numbers from this one on.
 pub(super) const LIGHT_EVENTS: u32 = 4096;
@@ -91,6 +105,10 @@ pub(super) struct Subpath {
     pub context: Option<LightContext>,
     /// True if all events so far were specular.
     pub is_specular: bool,
+    /// Light of the media that the subpath went through, as it carries it. No other technique finds it.
+    pub glow: Spectrum,
+    /// The medium that it goes through.
+    medium: Option<u32>,
     sums: Sums,
     mode: TransportMode,
     /// Emitted ray, until the first vertex.
@@ -134,6 +152,8 @@ impl Subpath {
             events: 0,
             context: None,
             is_specular: true,
+            glow: Spectrum::ZERO,
+            medium: scene.camera().medium,
             sums: Sums { vcm, ..Sums::default() },
             mode: TransportMode::Radiance,
             emitted: None,
@@ -147,14 +167,22 @@ impl Subpath {
     }
 
     /// Subpath from a light.
-    pub fn from_light(scene: &Scene, emission: &Emission, numbers: &impl Numbers, lambda: Wavelengths) -> Option<Self> {
+    pub fn from_light(
+        scene: &Scene,
+        emission: &Emission,
+        numbers: &impl Numbers,
+        lambda: Wavelengths,
+        counters: &mut Counters,
+    ) -> Option<Self> {
         let at = |decision| dimension::at(LIGHT_EVENTS - 1, decision);
         // A light, a point on it, and a direction: β = Le cosθ / p.
         let place = numbers.two(at(dimension::LIGHT_POINT));
         let direction = numbers.two(at(dimension::DIRECTION));
         let emitted = emission.sample(scene, numbers.one(at(dimension::LIGHT)), place, direction, &lambda)?;
         let kind = scene.lights().lights[emitted.light as usize].kind();
-        let beta = emitted.radiance * (emitted.cos / emitted.pdf);
+        let number = || numbers.one(at(dimension::FLIGHT));
+        let (medium, passed) = passage::from_light(scene, &emitted, number, &lambda, counters);
+        let beta = emitted.radiance * passed * (emitted.cos / emitted.pdf);
         let live = live_max(beta, &lambda);
         // dVC of a light subpath: (cosθ / p)², zero for lights that scattering cannot meet.
         let vc = if kind.is_delta { 0.0 } else { squared(emitted.cos / emitted.pdf) };
@@ -165,6 +193,8 @@ impl Subpath {
             events: 0,
             context: None,
             is_specular: true,
+            glow: Spectrum::ZERO,
+            medium,
             sums: Sums { vcm: 0.0, vc },
             mode: TransportMode::Importance,
             emitted: Some(emitted),
@@ -211,10 +241,21 @@ impl Subpath {
         counters: &mut Counters,
         mut met: impl FnMut(&Self, &Interaction, f32, Sums),
     ) -> Arrival<'s> {
-        // Surface by surface, up to one that scatters.
+        // Segment by segment: a flight through its medium, then the surface at its end, up to one that scatters.
         for _ in 0..MAX_PASSES {
             counters.rays += 1;
-            let Some(hit) = scene.intersect(&self.ray) else { return Arrival::Escaped };
+            let hit = scene.intersect(&self.ray);
+            if let Some(index) = self.medium {
+                let distance = hit.as_ref().map_or(self.ray.t_max, |h| h.t);
+                let scattered = self.fly(scene, index, distance, numbers, counters);
+                if live_max(self.beta, &self.lambda) <= 0.0 {
+                    return Arrival::Ended;
+                }
+                if let Some(t) = scattered {
+                    return self.within(scene, index, t);
+                }
+            }
+            let Some(hit) = hit else { return Arrival::Escaped };
             let i = scene.interaction_of_light(&self.ray, &hit);
             let distance = self.distance + hit.t;
             let cos = i.surface.n.dot(i.wo).abs().max(1e-12);
@@ -225,43 +266,87 @@ impl Subpath {
             let passes_straight = self.passes_emitters && self.events == 0 && scene.is_passed_when_hidden(i.geometry);
             let surface = if passes_straight { None } else { scene.scattering(&i, choice, &mut self.lambda) };
             if let Some(side) = surface {
-                let carried = (self.beta, self.lambda);
-                let mut v = Vertex::new(scene, i, side, choice, carried, (self.events, sums));
-                if v.view == View::Curve {
-                    // Only camera subpaths pass here.
-                    if self.mode == TransportMode::Importance {
-                        return Arrival::Ended;
-                    }
-                    v.sums = Sums::default();
+                let surface = Surface::new(scene, i, side, choice);
+                let is_curve = surface.view == View::Curve;
+                // Only camera subpaths pass curves.
+                if is_curve && self.mode == TransportMode::Importance {
+                    return Arrival::Ended;
                 }
-                // First vertex of a light subpath: dVCM is the ratio of the light sample's density here to that of
-                // emission.
-                if let Some(e) = self.emitted.take() {
-                    if !scene.lights().reaches(e.light, i.surface.p, i.wo, &self.lambda) {
-                        return Arrival::Ended;
-                    }
-                    v.sums.vcm = squared(asked(scene, &e, &v.context(), (distance, v.lambda.time)) / (e.pdf * cos));
-                }
-                return Arrival::Vertex(v);
+                let sums = if is_curve { Sums::default() } else { sums };
+                return self.reached(scene, Place::Surface(surface), sums, (distance, cos));
             }
-            self.passes += 1;
-            self.distance = distance;
-            self.ray = i.rest(&self.ray);
+            self.pass(scene, &i);
         }
         Arrival::Ended
     }
 
-    /// On from a vertex; whether the subpath goes on.
-    pub fn scatter(
+    /// Draws a flight through a medium over at most a distance: the distance at which it scatters, if it does.
+    fn fly(
         &mut self,
         scene: &Scene,
-        v: &Vertex<'_>,
+        medium: u32,
+        distance: f32,
         numbers: &impl Numbers,
-        ways: &Ways,
-        depth: &Depth,
-    ) -> bool {
-        let (u, u2) = (numbers.one(self.at(dimension::LOBE)), numbers.two(self.at(dimension::DIRECTION)));
-        let Some(s) = v.sample(scene, u, u2, self.mode) else { return false };
+        counters: &Counters,
+    ) -> Option<f32> {
+        let (lane, u) = (numbers.one(self.at(dimension::LANE)), numbers.one(self.at(dimension::FLIGHT)));
+        let (medium, mut glow) = (&scene.media()[medium as usize], Spectrum::ZERO);
+        let around = (scene, &self.lambda, &counters.stop);
+        let flight = flight::fly(medium, (&self.ray, distance), (lane, u), around, &mut glow);
+        self.glow += self.beta * glow;
+        // β ← β Tr / p to pass, β σs Tr / p to scatter.
+        let (scattered, factor) = match flight {
+            Flight::Passed(factor) => (None, factor),
+            Flight::Scattered(t, factor) => (Some(t), factor),
+        };
+        self.beta *= factor;
+        scattered
+    }
+
+    /// Arrival at a point of a medium, so far along the ray.
+    fn within<'s>(&mut self, scene: &'s Scene, medium: u32, t: f32) -> Arrival<'s> {
+        let (ray, distance) = (&self.ray, self.distance + t);
+        let medium = &scene.media()[medium as usize];
+        let place = Place::Medium(Within { p: ray.at(t), wo: -ray.direction, time: ray.time, medium });
+        self.reached(scene, place, self.sums_at(distance, 1.0), (distance, 1.0))
+    }
+
+    /// Arrival at a vertex, by a distance and a cosine.
+    fn reached<'s>(&self, scene: &Scene, place: Place<'s>, sums: Sums, (distance, cos): (f32, f32)) -> Arrival<'s> {
+        let Self { beta, lambda, events, medium, .. } = *self;
+        let mut v = Vertex { place, beta, lambda, events, sums, medium };
+        // First vertex of a light subpath: dVCM is the ratio of the light sample's density here to that of emission.
+        if let Some(e) = &self.emitted {
+            if !scene.lights().reaches(e.light, v.p(), -self.ray.direction, &lambda) {
+                return Arrival::Ended;
+            }
+            v.sums.vcm = squared(asked(scene, e, &v.context(), (distance, lambda.time)) / (e.pdf * cos));
+        }
+        Arrival::Vertex(v)
+    }
+
+    /// Straight on behind a surface, which is no event.
+    fn pass(&mut self, scene: &Scene, i: &Interaction) {
+        self.passes += 1;
+        self.distance += i.t;
+        self.medium = scene.medium_towards(i, self.ray.direction, self.medium);
+        self.ray = i.rest(&self.ray);
+    }
+
+    /// Straight on with what passes a vertex as if there were nothing; whether anything does, which is the case for
+    /// thin panes among media.
+    pub fn pass_pane(&mut self, scene: &Scene, v: &Vertex<'_>) -> bool {
+        let Place::Surface(surface) = &v.place else { return false };
+        let Some(part) = surface.straight_transmission().filter(|part| scene.has_media() && !part.is_black()) else {
+            return false;
+        };
+        self.beta *= part;
+        self.pass(scene, &surface.i);
+        self.passes <= MAX_PASSES
+    }
+
+    /// On from a vertex in a direction.
+    fn turn(&mut self, scene: &Scene, v: &Vertex<'_>, s: &Drawn, ways: &Ways) {
         let cos = v.cos(s.wi);
         // Update of the sums.
         match s.densities {
@@ -279,14 +364,38 @@ impl Subpath {
                 self.is_specular = false;
             }
         }
+        self.emitted = None;
+        self.medium = v.medium_towards(scene, s.wi);
+        self.ray = v.spawn(s.wi);
+        self.distance = 0.0;
+        self.events += 1;
+    }
+
+    /// On from a vertex; whether the subpath goes on.
+    pub fn scatter(
+        &mut self,
+        scene: &Scene,
+        v: &Vertex<'_>,
+        numbers: &impl Numbers,
+        ways: &Ways,
+        depth: &Depth,
+    ) -> bool {
+        let (u, u2) = (numbers.one(self.at(dimension::LOBE)), numbers.two(self.at(dimension::DIRECTION)));
+        let Some(s) = v.sample(scene, u, u2, self.mode) else { return false };
         // β ← β f |cosθ| / p; roulette does not see the compression of radiance.
         self.beta *= s.weight;
         if self.mode == TransportMode::Radiance {
             self.scale *= s.eta * s.eta;
         }
-        self.ray = v.i.spawn(s.wi);
-        self.distance = 0.0;
-        self.events += 1;
+        match &v.place {
+            // Among media, light that goes straight through a pane has not scattered: connections see through it too.
+            Place::Surface(surface)
+                if scene.has_media() && s.is_transmission && surface.straight_transmission().is_some() =>
+            {
+                self.pass(scene, &surface.i);
+            }
+            _ => self.turn(scene, v, &s, ways),
+        }
         let live = live_max(self.beta, &self.lambda) * self.scale;
         if !(live > 0.0 && live.is_finite() && sums_are_sound(&self.sums)) {
             return false;

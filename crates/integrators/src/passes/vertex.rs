@@ -1,55 +1,47 @@
-//! Vertices of subpaths: scattering there, and towards another subpath.
-//!
-//! What a camera sees there may depend on where it looks from: normal and bump maps turn the shading normal by the
-//! viewer (`SurfaceDetail`), and curves turn towards the ray. The light that a path carries is that of the camera's
-//! side, whichever way the path was found:
-//!
-//! - With **detail** both sides have a shading frame of their own. Values are those of the camera's frame; a light
-//!   subpath draws directions by its own frame, and some evenly about the surface as it is, since its frame may leave
-//!   out what the camera's has.
-//! - **Curves** that face the ray are met at other points from the other side: light subpaths end there, and what
-//!   weighs the ways to find a path knows it.
+//! Vertices of subpaths, on surfaces and in media: scattering there, and towards another subpath.
 
-use super::subpath::{Sums, Ways, squared};
-use crate::nee;
-use std::f32::consts::FRAC_1_PI;
-use steradian_bsdf::{BsdfEval, BsdfSample, Lobe, TransportMode};
-use steradian_core::{
-    Scene,
-    light::LightContext,
-    material::{Ground, Scattering},
-    scene::Interaction,
+use super::{
+    subpath::{Sums, Ways, squared},
+    surface::{Surface, View},
 };
-use steradian_math::{Frame, Spectrum, Vec2, Vec3, spectra::Wavelengths, warp};
-
-/// Dependence of a surface on the viewer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum View {
-    /// No dependence.
-    Fixed,
-    /// Its shading normal does.
-    Detail,
-    /// The points at which it is met do.
-    Curve,
-}
+use steradian_bsdf::TransportMode;
+use steradian_core::{Scene, light::LightContext, medium::Medium, scene::SHADOW_END};
+use steradian_math::{Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
 
 /// Vertex of a subpath.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Vertex<'s> {
-    pub i: Interaction,
-    pub scattering: Scattering<'s>,
-    pub frame: Frame,
+    pub place: Place<'s>,
     /// Throughput of the subpath on arrival.
     pub beta: Spectrum,
     pub lambda: Wavelengths,
     /// Scattering events before this one.
     pub events: u32,
     pub sums: Sums,
-    pub view: View,
-    /// The probability with which rays meet the surface.
-    pub opacity: f32,
-    /// Random number of the choice among the materials of a mixture.
-    choice: f32,
+    /// The medium that the subpath came through.
+    pub medium: Option<u32>,
+}
+
+/// Matter that scatters at a vertex.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "values live on the stack of one step; a box would cost an allocation per vertex"
+)]
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Place<'s> {
+    Surface(Surface<'s>),
+    Medium(Within<'s>),
+}
+
+/// A point within a medium, which scatters by its phase function.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Within<'s> {
+    pub p: Vec3,
+    /// Back along the subpath.
+    pub wo: Vec3,
+    /// The moment of the exposure.
+    pub time: f32,
+    pub medium: &'s Medium,
 }
 
 /// `f |cos|` of a vertex for a direction, and the densities of the subpath going on and of another one coming back.
@@ -72,254 +64,123 @@ pub(super) struct Drawn {
     pub densities: Option<(f32, f32)>,
     /// True if light subpaths come this way too.
     pub is_two_way: bool,
+    /// True if it leads through the surface.
+    pub is_transmission: bool,
 }
 
-/// The share of directions that light subpaths draw evenly where the shading normal depends on the viewer.
-const EVEN: f32 = 0.125;
-
-/// Scattering and its frame, as seen from one side.
-type Side<'s> = (Scattering<'s>, Frame);
-
-impl<'s> Vertex<'s> {
-    /// Vertex where a subpath meets a surface that scatters.
-    pub fn new(
-        scene: &'s Scene,
-        i: Interaction,
-        (scattering, frame): Side<'s>,
-        choice: f32,
-        (beta, lambda): (Spectrum, Wavelengths),
-        (events, sums): (u32, Sums),
-    ) -> Self {
-        // Kinds of surfaces that look different from the camera's side and from the light's.
-        let view = if scene.faces_rays(i.geometry) {
-            View::Curve
-        } else if scattering.detail.is_some_and(|d| d.depends_on_viewer()) {
-            View::Detail
-        } else {
-            View::Fixed
-        };
-        let opacity = scene.opacity(&i);
-        Self { i, scattering, frame, beta, lambda, events, sums, view, opacity, choice }
+impl Vertex<'_> {
+    /// The point.
+    #[inline]
+    pub fn p(&self) -> Vec3 {
+        match &self.place {
+            Place::Surface(s) => s.i.surface.p,
+            Place::Medium(m) => m.p,
+        }
     }
 
-    /// The cosine between a direction and the surface.
+    /// Index of the geometry whose surface it lies on.
+    pub fn geometry(&self) -> Option<u32> {
+        match &self.place {
+            Place::Surface(s) => Some(s.i.geometry),
+            Place::Medium(_) => None,
+        }
+    }
+
+    /// True if connections find nothing here.
+    #[inline]
+    pub fn is_specular(&self) -> bool {
+        matches!(&self.place, Place::Surface(s) if s.scattering.bsdf.is_specular())
+    }
+
+    /// True if it lies on a curve that faces the ray.
+    #[inline]
+    pub fn is_on_curve(&self) -> bool {
+        matches!(&self.place, Place::Surface(s) if s.view == View::Curve)
+    }
+
+    /// The cosine between a direction and the surface; 1 in media, whose points have no orientation.
     #[inline]
     pub fn cos(&self, w: Vec3) -> f32 {
-        self.i.surface.n.dot(w).abs()
+        match &self.place {
+            Place::Surface(s) => s.i.surface.n.dot(w).abs(),
+            Place::Medium(_) => 1.0,
+        }
     }
 
-    /// The square of the expected number of photons that merge here, per unit density: of [`Ways::merge`].
+    /// The square of the expected number of photons that merge here, per unit density: of [`Ways::merge`]. In media
+    /// nothing merges.
     #[inline]
     pub fn merge(&self, ways: &Ways) -> f64 {
-        if self.view == View::Curve { 0.0 } else { ways.merge * squared(self.opacity) }
-    }
-
-    /// The surface seen from another side.
-    fn seen_from<'a>(&self, scene: &'a Scene, w: Vec3) -> Option<Side<'a>> {
-        scene.scattering(&Interaction { wo: w, ..self.i }, self.choice, &mut self.lambda.clone())
+        match &self.place {
+            Place::Surface(s) if s.view != View::Curve => ways.merge * squared(s.opacity),
+            _ => 0.0,
+        }
     }
 
     /// Scattering from where the subpath came towards `w`; `None` where it is nothing.
     #[inline]
     pub fn eval(&self, scene: &Scene, w: Vec3, mode: TransportMode) -> Option<Scattered> {
-        let own = (self.scattering, self.frame);
-        // One frame for both sides: value, density, and density of the reverse direction.
-        if self.view != View::Detail {
-            let (s, frame) = &own;
-            let (wo, wi) = (frame.to_local(self.i.wo), frame.to_local(w));
-            let e = self.value(&own, self.i.wo, w, mode);
-            let reverse = || s.bsdf.pdf(wi, wo, mode.adjoint());
-            return is_light(e.value).then(|| Scattered { value: e.value, pdf: e.pdf, reverse: reverse() });
-        }
-        // Two frames: values go by the camera's, densities by the frame of each subpath.
-        let other = self.seen_from(scene, w)?;
-        let (camera, light, to_camera, to_light) = match mode {
-            TransportMode::Radiance => (&own, &other, self.i.wo, w),
-            TransportMode::Importance => (&other, &own, w, self.i.wo),
-        };
-        let e = self.value(camera, self.i.wo, w, mode);
-        if !is_light(e.value) {
-            return None;
-        }
-        let from_camera = pdf(camera, to_camera, to_light, TransportMode::Radiance);
-        let from_light = self.light_pdf(light, to_light, to_camera);
-        let (pdf, reverse) = match mode {
-            TransportMode::Radiance => (from_camera, from_light),
-            TransportMode::Importance => (from_light, from_camera),
-        };
-        Some(Scattered { value: e.value, pdf, reverse })
-    }
-
-    /// `f |cos|` for what is carried, by the camera's side of the surface.
-    #[inline]
-    fn value(&self, (s, frame): &Side<'_>, from: Vec3, to: Vec3, mode: TransportMode) -> BsdfEval {
-        let (wo, wi) = (frame.to_local(from), frame.to_local(to));
-        if mode == TransportMode::Radiance {
-            return s.eval(wo, wi, mode);
-        }
-        // The ground hides, or folds, the light's directions: `wi` for radiance, `wo` for importance.
-        let lit = |wo: Vec3, share: f32| {
-            let e = s.bsdf.eval(wo, wi, mode);
-            BsdfEval { value: e.value * (share * self.adjoint(frame, wo.z, to)), ..e }
-        };
-        // Importance: the adjoint BSDF with its correction for shading normals, under the occlusion of bumps.
-        match &s.ground {
-            None => lit(wo, 1.0),
-            Some(Ground::Covers(cover)) => cover.passes(wo).map_or(BsdfEval::ZERO, |share| lit(wo, share)),
-            Some(Ground::Folds(fold)) => {
-                let values = fold.sources(wi, wo).into_iter().flatten().map(|w| lit(w, 1.0));
-                values.fold(BsdfEval::ZERO, |sum, e| BsdfEval { value: sum.value + e.value, pdf: sum.pdf + e.pdf })
+        match &self.place {
+            Place::Surface(s) => s.eval((scene, &self.lambda), w, mode),
+            // A phase function is its own density, from both sides.
+            Place::Medium(m) => {
+                let phase = m.medium.phase(m.wo, w);
+                (phase > 0.0).then(|| Scattered { value: Spectrum::splat(phase), pdf: phase, reverse: phase })
             }
         }
     }
 
-    /// Correction of importance for shading normals, `|wo·ns| |wi·ng| / (|wo·ng| |wi·ns|)` (Veach 1997, eq. 5.19), with
-    /// `wo·ns` of the direction that the model is asked for.
-    #[inline]
-    fn adjoint(&self, frame: &Frame, cos_o: f32, wi: Vec3) -> f32 {
-        let (n, ns, wo) = (self.i.surface.n, frame.z, self.i.wo);
-        if n == ns || n == -ns {
-            return 1.0;
-        }
-        let below = n.dot(wo) * ns.dot(wi);
-        if below == 0.0 { 0.0 } else { (cos_o * n.dot(wi) / below).abs() }
-    }
-
-    /// The density with which a light subpath draws directions where the shading normal depends on the viewer.
-    fn light_pdf(&self, side: &Side<'_>, wo: Vec3, wi: Vec3) -> f32 {
-        // Mixture density of model and even draws.
-        (1.0 - EVEN) * pdf(side, wo, wi, TransportMode::Importance) + EVEN * self.even_pdf(&side.0, wo, wi)
-    }
-
-    /// The density of even draws: by the cosine about the normal without detail, on the sides to which the model
-    /// scatters.
-    fn even_pdf(&self, s: &Scattering<'_>, wo: Vec3, wi: Vec3) -> f32 {
-        let n = self.i.surface.ns;
-        let cos = n.dot(wi).abs() * FRAC_1_PI;
-        // cosθ/π on one side, or half of it on both.
-        match (s.bsdf.has_transmission(), n.dot(wo) * n.dot(wi) > 0.0) {
-            (true, _) => 0.5 * cos,
-            (false, true) => cos,
-            (false, false) => 0.0,
-        }
-    }
-
-    /// An even draw.
-    fn draw_even(&self, u: f32, u2: Vec2) -> Vec3 {
-        let n = self.i.surface.ns;
-        let up = if n.dot(self.i.wo) < 0.0 { -n } else { n };
-        let crosses = self.scattering.bsdf.has_transmission() && u < 0.5;
-        let z = if crosses { -up } else { up };
-        Frame::from_z(z).to_world(warp::cosine_hemisphere(u2))
-    }
-
     /// A direction to go on in.
     pub fn sample(&self, scene: &Scene, u: f32, u2: Vec2, mode: TransportMode) -> Option<Drawn> {
-        // Camera and light subpaths differ only where the shading normal depends on the viewer.
-        match (self.view, mode) {
-            (View::Detail, TransportMode::Importance) => self.sample_by_light(scene, u, u2),
-            (View::Detail, TransportMode::Radiance) => self.sample_by_camera(scene, u, u2),
-            _ => {
-                let wo = self.frame.to_local(self.i.wo);
-                let s = self.drawn(u, u2, mode)?;
-                let wi = self.frame.to_world(s.wi);
-                let back = || self.scattering.bsdf.pdf(s.wi, wo, mode.adjoint());
+        match &self.place {
+            Place::Surface(s) => s.sample((scene, &self.lambda), u, u2, mode),
+            Place::Medium(m) => {
+                let (wi, pdf) = m.medium.sample_phase(m.wo, u2);
                 Some(Drawn {
                     wi,
-                    weight: if mode == TransportMode::Radiance {
-                        s.weight
-                    } else {
-                        s.weight * self.adjoint(&self.frame, wo.z, wi)
-                    },
-                    eta: s.eta,
-                    densities: (!s.lobe.is_specular()).then(|| (s.pdf, back())),
+                    weight: Spectrum::ONE,
+                    eta: 1.0,
+                    densities: Some((pdf, pdf)),
                     is_two_way: true,
+                    is_transmission: false,
                 })
             }
         }
     }
 
-    /// A sample of the model in its own frame, with the effect of the ground.
-    #[inline]
-    fn drawn(&self, u: f32, u2: Vec2, mode: TransportMode) -> Option<BsdfSample> {
-        let (s, wo) = (&self.scattering, self.frame.to_local(self.i.wo));
-        match (mode, &s.ground) {
-            (TransportMode::Importance, Some(Ground::Covers(cover))) => {
-                let drawn = s.bsdf.sample(wo, u, u2, mode)?;
-                Some(BsdfSample { weight: drawn.weight * cover.passes(wo)?, ..drawn })
-            }
-            _ => s.sample(wo, u, u2, mode),
-        }
-    }
-
-    fn sample_by_camera(&self, scene: &Scene, u: f32, u2: Vec2) -> Option<Drawn> {
-        // By the camera's own frame; the reverse density is that of the light's frame and its even draws.
-        let s = self.drawn(u, u2, TransportMode::Radiance)?;
-        let wi = self.frame.to_world(s.wi);
-        let light = self.seen_from(scene, wi);
-        let is_specular = s.lobe.is_specular();
-        // Where the frames differ, or the direction is folded, a light subpath is not mirrored into this way.
-        let is_mirrored =
-            || !s.lobe.contains(Lobe::FOLDED) && light.as_ref().is_some_and(|(_, frame)| same(frame, &self.frame));
-        let is_two_way = !is_specular || is_mirrored();
-        let back = || light.as_ref().map_or(0.0, |side| self.light_pdf(side, wi, self.i.wo));
-        let densities = (!is_specular).then(|| (s.pdf, back()));
-        Some(Drawn { wi, weight: s.weight, eta: s.eta, densities, is_two_way })
-    }
-
-    fn sample_by_light(&self, scene: &Scene, u: f32, u2: Vec2) -> Option<Drawn> {
-        const MODE: TransportMode = TransportMode::Importance;
-        let own = (self.scattering, self.frame);
-        // One of two techniques by a share of the random number: even about the surface, or by the light's own frame.
-        let (wi, eta) = if u < EVEN {
-            (self.draw_even(u / EVEN, u2), 1.0)
-        } else {
-            let s = self.drawn((u - EVEN) / (1.0 - EVEN), u2, MODE)?;
-            let wi = self.frame.to_world(s.wi);
-            // A specular direction counts only where the camera's frame mirrors it in the same way.
-            if s.lobe.is_specular() {
-                let (_, frame) = self.seen_from(scene, wi)?;
-                let cos_o = self.frame.z.dot(self.i.wo);
-                let weight = s.weight * (self.adjoint(&self.frame, cos_o, wi) / (1.0 - EVEN));
-                let is_two_way = same(&frame, &self.frame) && !s.lobe.contains(Lobe::FOLDED);
-                return is_two_way.then_some(Drawn { wi, weight, eta: s.eta, densities: None, is_two_way: true });
-            }
-            (wi, s.eta)
-        };
-        // Value by the camera's frame over the mixture density.
-        let camera = self.seen_from(scene, wi)?;
-        let value = self.value(&camera, self.i.wo, wi, MODE).value;
-        let density = self.light_pdf(&own, self.i.wo, wi);
-        let weight = value / density;
-        (density > 0.0 && is_light(weight)).then(|| Drawn {
-            wi,
-            weight,
-            eta,
-            densities: Some((density, pdf(&camera, wi, self.i.wo, TransportMode::Radiance))),
-            is_two_way: true,
-        })
-    }
-
     /// Reference point for light sampling: the same from both sides.
     #[inline]
     pub fn context(&self) -> LightContext {
-        match self.view {
-            View::Detail => LightContext { p: self.i.surface.p, n: Vec3::ZERO },
-            _ => nee::context(&self.i, &self.frame, &self.scattering.bsdf),
+        match &self.place {
+            Place::Surface(s) => s.context(),
+            Place::Medium(m) => LightContext { p: m.p, n: Vec3::ZERO },
         }
     }
-}
 
-/// The density with which one side's model draws a direction.
-fn pdf((s, frame): &Side<'_>, wo: Vec3, wi: Vec3, mode: TransportMode) -> f32 {
-    s.pdf(frame.to_local(wo), frame.to_local(wi), mode)
-}
+    /// A ray that leaves in a direction.
+    #[inline]
+    pub fn spawn(&self, w: Vec3) -> Ray {
+        match &self.place {
+            Place::Surface(s) => s.i.spawn(w),
+            Place::Medium(m) => Ray { time: m.time, ..Ray::new(m.p, w) },
+        }
+    }
 
-/// True if two frames have one normal.
-fn same(a: &Frame, b: &Frame) -> bool {
-    a.z.dot(b.z) > 1.0 - 1e-6
-}
+    /// A ray to a point at a distance in a unit direction, that ends just before it.
+    #[inline]
+    pub fn spawn_towards(&self, w: Vec3, distance: f32) -> Ray {
+        match &self.place {
+            Place::Surface(s) => s.i.spawn_towards(w, distance),
+            Place::Medium(_) => Ray { t_max: distance * SHADOW_END, ..self.spawn(w) },
+        }
+    }
 
-fn is_light(value: Spectrum) -> bool {
-    !value.is_black() && value.is_finite()
+    /// The medium that a direction leads through.
+    #[inline]
+    pub fn medium_towards(&self, scene: &Scene, w: Vec3) -> Option<u32> {
+        match &self.place {
+            Place::Surface(s) => scene.medium_towards(&s.i, w, self.medium),
+            Place::Medium(_) => self.medium,
+        }
+    }
 }

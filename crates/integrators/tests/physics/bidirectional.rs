@@ -9,7 +9,7 @@ use steradian_integrators::{Control, Film};
 use steradian_scene::{Family, Node, NodeId, Value};
 
 /// A box of five walls, open to the camera, without light.
-fn room(wall: f64) -> Stage {
+pub fn room(wall: f64) -> Stage {
     let mut stage = Stage::new();
     stage.film(12, 12).look([0.0, 0.0, -3.2], [0.0, 0.0, 0.0], 40.0);
     for (corner, ex, ey, made_of) in [
@@ -31,12 +31,12 @@ fn room(wall: f64) -> Stage {
 }
 
 /// A square lamp under the ceiling, shining downwards.
-fn lamp(stage: &mut Stage, edge: f64, radiance: f64) {
+pub fn lamp(stage: &mut Stage, edge: f64, radiance: f64) {
     stage.mesh_lamp(rectangle([-edge / 2.0, 0.98, -edge / 2.0], [edge, 0.0, 0.0], [0.0, 0.0, edge]), radiance);
 }
 
 /// Something in the middle of the room.
-fn furnish(stage: &mut Stage, made_of: Node) {
+pub fn furnish(stage: &mut Stage, made_of: Node) {
     stage.solid(sphere([0.1, -0.5, 0.1], 0.45), made_of);
 }
 
@@ -175,7 +175,7 @@ fn blocks(film: &Film) -> Vec<(f64, f64)> {
 
 /// Reports a disagreement of two pictures: every block has to be within the standard errors that Šidák's correction
 /// allows, and the whole has to have little noise.
-fn disagreement(what: &str, a: &Film, b: &Film, precision: f64) -> Option<String> {
+pub fn disagreement(what: &str, a: &Film, b: &Film, precision: f64) -> Option<String> {
     let (a, b) = (blocks(a), blocks(b));
     let level = steradian_testkit::sidak(0.01, a.len() * 100);
     let (mut difference, mut total, mut variance, mut wrong) = (0.0, 0.0, 0.0, None);

@@ -5,6 +5,7 @@
 
 mod adaptive;
 mod bidirectional;
+mod bidirectional_media;
 mod color;
 mod determinism;
 mod emitters;
