@@ -9,6 +9,7 @@ use crate::{
     bench::BenchArgs,
     experiment::ExperimentArgs,
     meter::MeterArgs,
+    unwrap::UnwrapArgs,
 };
 use clap::{Parser, Subcommand};
 
@@ -57,6 +58,8 @@ pub enum Command {
     Denoise(DenoiseArgs),
     /// Bake the normals of a fine mesh into a normal map for a coarse one
     Bake(Box<BakeArgs>),
+    /// Give a mesh a texture atlas: charts that do not overlap, with little stretch
+    Unwrap(Box<UnwrapArgs>),
     /// Measure the speed of ray queries and acceleration structures
     Bench(BenchArgs),
     /// Compute the spectrum of a picture, and the aliases of a coarser sampling

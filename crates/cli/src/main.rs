@@ -40,6 +40,7 @@ mod signal;
 mod signals;
 mod solving;
 mod terminal;
+mod unwrap;
 mod usage_errors;
 mod values;
 mod verify;
@@ -131,6 +132,7 @@ fn run(command: &Command, terminal: Terminal) -> Outcome {
         Command::Convert(args) => convert::run(args, terminal),
         Command::Denoise(args) => denoise::run(args, terminal),
         Command::Bake(args) => bake::run(args, terminal),
+        Command::Unwrap(args) => unwrap::run(args, terminal),
         Command::Bench(args) => bench::run(args, terminal),
         Command::Signal(args) => signal::run(args, terminal),
         Command::Completions { shell } => {

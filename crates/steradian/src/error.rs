@@ -57,6 +57,9 @@ pub enum Error {
     /// Meshes of which no normal map can be baked, by the reason.
     #[error("{0}")]
     CannotBake(String),
+    /// Meshes that have no texture atlas, by the reason.
+    #[error("{0}")]
+    CannotUnwrap(String),
     /// A picture that could not be written or read.
     #[error(transparent)]
     Image(#[from] steradian_image::Error),

@@ -30,6 +30,7 @@ pub mod resume;
 mod single;
 pub mod specimen;
 pub mod support;
+pub mod unwrap;
 pub mod verify;
 mod viewpoint;
 

@@ -1,6 +1,6 @@
 //! Input of unwrapping, and its faults.
 
-use std::f64::consts::FRAC_PI_3;
+use std::f64::consts::{FRAC_PI_3, PI};
 use steradian_math::DVec3;
 
 /// Most triangles of a mesh.
@@ -84,8 +84,8 @@ impl Mesh<'_> {
         if !(seam_angle > 0.0 && seam_angle.is_finite()) {
             return Err(Error::BadOption("the angle of seams is above zero"));
         }
-        if !(cone > 0.0 && cone < 1.5) {
-            return Err(Error::BadOption("the cone of a chart is between 0 and 86 degrees"));
+        if !(cone > 0.0 && cone <= PI) {
+            return Err(Error::BadOption("the cone of a chart is between 0 and 180 degrees"));
         }
         if !(16..=1 << 15).contains(&resolution) {
             return Err(Error::BadOption("the resolution of an atlas is between 16 and 32768"));

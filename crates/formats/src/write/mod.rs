@@ -8,11 +8,14 @@ mod colour;
 mod exchange;
 mod frame;
 mod gltf;
+mod mesh;
 mod mitsuba;
 mod pbrt;
 mod picture;
 mod solid;
 mod surface;
+
+pub use mesh::{MESH_EXTENSIONS, placed, triangulated, write_mesh};
 
 use crate::native;
 use std::path::{Path, PathBuf};

@@ -52,7 +52,7 @@ pub(crate) fn placed(mesh: &Mesh, world: &Transform) -> Mesh {
 }
 
 /// Patches as two triangles each.
-fn triangulated(mesh: &Mesh) -> Mesh {
+pub(crate) fn triangulated(mesh: &Mesh) -> Mesh {
     let mut out = mesh.clone();
     let triangles = mesh.triangles.len();
     out.triangles.extend(mesh.patches.iter().flat_map(|&[a, b, d, c]| [[a, b, c], [a, c, d]]));
