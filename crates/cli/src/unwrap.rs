@@ -43,9 +43,8 @@ pub struct UnwrapArgs {
     /// Angle between neighbouring triangles from which their edge is a seam, degrees
     #[arg(long, value_name = "DEG", default_value_t = 60.0)]
     pub seam_angle: f64,
-    /// Largest angle between the middle normal of a chart and its others, degrees: less means more charts with less
-    /// stretch
-    #[arg(long, value_name = "DEG", default_value_t = 60.0)]
+    /// Half the angle of a cone that holds the normals of a chart, degrees: less means more charts with less stretch
+    #[arg(long, value_name = "DEG", default_value_t = 90.0)]
     pub cone: f64,
     /// Texels along a side of the atlas
     #[arg(long, value_name = "N", default_value_t = 1024)]

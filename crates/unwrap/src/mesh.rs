@@ -1,6 +1,6 @@
 //! Input of unwrapping, and its faults.
 
-use std::f64::consts::{FRAC_PI_3, PI};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI};
 use steradian_math::DVec3;
 
 /// Most triangles of a mesh.
@@ -32,7 +32,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { seam_angle: FRAC_PI_3, cone: FRAC_PI_3, resolution: 1024, padding: 4 }
+        Self { seam_angle: FRAC_PI_3, cone: FRAC_PI_2, resolution: 1024, padding: 4 }
     }
 }
 
