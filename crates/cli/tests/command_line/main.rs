@@ -21,6 +21,7 @@ mod sensors;
 #[cfg(unix)]
 mod stopping;
 mod streams;
+mod unwrapping;
 mod view;
 
 use std::{
