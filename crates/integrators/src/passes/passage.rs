@@ -35,7 +35,7 @@ pub(super) fn to_camera(
     (scene, depth): (&Scene, &Depth),
     counters: &mut Counters,
 ) -> Spectrum {
-    if !(depth.hide_emitters && !scene.settings().hidden_emitters_block) {
+    if !depth.hide_emitters || scene.settings().hidden_emitters_block {
         return between(v, (w, distance), number, (scene, &v.lambda), counters);
     }
     if v.geometry().is_some_and(|g| depth.hides(scene, g, 0)) {
