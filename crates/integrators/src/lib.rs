@@ -2,6 +2,7 @@
 //! `steradian-engine` turns them into a film.
 
 pub mod ao;
+pub mod gather;
 pub mod meter;
 pub mod passes;
 pub mod path;
@@ -45,6 +46,7 @@ pub const METHODS: &[MethodKind] = &[
     shared_path::DIRECT,
     whitted::WHITTED,
     ao::AO,
+    gather::GATHER,
     raycast::RAYCAST,
     structure::STRUCTURE,
     radiosity::RADIOSITY,

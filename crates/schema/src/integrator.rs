@@ -95,6 +95,18 @@ const TRANSIENT: &[Parameter] = &[
     HIDE_EMITTERS,
 ];
 
+const GATHER: &[Parameter] = &[
+    integer("rays", (1.0, 1048576.0), "16", "directions at each surface").refused(),
+    word(
+        "directions",
+        "random, grid",
+        "random",
+        "by random numbers, or the midpoints of a grid: without noise, biased",
+    ),
+    integer("max_depth", (-1.0, MOST), "2", "surfaces one behind the other; -1: no limit").refused(),
+    HIDE_EMITTERS,
+];
+
 const RASTER: &[Parameter] = &[
     word(
         "frame",
@@ -202,6 +214,12 @@ pub const INTEGRATORS: &[Model] = &[
             .unit("scene units")
             .refused()],
         "",
+    ),
+    method(
+        "gather",
+        "many directions at each surface, and again at what they meet",
+        GATHER,
+        "Kajiya, The rendering equation (1986); Davis, Rabinowitz, Methods of numerical integration (1984)",
     ),
     method("raycast", "the colour of the first surface", &[HIDE_EMITTERS], ""),
     method("structure", "the acceleration structure: its steps, boxes or cells", STRUCTURE, ""),

@@ -43,7 +43,7 @@ const SCENES: [&str; 12] = [
     "textured.pbrt",
 ];
 /// Integrators and their options, in forms that take little time.
-const INTEGRATORS: [&str; 27] = [
+const INTEGRATORS: [&str; 28] = [
     "path",
     "path:reuse=4",
     "path:caustics=true,reuse=1",
@@ -51,6 +51,7 @@ const INTEGRATORS: [&str; 27] = [
     "direct",
     "whitted",
     "ao:distance=1",
+    "gather:rays=4",
     "raycast",
     "structure",
     "structure:structure=kdtree,show=cells",

@@ -11,6 +11,7 @@ mod determinism;
 mod emitters;
 mod film;
 mod furnace;
+mod gathering;
 mod glass;
 mod glow;
 mod grating;

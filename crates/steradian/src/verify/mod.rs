@@ -43,7 +43,7 @@ const COARSE: u32 = 4;
 const COMPLETE: f64 = 1e-3;
 /// Integrators that are not compared by default: those that do not compute all light, and parts of polarised light.
 const OTHERS: &[&str] =
-    &["ao", "direct", "whitted", "raycast", "structure", "stokes-s1", "stokes-s2", "stokes-s3", "raster"];
+    &["ao", "direct", "gather", "whitted", "raycast", "structure", "stokes-s1", "stokes-s2", "stokes-s3", "raster"];
 
 /// Outcome of an integrator.
 #[derive(Clone, Debug)]
