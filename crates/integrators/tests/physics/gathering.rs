@@ -60,13 +60,9 @@ fn grids_are_biased_and_without_noise() {
         assert!((first - second).abs() < 1e-3 * right, "{rays}: {first} and {second}");
     }
     assert!(by("random", 16, 1) != by("random", 16, 2));
-    assert!(
-        error(16) > 0.02 && error(4096) < 0.01 && error(65536) < 0.003,
-        "{} {} {}",
-        error(16),
-        error(4096),
-        error(65536)
-    );
+    // The border of the ball cuts cells: the error falls no faster than their size.
+    let errors = [16, 4096, 65536].map(error);
+    assert!(errors[0] > 0.1 && errors[1] < 0.05 && errors[2] < 0.01, "{errors:?}");
 }
 
 #[test]
