@@ -34,7 +34,7 @@ pub enum Directions {
 pub struct Gather {
     /// Directions at each surface.
     pub rays: u32,
-    /// How they are chosen.
+    /// Choice of these directions.
     pub directions: Directions,
     /// Most surfaces, and whether the camera sees lights.
     pub depth: Depth,
@@ -89,7 +89,8 @@ struct Branch {
 impl Gather {
     /// Sides of the grid: the divisors of the number of rays that are nearest to each other.
     fn grid(&self) -> [u32; 2] {
-        let columns = (1..=self.rays).take_while(|n| n * n <= self.rays).filter(|n| self.rays % n == 0).last();
+        let columns =
+            (1..=self.rays).take_while(|n| n * n <= self.rays).filter(|n| self.rays.is_multiple_of(*n)).last();
         columns.map_or([1, 1], |columns| [columns, self.rays / columns])
     }
 
