@@ -1,9 +1,10 @@
-//! Gathering: N directions at each surface, and N at each surface that these meet, to a depth k. The light of each is
-//! the mean of that of its directions, so that Nᵏ rays end at depth k where `path` has one. Directions are random, or
-//! the midpoints of a grid over the unit square of the surface's sampling: the midpoint rule, without noise and with an
-//! error that is alike in all pixels.
+//! Gathering: N directions at each surface, and N at each surface that these meet. The light of each is the mean of
+//! that of its directions, so that Nᵏ rays end at depth k where `path` has one. Beyond a number of branches each surface
+//! sends a single ray, as paths do, which ends by Russian roulette: no light is left out. Directions are random, or the
+//! midpoints of a grid over the unit square of the surface's sampling: the midpoint rule, without noise and with an
+//! error that is alike in all pixels. Single rays are random.
 
-use crate::{Depth, Integrator, MAX_PASSES, dimension, nee, support};
+use crate::{Depth, Integrator, MAX_PASSES, dimension, live_max, nee, support};
 use std::sync::Arc;
 use steradian_bsdf::TransportMode;
 use steradian_core::{
@@ -12,13 +13,8 @@ use steradian_core::{
     light::Light,
 };
 use steradian_engine::{Asked, Method, MethodKind, PathContext, Plan, Refusal, Session, Support, Tiles};
-use steradian_math::{Ray, Spectrum, Vec2};
-
-/// Rays of a sample that may end at the last surfaces.
-const MOST_RAYS: u64 = 1 << 20;
-
-/// Surfaces that are gathered at where no limit is given: light after one bounce.
-const BOUNCES: u32 = 2;
+use steradian_math::{Ray, Spectrum, Vec2, hash::combine32};
+use steradian_transport::roulette::roulette;
 
 /// Choice of the directions at a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,31 +30,22 @@ pub enum Directions {
 pub struct Gather {
     /// Directions at each surface.
     pub rays: u32,
+    /// Most branches of a sample, if those of the first surface are not more.
+    pub branches: u32,
     /// Choice of these directions.
     pub directions: Directions,
-    /// Most surfaces, and whether the camera sees lights.
+    /// Limits of paths.
     pub depth: Depth,
 }
 
 /// `gather`.
-pub const GATHER: MethodKind = MethodKind::new("gather", |asked| Ok(Arc::new(Gather::of(asked)?)));
+pub const GATHER: MethodKind = MethodKind::new("gather", |asked| Ok(Arc::new(Gather::of(asked))));
 
 impl Gather {
-    fn of(asked: &Asked<'_>) -> Result<Self, Refusal> {
-        let (rays, depth) = (asked.options.count("rays"), asked.depth());
-        // Limits of scenes are those of single paths.
-        let is_given = asked.request.max_depth.is_some() || asked.options.given("max_depth").is_some();
-        let depth = Depth { max: if is_given { depth.max } else { BOUNCES }, ..depth };
-        let all = u64::from(rays).checked_pow(depth.max).filter(|all| *all <= MOST_RAYS);
-        if rays > 1 && all.is_none() {
-            return Err(Refusal(format!(
-                "gather: {rays} rays at each of {} surfaces are more than {MOST_RAYS} for a sample; give fewer, or a \
-                 smaller max_depth",
-                depth.max
-            )));
-        }
+    fn of(asked: &Asked<'_>) -> Self {
         let directions = if asked.options.word("directions") == "grid" { Directions::Grid } else { Directions::Random };
-        Ok(Self { rays, directions, depth })
+        let [rays, branches] = ["rays", "branches"].map(|name| asked.options.count(name));
+        Self { rays, branches: branches.max(rays), directions, depth: asked.depth() }
     }
 }
 
@@ -82,8 +69,21 @@ struct Branch {
     differential: Option<RayDifferential>,
     /// Surfaces before it.
     events: u32,
-    /// Its number among the branches of its depth.
-    number: u32,
+    /// Part of its light that arrives at the camera.
+    beta: Spectrum,
+    /// Factor of this part in the eyes of roulette: the compression of radiance by refraction, and the number of
+    /// branches among which surfaces have divided it.
+    scale: f32,
+    /// Number of these branches.
+    branches: u32,
+    /// Offset of its random numbers: each branch has its own.
+    offset: u32,
+}
+
+impl Branch {
+    fn dimension(&self, decision: u32) -> u32 {
+        dimension::at(self.events, decision).wrapping_add(self.offset)
+    }
 }
 
 impl Gather {
@@ -94,38 +94,47 @@ impl Gather {
         columns.map_or([1, 1], |columns| [columns, self.rays / columns])
     }
 
-    fn trace(&self, branch: Branch, context: &mut PathContext<'_, '_>) -> Spectrum {
-        let Branch { mut ray, mut differential, events, number } = branch;
-        let mut sum = Spectrum::ZERO;
-        let is_hidden = events == 0 && self.depth.hide_emitters;
-        // Each branch has dimensions of its own.
-        let own = |dimension: u32| dimension::at(events, dimension) ^ number << 8;
-        for _ in 0..MAX_PASSES {
+    /// Directions at a surface. Mirrors and glass have no area of directions to divide: one is drawn.
+    fn rays(&self, branch: &Branch, is_specular: bool) -> u32 {
+        let all = u64::from(branch.branches) * u64::from(self.rays);
+        if is_specular || all > u64::from(self.branches) { 1 } else { self.rays }
+    }
+
+    /// Light that a ray and those behind it bring to the camera.
+    fn trace(&self, mut branch: Branch, context: &mut PathContext<'_, '_>) -> Spectrum {
+        let (mut sum, mut passes) = (Spectrum::ZERO, 0);
+        loop {
             let PathContext { scene, sampler, lambda, counters } = &mut *context;
             if counters.stop.is_asked() {
-                break;
+                return sum;
             }
             counters.rays += 1;
-            let Some(hit) = scene.intersect(&ray) else {
-                let sky = nee::background(scene, ray.origin, ray.direction, &None, lambda);
-                return if is_hidden { sum } else { sum + sky };
+            let is_hidden = branch.events == 0 && self.depth.hide_emitters;
+            let Some(hit) = scene.intersect(&branch.ray) else {
+                let sky = nee::background(scene, branch.ray.origin, branch.ray.direction, &None, lambda);
+                return if is_hidden { sum } else { sum + branch.beta * sky };
             };
             // Emission is found by the directions alone.
-            let i = scene.interaction_of_light(&ray, &hit);
+            let i = scene.interaction_of_light(&branch.ray, &hit);
             if !is_hidden {
-                sum += nee::emission(scene, &i, &None, lambda);
+                sum += branch.beta * nee::emission(scene, &i, &None, lambda);
             }
-            let choice = sampler.get_1d(own(dimension::MIXTURE));
-            let surface = match self.depth.hides(scene, i.geometry, events) {
-                true => None,
-                false => scene.scattering_along(&i, differential.as_ref(), choice, lambda),
+            let surface = if self.depth.hides(scene, i.geometry, branch.events) {
+                None
+            } else {
+                let choice = sampler.get_1d_lazily(branch.dimension(dimension::MIXTURE), scene.has_mixtures());
+                scene.scattering_along(&i, branch.differential.as_ref(), choice, lambda)
             };
             let Some((scattering, frame)) = surface else {
-                ray = i.rest(&ray);
-                differential = differential.map(|d| d.advance(i.t));
+                passes += 1;
+                if passes > MAX_PASSES {
+                    return sum;
+                }
+                branch.ray = i.rest(&branch.ray);
+                branch.differential = branch.differential.map(|d| d.advance(i.t));
                 continue;
             };
-            if events >= self.depth.max {
+            if branch.events >= self.depth.max {
                 return sum;
             }
             let wo = frame.to_local(i.wo);
@@ -141,36 +150,59 @@ impl Gather {
                 }
                 counters.rays += 1;
                 if !scene.occluded(&i.spawn_towards(s.wi, s.distance)) {
-                    sum += e.value * s.radiance / s.pdf;
+                    sum += branch.beta * e.value * s.radiance / s.pdf;
                 }
             }
-            // Mirrors and glass have no area of directions to divide: one is drawn.
-            let (rays, [columns, rows]) =
-                if scattering.bsdf.is_specular() { (1, [1, 1]) } else { (self.rays, self.grid()) };
-            let is_grid = self.directions == Directions::Grid && rays > 1;
-            let mut gathered = Spectrum::ZERO;
-            for k in 0..rays {
-                let PathContext { scene, sampler, .. } = &mut *context;
-                let branch = number * rays + k;
-                let (u, u2) = if is_grid {
+            let rays = self.rays(&branch, scattering.bsdf.is_specular());
+            let [columns, rows] = self.grid();
+            let next = |k: u32, offset: u32, context: &PathContext<'_, '_>| {
+                let PathContext { scene, sampler, .. } = context;
+                let drawn = Branch { offset, ..branch };
+                let (u, u2) = if rays > 1 && self.directions == Directions::Grid {
                     let cell = Vec2::new((k % columns) as f32 + 0.5, (k / columns) as f32 + 0.5);
                     // Lobes in turn, by the golden ratio.
                     (((k as f32 + 0.5) * 0.618_034).fract(), cell / Vec2::new(columns as f32, rows as f32))
                 } else {
-                    let of_branch = |dimension: u32| dimension::at(events, dimension) ^ branch << 8;
-                    (sampler.get_1d(of_branch(dimension::LOBE)), sampler.get_2d(of_branch(dimension::DIRECTION)))
+                    (
+                        sampler.get_1d(drawn.dimension(dimension::LOBE)),
+                        sampler.get_2d(drawn.dimension(dimension::DIRECTION)),
+                    )
                 };
-                let Some(s) = scattering.sample(wo, u, u2, TransportMode::Radiance) else { continue };
+                let s = scattering.sample(wo, u, u2, TransportMode::Radiance)?;
                 let ray = i.spawn(frame.to_world(s.wi));
-                let differential = differential
+                let differential = branch
+                    .differential
                     .zip(Bounce::of(&s))
                     .and_then(|(d, bounce)| scene.scatter_differential(&i, &d, ray.direction, bounce));
-                let next = Branch { ray, differential, events: events + 1, number: branch };
-                gathered += s.weight * self.trace(next, context);
+                Some(Branch {
+                    ray,
+                    differential,
+                    events: branch.events + 1,
+                    beta: branch.beta * s.weight / rays as f32,
+                    scale: branch.scale * s.eta * s.eta * rays as f32,
+                    branches: branch.branches * rays,
+                    offset,
+                })
+            };
+            if rays > 1 {
+                for k in 0..rays {
+                    if let Some(next) = next(k, combine32(branch.offset, k), context) {
+                        sum += self.trace(next, context);
+                    }
+                }
+                return sum;
             }
-            return sum + gathered / rays as f32;
+            let Some(next) = next(0, branch.offset, context) else { return sum };
+            branch = next;
+            passes = 0;
+            let PathContext { sampler, lambda, .. } = &*context;
+            let live = live_max(branch.beta, lambda) * branch.scale;
+            let number = || sampler.get_1d(branch.dimension(dimension::ROULETTE));
+            match roulette(live, branch.events, &self.depth, None, number) {
+                Some(scale) => branch.beta *= scale,
+                None => return sum,
+            }
         }
-        sum
     }
 }
 
@@ -184,6 +216,7 @@ impl Integrator for Gather {
 
     fn radiance(&self, (): &(), ray: Ray, context: &mut PathContext<'_, '_>) -> Spectrum {
         let differential = context.scene.ray_differential(&ray);
-        self.trace(Branch { ray, differential, events: 0, number: 0 }, context)
+        let beta = Spectrum::splat(1.0);
+        self.trace(Branch { ray, differential, events: 0, beta, scale: 1.0, branches: 1, offset: 0 }, context)
     }
 }

@@ -96,14 +96,22 @@ const TRANSIENT: &[Parameter] = &[
 ];
 
 const GATHER: &[Parameter] = &[
-    integer("rays", (1.0, 1048576.0), "16", "directions at each surface").refused(),
+    integer("rays", (1.0, 1048576.0), "4", "directions at each surface").refused(),
+    integer(
+        "branches",
+        (1.0, 1048576.0),
+        "256",
+        "most branches of a ray, or as many as rays; surfaces at which there would be more send one, as paths do",
+    )
+    .refused(),
     word(
         "directions",
         "random, grid",
         "random",
         "by random numbers, or the midpoints of a grid: without noise, biased",
     ),
-    integer("max_depth", (-1.0, MOST), "2", "surfaces one behind the other; -1: no limit").refused(),
+    MAX_DEPTH,
+    RR_DEPTH,
     HIDE_EMITTERS,
 ];
 

@@ -51,7 +51,7 @@ const INTEGRATORS: [&str; 28] = [
     "direct",
     "whitted",
     "ao:distance=1",
-    "gather:rays=4",
+    "gather",
     "raycast",
     "structure",
     "structure:structure=kdtree,show=cells",

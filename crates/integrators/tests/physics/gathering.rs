@@ -65,12 +65,15 @@ fn grids_are_biased_and_without_noise() {
     assert!(errors[0] > 0.1 && errors[1] < 0.05 && errors[2] < 0.01, "{errors:?}");
 }
 
+/// Beyond the bound trees go on by single rays, which roulette ends: no light is left out.
 #[test]
-fn trees_of_rays_are_bounded() {
-    let request = steradian_request::Request { max_depth: Some(8), ..Default::default() };
-    let options = steradian_request::MethodRequest::parse("gather:rays=64").expect("a request");
-    let kind = steradian_integrators::METHODS.iter().find(|kind| kind.name == "gather").expect("a method");
-    let asked = steradian_engine::Asked { request: &request, options: &options, scene: &room() };
-    let said = (kind.new)(&asked).map(drop).expect_err("64⁸ rays").to_string();
-    assert!(said.contains("1048576 for a sample"), "{said}");
+fn bounded_trees_leave_no_light_out() {
+    let scene = room();
+    let paths = mean(&Shot::of("path", 100_000).roulette_after(2).take(&scene));
+    for (branches, most) in [(1, 4), (20, 16), (64, 64)] {
+        let spp = 100_000 / most;
+        let shot = Shot::of("gather", spp).roulette_after(2);
+        let (film, _) = film(&scene, &format!("rays=4,branches={branches}"), shot);
+        mean(&film).agrees(&format!("{branches} branches"), paths, 0.03);
+    }
 }
