@@ -1,9 +1,10 @@
-//! `steradian bake normals`: the normals of a fine mesh as a picture over a coarse one.
+//! `steradian bake`: lightmaps, and the normals of a fine mesh as a picture over a coarse one.
 
 use crate::{
     args::FileOptions,
     diagnostics,
     failure::{self, Failure, Outcome},
+    lightmap::{self, LightArgs},
     open, output,
     terminal::Terminal,
     values::Size,
@@ -33,6 +34,8 @@ pub struct BakeArgs {
 pub enum Baking {
     /// Bake the normals of a fine mesh into a normal map for a coarse one
     Normals(NormalsArgs),
+    /// Bake the light that falls on the meshes of a scene into a lightmap over their texture atlas
+    Light(Box<LightArgs>),
 }
 
 /// Space of normals.
@@ -84,9 +87,16 @@ pub struct NormalsArgs {
     pub files: FileOptions,
 }
 
-/// Reads both meshes, bakes, tells what is amiss, writes.
+/// Bakes a picture of either kind.
 pub fn run(args: &BakeArgs, terminal: Terminal) -> Outcome {
-    let Baking::Normals(args) = &args.what;
+    match &args.what {
+        Baking::Normals(args) => normals(args, terminal),
+        Baking::Light(args) => lightmap::run(args, terminal),
+    }
+}
+
+/// Reads both meshes, bakes, tells what is amiss, writes.
+fn normals(args: &NormalsArgs, terminal: Terminal) -> Outcome {
     open::limit_threads(args.threads);
     let outputs: Vec<&Path> = std::iter::once(&args.output).chain(&args.height).map(PathBuf::as_path).collect();
     outputs.iter().try_for_each(|path| output::kind(path).map(|_| ()))?;

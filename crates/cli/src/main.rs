@@ -20,6 +20,7 @@ mod failure;
 mod frames;
 mod info;
 mod job;
+mod lightmap;
 mod list;
 mod material;
 mod material_summary;

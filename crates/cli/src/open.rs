@@ -56,15 +56,21 @@ pub fn open(name: &Path, options: &SceneOptions, spp: Option<u32>) -> LoadedScen
 
 /// Reads and compiles a scene whose camera shows nothing to anybody; it may have none.
 pub fn open_unseen(name: &Path, options: &SceneOptions) -> LoadedScene {
+    opened(load_unseen(name, options), options, None)
+}
+
+/// Reads a scene whose camera shows nothing to anybody, and gives it one if it has none.
+pub fn load_unseen(name: &Path, options: &SceneOptions) -> Loaded {
     let mut loaded = load(name, options.format.as_deref(), &reading(&options.define, options.framing));
     if loaded.desc.cameras.is_empty() && options.camera.is_none() {
         let camera = loaded.desc.add(Node::new(Family::Camera, "perspective", None));
         loaded.desc.cameras.push(camera);
     }
-    opened(loaded, options, None)
+    loaded
 }
 
-fn opened(mut loaded: Loaded, options: &SceneOptions, spp: Option<u32>) -> LoadedScene {
+/// Compiles a scene that was read.
+pub fn opened(mut loaded: Loaded, options: &SceneOptions, spp: Option<u32>) -> LoadedScene {
     if let Some(view) = options.look_at
         && let Some(camera) = loaded.desc.camera(options.camera.as_deref())
         && !view.place(&mut loaded.desc, camera)

@@ -10,7 +10,7 @@ use crate::{Counters, Depth, PathContext, dimension, path::PathTracer};
 use rayon::prelude::*;
 use steradian_core::{
     ColorMode, Scene,
-    sampler::{Sampler, SamplerKind},
+    sampler::{PixelSampler, Sampler, SamplerKind},
 };
 use steradian_math::{
     Spectrum, Vec3,
@@ -99,8 +99,41 @@ pub fn read(scene: &Scene, receiver: &Receiver, settings: &Settings) -> Reading 
     }
 }
 
-/// A plane's point, moved off a surface that it may lie on.
-fn off_surface(scene: &Scene, receiver: &Receiver) -> Receiver {
+/// One sample of a receiver, linear Rec.709, for what takes the means itself. It depends on the sampler alone; a plane
+/// on a surface is to be moved [off](off_surface) it.
+pub fn sample(scene: &Scene, receiver: &Receiver, settings: &Settings, sampler: &PixelSampler) -> Vec3 {
+    let (light, lambda) = received(scene, receiver, settings, sampler);
+    scene.mode().to_rgb(light, &lambda)
+}
+
+/// One sample of the light that a receiver takes, and its wavelengths.
+fn received(
+    scene: &Scene,
+    receiver: &Receiver,
+    settings: &Settings,
+    sampler: &PixelSampler,
+) -> (Spectrum, Wavelengths) {
+    let mut lambda = scene.mode().wavelengths(|| sampler.get_1d(dimension::WAVELENGTH));
+    if scene.is_timed() {
+        lambda = lambda.at_time(sampler.get_1d(dimension::TIME));
+    }
+    // A fluorescent surface changes the wavelengths that the path goes on with, not those that are measured.
+    let mut followed = lambda;
+    let mut counters = Counters::default();
+    let context = &mut PathContext { scene, sampler, lambda: &mut followed, counters: &mut counters };
+    let depth = settings.depth;
+    let light = match settings.media {
+        true => PathTracer::<true> { depth }.received(receiver, context),
+        false => PathTracer::<false> { depth }.received(receiver, context),
+    };
+    if followed.is_secondary_terminated() {
+        lambda.terminate_secondary();
+    }
+    (light, lambda)
+}
+
+/// A receiver whose plane is moved off a surface that it may lie on.
+pub fn off_surface(scene: &Scene, receiver: &Receiver) -> Receiver {
     let off = |p: Vec3, n: Vec3| {
         let bounds = scene.bounds();
         let size = if bounds.is_empty() { 0.0 } else { bounds.diagonal().length() };
@@ -118,22 +151,7 @@ impl Sums {
     /// Adds a sample of a replicate.
     fn take(&mut self, scene: &Scene, receiver: &Receiver, settings: &Settings, (replicate, index): (u32, u32)) {
         let sampler = Sampler { kind: SamplerKind::Sobol, spp: 1, seed: settings.seed }.pixel(replicate, 0, index);
-        let mut lambda = scene.mode().wavelengths(|| sampler.get_1d(dimension::WAVELENGTH));
-        if scene.is_timed() {
-            lambda = lambda.at_time(sampler.get_1d(dimension::TIME));
-        }
-        // A fluorescent surface changes the wavelengths that the path goes on with, not those that are measured.
-        let mut followed = lambda;
-        let mut counters = Counters::default();
-        let context = &mut PathContext { scene, sampler: &sampler, lambda: &mut followed, counters: &mut counters };
-        let depth = settings.depth;
-        let light = match settings.media {
-            true => PathTracer::<true> { depth }.received(receiver, context),
-            false => PathTracer::<false> { depth }.received(receiver, context),
-        };
-        if followed.is_secondary_terminated() {
-            lambda.terminate_secondary();
-        }
+        let (light, lambda) = received(scene, receiver, settings, &sampler);
         let values = measures(scene.mode(), light, &lambda);
         if values.iter().any(|v| !v.is_finite()) {
             self.nonfinite += 1;

@@ -19,6 +19,7 @@ pub mod denoise;
 pub mod develop;
 mod error;
 pub mod inputs;
+pub mod lightmap;
 pub mod load;
 mod method;
 mod missed;

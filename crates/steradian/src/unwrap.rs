@@ -10,7 +10,7 @@ use steradian_unwrap as atlas;
 pub use steradian_unwrap::{Atlas, MOST_TRIANGLES, Metrics, Options};
 
 /// Name of the attribute with a second set of texture coordinates.
-const SECOND: &str = "uv1";
+pub(crate) const SECOND: &str = "uv1";
 
 /// Origin of the seams.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -274,7 +274,7 @@ fn stretch_color(stretch: f64) -> [f32; 3] {
 }
 
 /// Calls back for each pixel whose centre is in a triangle.
-fn covered(points: [DVec2; 3], size: usize, mut paint: impl FnMut(usize, usize)) {
+pub(crate) fn covered(points: [DVec2; 3], size: usize, mut paint: impl FnMut(usize, usize)) {
     let low = points[0].min(points[1]).min(points[2]);
     let high = points[0].max(points[1]).max(points[2]);
     let pixel = |x: f64| (x.max(0.0) as usize).min(size);

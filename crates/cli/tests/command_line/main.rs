@@ -9,6 +9,7 @@ mod denoising;
 mod exchange;
 mod experiments;
 mod layers;
+mod lightmaps;
 mod lists;
 mod materials;
 mod meters;

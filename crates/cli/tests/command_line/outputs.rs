@@ -163,6 +163,7 @@ const CLASHES: &[(&str, &[&str], &[&str])] = &[
         &["normals", "sky.pbrt", "sky.pbrt", "-o", "sky.exr"],
         &["normals", "sky.pbrt", "sky.pbrt", "-o", "n.png", "--height", "./n.png"],
     ),
+    ("bake", &["light", "sky.pbrt", "-o", "wall.png"], &[]),
     ("unwrap", &["part.ply", "-o", "part.ply"], &[]),
     ("compare", &["wall.png", "wall.png", "-o", "wall.png"], &[]),
     ("convert", &["wall.png", "wall.png"], &[]),
