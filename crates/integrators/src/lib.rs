@@ -13,6 +13,7 @@ pub mod structure;
 pub mod whitted;
 
 mod caustics;
+mod guiding;
 mod precomputed;
 mod receiver;
 mod shared_path;

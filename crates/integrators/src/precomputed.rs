@@ -1,6 +1,6 @@
 //! Prepared data of path tracers: group size, photons, effort, and path splitting.
 
-use crate::{Plan, Stop, caustics::Caustics};
+use crate::{Plan, Stop, guiding::Guides};
 use steradian_core::film::LayerInputs;
 use steradian_request::MethodRequest;
 
@@ -12,6 +12,8 @@ pub struct VarianceReduction {
     /// Enables guiding by photons from behind mirrors and glass: a gain where such light rules the noise, and some loss
     /// elsewhere. `None` where a trial is to tell.
     pub caustics: Option<bool>,
+    /// Enables guiding by what paths of a training found. `None` where the training is to tell.
+    pub guiding: Option<bool>,
     /// Light samples and roulette threshold of paths that share, with as many paths everywhere; `None` where trials are
     /// to tell both.
     pub effort: Option<PathEffort>,
@@ -23,6 +25,7 @@ impl VarianceReduction {
         Self {
             reuse: options.word("reuse").parse().ok(),
             caustics: options.word("caustics").parse().ok(),
+            guiding: options.word("guiding").parse().ok(),
             effort: (options.word("effort") == "even").then(PathEffort::default),
         }
     }
@@ -82,8 +85,8 @@ pub struct Precomputed {
     pub group: u32,
     /// True if much of what the camera sees lies under the sky, and paths share.
     pub is_open: bool,
-    /// Photons that mirrors and glass focused.
-    pub caustics: Option<Caustics>,
+    /// Guides of directions.
+    pub guides: Guides,
     /// Probability that one camera sample finds the rarest paths that carry a good part of the light, as far as a trial
     /// of photons showed.
     pub rarest_path_probability: Option<f64>,
@@ -99,5 +102,11 @@ impl Precomputed {
     /// Number of paths that share: 1 where none do.
     pub fn reuse(&self) -> u32 {
         self.group.max(1)
+    }
+
+    /// The guides, if there are any.
+    #[inline]
+    pub(crate) fn guide(&self) -> Option<&Guides> {
+        (!self.guides.is_empty()).then_some(&self.guides)
     }
 }

@@ -99,7 +99,7 @@ impl<const MEDIA: bool> GroupIntegrator for SharedPath<MEDIA> {
             [sample] if scene.needs_scalar_path_tracer() => self.alone(scene, sample, counters),
             [PixelSample { ray, own, lambda, radiance, .. }] => {
                 let context = &mut PathContext { scene, sampler: own, lambda, counters };
-                *radiance = self.path.arriving(*ray, precomputed.caustics.as_ref(), context);
+                *radiance = self.path.arriving(*ray, precomputed.guide(), context);
             }
             _ => sharing::group(&self.path, scene, precomputed, pixel_samples, buffer, counters),
         }
@@ -137,6 +137,6 @@ impl<const MEDIA: bool> GroupIntegrator for SharedPath<MEDIA> {
     }
 
     fn asks_photons(&self, precomputed: &Precomputed) -> bool {
-        precomputed.caustics.is_some()
+        precomputed.guides.caustics.is_some()
     }
 }

@@ -55,7 +55,7 @@ fn variance_reduction() -> Vec<VarianceReduction> {
     for reuse in [Some(1), Some(4), Some(16), None] {
         for caustics in [Some(false), Some(true)] {
             for effort in [Some(PathEffort::default()), None] {
-                all.push(VarianceReduction { reuse, caustics, effort });
+                all.push(VarianceReduction { reuse, caustics, effort, guiding: Some(false) });
             }
         }
     }

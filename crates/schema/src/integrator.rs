@@ -23,6 +23,12 @@ const CAUSTICS: Parameter = word(
     "auto",
     "whether photons guide paths to light behind mirrors and glass; auto: by a trial",
 );
+const GUIDING: Parameter = word(
+    "guiding",
+    "auto, true, false",
+    "false",
+    "whether paths of a training guide the picture's to where light comes from; auto: where the training says it pays",
+);
 const EFFORT: Parameter = word(
     "effort",
     "auto, even",
@@ -38,7 +44,7 @@ const fn pixels(default: &'static str) -> Parameter {
 }
 
 const PATHS: &[Parameter] = &[MAX_DEPTH, RR_DEPTH, HIDE_EMITTERS];
-const GUIDED_PATHS: &[Parameter] = &[MAX_DEPTH, RR_DEPTH, HIDE_EMITTERS, REUSE, CAUSTICS, EFFORT];
+const GUIDED_PATHS: &[Parameter] = &[MAX_DEPTH, RR_DEPTH, HIDE_EMITTERS, REUSE, CAUSTICS, GUIDING, EFFORT];
 
 const fn method(
     kind: &'static str,

@@ -29,7 +29,7 @@ pub mod volume_emission;
 mod walk;
 
 pub use follow::{Arrival, arrive, escape, meet};
-pub use guide::{Guide, GuidedDirection, NoGuide};
+pub use guide::{Directions, Guide, GuidedDirection, NoGuide};
 pub use sink::{Segment, Sink, Step};
 pub use state::PathState;
 pub use vertex::Vertex;

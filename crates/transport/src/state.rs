@@ -166,19 +166,19 @@ impl PathState {
         guide: Option<&impl Guide>,
     ) -> Option<GuidedDirection> {
         let u2 = sampler.get_2d(dimension::at(self.events, dimension::DIRECTION));
+        // Where the guide knows something the direction comes from the mixture of both densities.
+        if let Some(directions) = guide.and_then(|guide| guide.at(v)) {
+            let u = sampler.get_1d(self.dimension(dimension::LOBE));
+            return GuidedDirection::by_mixture(v, &directions, u, u2);
+        }
         // In a medium the phase function draws the direction; it has no lobes to choose from.
-        let Vertex::Surface { i, scattering, frame, .. } = v else {
+        let Vertex::Surface { scattering, .. } = v else {
             return v.draw(0.5, u2).map(GuidedDirection::by_surface);
         };
         // The number that chooses a lobe is drawn only where somebody asks for it.
         let has_one_lobe = matches!(scattering.bsdf, Bsdf::Diffuse(_) | Bsdf::Conductor(_));
-        let is_asked = guide.is_some() || !has_one_lobe;
-        let u = sampler.get_1d_lazily(self.dimension(dimension::LOBE), is_asked);
-        // With a guide the direction comes from the mixture of both densities.
-        match guide {
-            Some(guide) => guide.sample(i.surface.p, frame, frame.to_local(i.wo), scattering, u, u2),
-            None => v.draw(u, u2).map(GuidedDirection::by_surface),
-        }
+        let u = sampler.get_1d_lazily(self.dimension(dimension::LOBE), !has_one_lobe);
+        v.draw(u, u2).map(GuidedDirection::by_surface)
     }
 
     /// On from a vertex in the direction that was drawn there.

@@ -103,6 +103,24 @@ impl Vertex<'_> {
         }
     }
 
+    /// A direction of samples from one in world space.
+    #[inline]
+    pub fn local(&self, w: Vec3) -> Vec3 {
+        match self {
+            Self::Surface { frame, .. } => frame.to_local(w),
+            Self::Medium { .. } => w,
+        }
+    }
+
+    /// True if a direction of samples leaves on the side of the viewer; in a medium, always.
+    #[inline]
+    pub fn is_reflection(&self, wi: Vec3) -> bool {
+        match self {
+            Self::Surface { i, frame, .. } => wi.z * frame.to_local(i.wo).z > 0.0,
+            Self::Medium { .. } => true,
+        }
+    }
+
     /// A ray that leaves in a direction.
     #[inline]
     pub fn spawn(&self, direction: Vec3) -> Ray {

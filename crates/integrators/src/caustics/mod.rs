@@ -16,12 +16,11 @@
 //! decides whether it pays (`trials::caustics`).
 
 mod photons;
-use crate::Stop;
+use crate::{Stop, guiding::Regions};
 use photons::{Photon, is_receiver};
-use steradian_bsdf::{BsdfSample, Lobe, TransportMode};
-use steradian_core::{Scene, material::Scattering};
+use steradian_core::Scene;
 use steradian_math::{Bounds3, Frame, Vec2, Vec3};
-use steradian_transport::{Guide, GuidedDirection};
+use steradian_transport::{Directions, Guide, Vertex};
 
 /// Fewer landed ones than this are no guide.
 const FEWEST: usize = 64;
@@ -39,23 +38,8 @@ const RADIUS: (f32, f32) = (0.01, 0.6);
 /// The photons that landed, by neighbourhoods.
 #[derive(Clone, Debug)]
 pub struct Caustics {
-    nodes: Vec<Node>,
+    regions: Regions,
     leaves: Vec<Leaf>,
-    cells: Cells,
-}
-
-/// A node of the k-d tree: the axis and the place of the split, and the second child (the first one follows); or a
-/// leaf.
-#[derive(Clone, Copy, Debug)]
-enum Node {
-    Split {
-        axis: u8,
-        at: f32,
-        second: u32,
-    },
-    Leaf(u32),
-    /// Nothing that would guide.
-    Nothing,
 }
 
 /// A neighbourhood; lanes beyond its photons have no weight.
@@ -81,138 +65,59 @@ impl Caustics {
         if photons.len() < FEWEST {
             return None;
         }
-        let mut caustics = Self { nodes: Vec::new(), leaves: Vec::new(), cells: Cells::default() };
-        caustics.split(&mut photons).then(|| Self { cells: Cells::new(&caustics.nodes, &caustics.leaves), ..caustics })
-    }
-
-    /// Builds the subtree of these photons; true if any leaf in it guides.
-    fn split(&mut self, photons: &mut [Photon]) -> bool {
-        if photons.len() <= LANES {
+        let mut leaves = Vec::new();
+        let make = |photons: &mut [Photon]| {
             let leaf = Leaf::new(photons);
             let guides = leaf.share > 0.0;
-            self.nodes.push(if guides { Node::Leaf(self.leaves.len() as u32) } else { Node::Nothing });
-            self.leaves.extend(guides.then_some(leaf));
-            return guides;
-        }
-        let axis = Bounds3::from_points(photons.iter().map(|p| p.p)).longest_axis();
-        let half = photons.len() / 2;
-        photons.select_nth_unstable_by(half, |a, b| a.p[axis].total_cmp(&b.p[axis]));
-        let (node, at) = (self.nodes.len(), photons[half].p[axis]);
-        self.nodes.push(Node::Nothing);
-        let (low, high) = photons.split_at_mut(half);
-        let near = self.split(low);
-        let second = self.nodes.len() as u32;
-        if !(self.split(high) | near) {
-            self.nodes.truncate(node + 1);
-            return false;
-        }
-        self.nodes[node] = Node::Split { axis: axis as u8, at, second };
-        true
+            leaves.extend(guides.then_some(leaf));
+            guides
+        };
+        let regions = Regions::new(&mut photons, |photon| photon.p, LANES, make)?;
+        Some(Self::of(regions, leaves))
+    }
+
+    fn of(regions: Regions, leaves: Vec<Leaf>) -> Self {
+        let bounds = leaves.iter().fold(Bounds3::EMPTY, |b, leaf| b.union(leaf.bounds));
+        Self { regions: regions.within(bounds), leaves }
     }
 
     /// The photons about a point.
     #[inline]
     fn leaf(&self, p: Vec3) -> Option<&Leaf> {
-        let mut node = self.cells.node(p)?;
-        loop {
-            match self.nodes[node] {
-                Node::Split { axis, at, second } => {
-                    node = if p[axis as usize] < at { node + 1 } else { second as usize };
-                }
-                Node::Nothing => return None,
-                Node::Leaf(leaf) => {
-                    let leaf = &self.leaves[leaf as usize];
-                    return leaf.bounds.contains(p).then_some(leaf);
-                }
-            }
-        }
+        let leaf = &self.leaves[self.regions.leaf(p)?];
+        leaf.bounds.contains(p).then_some(leaf)
     }
 }
 
 impl Guide for Caustics {
     #[inline]
-    fn sample(
-        &self,
-        p: Vec3,
-        frame: &Frame,
-        wo: Vec3,
-        scattering: &Scattering<'_>,
-        u: f32,
-        u2: Vec2,
-    ) -> Option<GuidedDirection> {
-        let mode = TransportMode::Radiance;
-        let Some(leaf) = is_receiver(&scattering.bsdf).then(|| self.leaf(p)).flatten() else {
-            return scattering.sample(wo, u, u2, mode).map(GuidedDirection::by_surface);
-        };
-        let share = leaf.share;
-        if u < share {
-            let w = leaf.sample(p, u / share, u2);
-            let wi = frame.to_local(w);
-            let e = scattering.eval(wo, wi, mode);
-            if e.value.is_black() {
-                return None;
-            }
-            let pdf = e.pdf + share * (leaf.pdf(p, w) - e.pdf);
-            let side = if wi.z * wo.z > 0.0 { Lobe::REFLECTION } else { Lobe::TRANSMISSION };
-            let sample = BsdfSample { wi, weight: e.value / pdf, pdf: e.pdf, lobe: side.with(Lobe::GLOSSY), eta: 1.0 };
-            return Some(GuidedDirection { sample, ratio: e.pdf / pdf });
-        }
-        let s = scattering.sample(wo, (u - share) / (1.0 - share), u2, mode)?;
-        let ratio = if s.lobe.is_specular() {
-            1.0 / (1.0 - share)
-        } else {
-            s.pdf / (s.pdf + share * (leaf.pdf(p, frame.to_world(s.wi)) - s.pdf))
-        };
-        Some(GuidedDirection { sample: BsdfSample { weight: s.weight * ratio, ..s }, ratio })
+    fn at(&self, vertex: &Vertex<'_>) -> Option<impl Directions> {
+        let Vertex::Surface { i, scattering, .. } = vertex else { return None };
+        let p = i.surface.p;
+        is_receiver(&scattering.bsdf).then(|| self.leaf(p)).flatten().map(|leaf| LeafAt { leaf, p })
     }
 }
 
-/// A grid over the tree that says from which node on a place of it is looked for.
-#[derive(Clone, Debug, Default)]
-struct Cells {
-    bounds: Bounds3,
-    /// Cells in a unit of length, by axis.
-    scale: Vec3,
-    /// The smallest node around each cell.
-    nodes: Vec<u32>,
+/// A neighbourhood seen from a point in it.
+struct LeafAt<'a> {
+    leaf: &'a Leaf,
+    p: Vec3,
 }
 
-impl Cells {
-    /// Cells along an axis.
-    const EDGE: usize = 32;
-
-    fn new(nodes: &[Node], leaves: &[Leaf]) -> Self {
-        let bounds = leaves.iter().fold(Bounds3::EMPTY, |b, leaf| b.union(leaf.bounds));
-        let size = bounds.diagonal() / Self::EDGE as f32;
-        // Places are found to rounding.
-        let margin = size * 1e-3;
-        let node_around = |cell: usize| {
-            let place = [cell, cell / Self::EDGE, cell / (Self::EDGE * Self::EDGE)].map(|c| (c % Self::EDGE) as f32);
-            let min = bounds.min + size * Vec3::from(place) - margin;
-            let max = min + size + margin * 2.0;
-            let mut node = 0;
-            while let Some(Node::Split { axis, at, second }) = nodes.get(node) {
-                let axis = *axis as usize;
-                node = match (max[axis] < *at, min[axis] >= *at) {
-                    (true, _) => node + 1,
-                    (_, true) => *second as usize,
-                    _ => break,
-                };
-            }
-            node as u32
-        };
-        let scale = size.map(|s| if s > 0.0 { 1.0 / s } else { 0.0 });
-        Self { bounds, scale, nodes: (0..Self::EDGE.pow(3)).map(node_around).collect() }
-    }
-
-    /// The node to start from; `None` where there are no leaves.
+impl Directions for LeafAt<'_> {
     #[inline]
-    fn node(&self, p: Vec3) -> Option<usize> {
-        if !self.bounds.contains(p) {
-            return None;
-        }
-        let place = ((p - self.bounds.min) * self.scale).to_array().map(|c| (c as usize).min(Self::EDGE - 1));
-        self.nodes.get((place[2] * Self::EDGE + place[1]) * Self::EDGE + place[0]).map(|node| *node as usize)
+    fn share(&self) -> f32 {
+        self.leaf.share
+    }
+
+    #[inline]
+    fn sample(&self, u: f32, u2: Vec2) -> Vec3 {
+        self.leaf.sample(self.p, u, u2)
+    }
+
+    #[inline]
+    fn pdf(&self, w: Vec3) -> f32 {
+        self.leaf.pdf(self.p, w)
     }
 }
 
@@ -314,11 +219,13 @@ fn radii(at: Vec3, points: &[Vec3]) -> Vec<f32> {
 mod tests {
     use super::*;
     use steradian_bsdf::Diffuse;
+    use steradian_core::{material::Scattering, shape::SurfacePoint};
     use steradian_math::{
-        Spectrum,
+        Ray, Spectrum,
         hash::{combine32, unit_f32},
         warp,
     };
+    use steradian_transport::GuidedDirection;
 
     fn leaf() -> Leaf {
         let at = |k: u32, scale: f32| Vec3::from([0, 1, 2].map(|axis| (unit_f32(combine32(k, axis)) - 0.5) * scale));
@@ -372,16 +279,25 @@ mod tests {
     fn mixtures_keep_the_albedo() {
         let mut leaf = leaf();
         leaf.share = 0.4;
-        let (nodes, leaves) = (vec![Node::Leaf(0)], vec![leaf]);
-        let caustics = Caustics { cells: Cells::new(&nodes, &leaves), nodes, leaves };
-        let grey = Scattering::plain(steradian_bsdf::Bsdf::Diffuse(Diffuse { reflectance: Spectrum::splat(0.7) }));
-        let frame = Frame::from_z(Vec3::new(0.6, 0.0, 0.8));
+        let regions = Regions::new(&mut [Vec3::ZERO], |p| *p, 1, |_| true).unwrap();
+        let caustics = Caustics::of(regions, vec![leaf]);
+        // A grey point of a surface, seen aslant.
+        let scene = crate::stop_tests::ball("diffuse");
+        let ray = Ray::new(Vec3::new(0.0, 0.0, -3.0), Vec3::Z);
+        let mut i = scene.interaction(&ray, &scene.intersect(&ray).unwrap());
+        let (p, n) = (Vec3::ZERO, Vec3::new(0.6, 0.0, 0.8));
+        let frame = Frame::from_z(n);
+        i.surface = SurfacePoint::bare(p, Vec3::ZERO, n);
+        i.wo = frame.to_world(Vec3::new(0.0, 0.6, 0.8));
+        let scattering =
+            Scattering::plain(steradian_bsdf::Bsdf::Diffuse(Diffuse { reflectance: Spectrum::splat(0.7) }));
+        let vertex = Vertex::Surface { i, scattering, frame, medium: None };
         let n = 100_000;
         let (mut sum, mut squares) = (0.0_f64, 0.0_f64);
         for k in 0..n {
             let u = |d| unit_f32(combine32(k, d));
-            let wo = Vec3::new(0.0, 0.6, 0.8);
-            let draw = caustics.sample(Vec3::ZERO, &frame, wo, &grey, u(1), Vec2::new(u(2), u(3)));
+            let directions = caustics.at(&vertex).unwrap();
+            let draw = GuidedDirection::by_mixture(&vertex, &directions, u(1), Vec2::new(u(2), u(3)));
             let weight = draw.map_or(0.0, |d| f64::from(d.sample.weight[0]));
             sum += weight;
             squares += weight * weight;

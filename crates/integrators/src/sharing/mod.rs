@@ -113,7 +113,7 @@ impl<'s> Member<'s> {
                     return true;
                 }
                 Arrival::Vertex(v) => {
-                    let guide = precomputed.caustics.as_ref();
+                    let guide = precomputed.guide();
                     let Some(draw) = path_state.sample(v, context.sampler, guide) else { return false };
                     // A mirror or clear pane: throughput, roulette, and on to the next vertex.
                     path_state.turn::<MEDIA>(context.scene, v, &draw);
@@ -149,7 +149,7 @@ impl<'s> Member<'s> {
         let Self { x, path_state, .. } = self;
         let Arrival::Vertex(x) = x else { return false };
         // The direction at x is drawn by random numbers that are stratified over the group.
-        let Some(draw) = path_state.sample(x, &pixel_sample.joint, precomputed.caustics.as_ref()) else { return false };
+        let Some(draw) = path_state.sample(x, &pixel_sample.joint, precomputed.guide()) else { return false };
         (self.sample, self.ratio) = (draw.sample, draw.ratio);
         path_state.turn::<MEDIA>(scene, x, &draw);
         if !path_state.beta.is_finite() {
@@ -169,7 +169,7 @@ pub(crate) fn group<'s, const MEDIA: bool>(
     GroupBuffer(members): &mut GroupBuffer<'s>,
     counters: &mut Counters,
 ) {
-    let guide = precomputed.caustics.as_ref();
+    let guide = precomputed.guide();
     if MEDIA && scene.is_see_through() {
         // Ways between points may lead through several media.
         for PixelSample { ray, own, lambda, radiance, .. } in pixel_samples {

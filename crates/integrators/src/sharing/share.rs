@@ -110,7 +110,7 @@ pub(super) fn share<const MEDIA: bool>(
         let mut light = Spectrum::ZERO;
         // Light that leaves y alike in all directions, or for its finder alone: the path simply goes on from y.
         if shared != Shared::ByDirection {
-            light = path.leaving(y, path_state, precomputed.caustics.as_ref(), context, Spectrum::ZERO);
+            light = path.leaving(y, path_state, precomputed.guide(), context, Spectrum::ZERO);
             light = for_all_wavelengths(light, &lambda, common, scene.mode());
             if shared == Shared::No || !light.is_finite() {
                 *radiance += light;
@@ -174,7 +174,7 @@ impl<const MEDIA: bool> Found<'_, '_, MEDIA> {
     ) -> [Spectrum; MAX_GROUP] {
         let Self { path, scene, precomputed, group, k, y } = *self;
         let PixelSample { joint, mut lambda, .. } = pixel_samples[group[k].pixel_sample];
-        let guide = precomputed.caustics.as_ref();
+        let guide = precomputed.guide();
         let mut sums = [Spectrum::ZERO; MAX_GROUP];
         // Values towards all members, and the mean density.
         let towards_all = |w: Vec3| {

@@ -146,7 +146,7 @@ fn trace<const MEDIA: bool>(
             found.push((light, ratio));
         }
         let Arrival::Vertex(v) = &arrival else { return found };
-        let Some(draw) = path_state.sample(v, sampler, precomputed.caustics.as_ref()) else { return found };
+        let Some(draw) = path_state.sample(v, sampler, precomputed.guide()) else { return found };
         // r ← r p_bsdf / p_mixture.
         ratio *= f64::from(draw.ratio);
         path_state.turn::<MEDIA>(scene, v, &draw);

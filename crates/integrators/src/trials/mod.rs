@@ -11,7 +11,9 @@ mod probe;
 mod sharing;
 mod splitting;
 
-use crate::{Plan, Stop, VarianceReduction, caustics::Caustics, path::PathTracer, precomputed::Precomputed};
+use crate::{
+    Plan, Stop, VarianceReduction, caustics::Caustics, guiding::Guides, path::PathTracer, precomputed::Precomputed,
+};
 use steradian_core::Scene;
 use steradian_math::{Frame, Vec2, sobol, warp};
 
@@ -37,18 +39,27 @@ pub(crate) fn run<const MEDIA: bool>(
         return Precomputed::default();
     }
     // 1. Photons, and by a trial whether they pay.
-    let mut precomputed =
-        Precomputed { caustics: Caustics::new(scene, stop), stop: stop.clone(), ..Precomputed::default() };
+    let guides = Guides { caustics: Caustics::new(scene, stop), field: None };
+    let mut precomputed = Precomputed { guides, stop: stop.clone(), ..Precomputed::default() };
     // Where they are not wanted they still tell what the picture lacks.
-    if precomputed.caustics.is_some() && variance_reduction.caustics != Some(true) {
+    if precomputed.guides.caustics.is_some() && variance_reduction.caustics != Some(true) {
         let outcome = caustics::trial(scene, path, &precomputed);
         if variance_reduction.caustics == Some(false) || outcome.gain < WORTH {
-            precomputed.caustics = None;
+            precomputed.guides.caustics = None;
             precomputed.rarest_path_probability = outcome.rarest_path_probability;
         }
     }
-    // 2. The size of groups, by request, by rule or by a trial.
     let samples = u64::from(scene.film().width) * u64::from(scene.film().height) * u64::from(plan.sampler.spp);
+    // 2. A field of directions, by training, and whether it pays.
+    if variance_reduction.guiding != Some(false) {
+        let before = precomputed.guides.clone();
+        precomputed.guides = before.clone().trained(scene, path, samples, stop);
+        let pays = |guided: &Precomputed| caustics::trial(scene, path, guided).gain >= WORTH;
+        if variance_reduction.guiding.is_none() && precomputed.guides.field.is_some() && !pays(&precomputed) {
+            precomputed.guides = before;
+        }
+    }
+    // 3. The size of groups, by request, by rule or by a trial.
     let is_open = !(MEDIA && scene.has_media()) && is_open(scene, stop);
     // Densities of ways through media that vary are not known, which sharing would need.
     let varies = MEDIA && scene.media().iter().any(|m| m.field.is_some());
@@ -59,7 +70,7 @@ pub(crate) fn run<const MEDIA: bool>(
         None => sharing::trial(path, scene, &Precomputed { is_open, ..precomputed.clone() }, samples),
     };
     precomputed.is_open = is_open && precomputed.group > 1;
-    // 3. Effort; then path splitting, with that effort.
+    // 4. Effort; then path splitting, with that effort.
     match variance_reduction.effort {
         Some(effort) => precomputed.effort = effort,
         None if samples < FEWEST => {}

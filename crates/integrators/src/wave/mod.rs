@@ -133,7 +133,7 @@ pub(crate) fn wave<'s, const MEDIA: bool>(
     buffer.live.clear();
     buffer.live.extend(0..pixel_samples.len() as u32);
     // Guides draw their numbers themselves, and the way to a light may lead through several media.
-    let has_columns = precomputed.caustics.is_none()
+    let has_columns = precomputed.guides.is_empty()
         && !(MEDIA && scene.is_see_through())
         && pixel_samples.first().is_some_and(|s| s.own.sobol().is_some());
     let walk = Walk { path, scene, precomputed, has_columns, lanes: Lanes::best() };
@@ -280,7 +280,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
             shadows.push(number, state.beta * value, ray);
         }
         // Direction, throughput and roulette, as in the loop of single paths.
-        let guide = self.precomputed.caustics.as_ref();
+        let guide = self.precomputed.guide();
         let Some(s) = state.sample(vertex, context.sampler, guide) else { return false };
         state.turn::<MEDIA>(self.scene, vertex, &s);
         if !state.beta.is_finite() {

@@ -15,6 +15,7 @@ mod gathering;
 mod glass;
 mod glow;
 mod grating;
+mod guiding;
 mod highlights;
 mod irradiance;
 mod lab;

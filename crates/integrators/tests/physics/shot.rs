@@ -26,6 +26,8 @@ pub struct Shot {
     pub reuse: u32,
     /// Enables photons for caustics; `None` where a trial tells.
     pub caustics: Option<bool>,
+    /// Guiding by training.
+    pub guiding: Option<bool>,
     /// Light samples and roulette of paths that share; `None` where trials tell, and which samples are the mean of
     /// several paths.
     pub effort: Option<PathEffort>,
@@ -48,6 +50,7 @@ impl Shot {
             sampler: SamplerKind::Independent,
             reuse: 1,
             caustics: Some(false),
+            guiding: Some(false),
             effort: Some(PathEffort::default()),
             adaptive: false,
             error: None,
@@ -78,8 +81,12 @@ impl Shot {
     pub fn method(self, scene: &Scene, options: &str) -> Arc<dyn Method> {
         let depth =
             Depth { max: self.max_depth, roulette_after: self.roulette_after, hide_emitters: self.hide_emitters };
-        let variance_reduction =
-            VarianceReduction { reuse: Some(self.reuse), caustics: self.caustics, effort: self.effort };
+        let variance_reduction = VarianceReduction {
+            reuse: Some(self.reuse),
+            caustics: self.caustics,
+            guiding: self.guiding,
+            effort: self.effort,
+        };
         match self.integrator {
             "path" => return Arc::new(SharedPath { path: PathTracer::<false> { depth }, variance_reduction }),
             "volpath" => return Arc::new(SharedPath { path: PathTracer::<true> { depth }, variance_reduction }),
