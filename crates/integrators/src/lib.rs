@@ -16,6 +16,7 @@ mod caustics;
 mod guiding;
 mod precomputed;
 mod receiver;
+mod regions;
 mod shared_path;
 mod sharing;
 mod support;

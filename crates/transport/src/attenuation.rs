@@ -6,7 +6,7 @@ use steradian_core::Scene;
 use steradian_engine::{Counters, PathContext, Stop};
 use steradian_math::{Ray, Spectrum, spectra::Wavelengths};
 
-/// What a shadow ray needs to know.
+/// Surroundings of a shadow ray.
 #[derive(Debug)]
 pub struct Shadow<'a> {
     /// The scene.
@@ -18,7 +18,7 @@ pub struct Shadow<'a> {
 }
 
 impl<'a> Shadow<'a> {
-    /// Of a path.
+    /// The surroundings of a path.
     #[inline]
     pub fn of(context: &'a mut PathContext<'_, '_>) -> Self {
         Shadow { scene: context.scene, lambda: context.lambda, counters: context.counters }
@@ -29,7 +29,7 @@ impl<'a> Shadow<'a> {
     }
 }
 
-/// What one medium on the way needs to know.
+/// Surroundings within one medium.
 pub type Air<'a> = (&'a Scene, &'a Wavelengths, &'a Stop);
 
 /// Transmittance towards a light at a distance, before which `ray` ends: zero behind anything that scatters.

@@ -1,13 +1,11 @@
 //! Flights through participating media. In homogeneous ones distances are drawn from the transmittance of one lane chosen at random and
 //! weighted by the mean density over lanes.
 
-use crate::tracking::Stretch;
 use steradian_core::{
     ColorMode, Scene,
     medium::{Medium, beer_lambert, transmittance},
 };
-use steradian_engine::Stop;
-use steradian_math::{Ray, Spectrum, spectra::Wavelengths, warp};
+use steradian_math::{Spectrum, spectra::Wavelengths, warp};
 
 /// Outcome of a flight through a medium.
 pub enum Flight {
@@ -99,30 +97,6 @@ pub fn sample_flight(scene: &Scene, medium: &Medium, distance: f32, lane: f32, u
     let (t, factor) = homogeneous_flight((a.to_array(), s.to_array()), lanes, distance, (lane, u));
     let factor = Spectrum::new(factor);
     t.map_or(Flight::Passed(factor), |t| Flight::Scattered(t, factor))
-}
-
-/// Draws a free flight along a ray over at most `distance` through any medium, by two random numbers; adds the light
-/// that the medium gives off on the way: over the whole distance in closed form where it is homogeneous, else as
-/// tracking meets it.
-#[inline]
-pub fn fly(
-    medium: &Medium,
-    (ray, distance): (&Ray, f32),
-    (lane, u): (f32, f32),
-    (scene, lambda, stop): (&Scene, &Wavelengths, &Stop),
-    emitted: &mut Spectrum,
-) -> Flight {
-    match &medium.field {
-        // Le over the whole segment in closed form, and a distance t = −ln(1 − u)/σt.
-        None => {
-            if medium.glow.is_some() {
-                *emitted += medium.glow_over(distance, lambda);
-            }
-            sample_flight(scene, medium, distance, lane, u, lambda)
-        }
-        // Tracking through cells of bounded extinction; Le is gathered at the collisions.
-        Some(field) => Stretch { medium, field, ray, distance, lambda, stop }.sample_flight(scene, (lane, u), emitted),
-    }
 }
 
 /// Transmittance of a distance, times σs if the flight scatters at its end, and the density (per length where it

@@ -3,10 +3,11 @@
 
 use crate::{
     Depth, MAX_PASSES,
-    flight::{self, Flight},
+    flight::Flight,
     live_max, nee,
     sink::{Sink, Step},
     state::PathState,
+    tracking,
     vertex::Vertex,
     volume_emission,
 };
@@ -81,7 +82,7 @@ pub fn meet<'s, const MEDIA: bool>(
             let weight = volume_emission::weight(scene, medium, &path_state.origin, path_state.ray.direction);
             let mut glow = Spectrum::ZERO;
             let way = (&path_state.ray, distance);
-            let flight = flight::fly(scattering, way, (lane, u), (scene, lambda, &counters.stop), &mut glow);
+            let flight = tracking::fly(scattering, way, (lane, u), (scene, lambda, &counters.stop), &mut glow);
             if scattering.glow.is_some() {
                 sink.add(path_state.beta * glow * weight);
             }

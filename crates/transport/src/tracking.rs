@@ -7,7 +7,7 @@
 //! Random numbers of a flight are a hash of the ray and of one number of the path. The optical depth of a cell counts
 //! as at most 4000, which bounds the number of collisions.
 
-use crate::flight::{Flight, lanes};
+use crate::flight::{Flight, lanes, sample_flight};
 use steradian_core::{
     Scene,
     medium::{Field, Medium, transmittance},
@@ -189,6 +189,30 @@ impl Stretch<'_> {
         });
         // No real collision up to the end: value over mean density is the estimate of the transmittance.
         event.unwrap_or_else(|| Flight::Passed(way.weight(Spectrum::ONE, Spectrum::ONE)))
+    }
+}
+
+/// Draws a free flight along a ray over at most `distance` through any medium, by two random numbers; adds the light
+/// that the medium gives off on the way: over the whole distance in closed form where it is homogeneous, else as
+/// tracking meets it.
+#[inline]
+pub fn fly(
+    medium: &Medium,
+    (ray, distance): (&Ray, f32),
+    (lane, u): (f32, f32),
+    (scene, lambda, stop): (&Scene, &Wavelengths, &Stop),
+    emitted: &mut Spectrum,
+) -> Flight {
+    match &medium.field {
+        // Le over the whole segment in closed form, and a distance t = −ln(1 − u)/σt.
+        None => {
+            if medium.glow.is_some() {
+                *emitted += medium.glow_over(distance, lambda);
+            }
+            sample_flight(scene, medium, distance, lane, u, lambda)
+        }
+        // Tracking through cells of bounded extinction; Le is gathered at the collisions.
+        Some(field) => Stretch { medium, field, ray, distance, lambda, stop }.sample_flight(scene, (lane, u), emitted),
     }
 }
 

@@ -16,7 +16,7 @@
 //! decides whether it pays (`trials::caustics`).
 
 mod photons;
-use crate::{Stop, guiding::Regions};
+use crate::{Stop, regions::Regions};
 use photons::{Photon, is_receiver};
 use steradian_core::Scene;
 use steradian_math::{Bounds3, Frame, Vec2, Vec3};

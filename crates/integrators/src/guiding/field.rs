@@ -1,9 +1,7 @@
 //! Field of directions: what paths found by which direction, by regions of space.
 
-use super::{
-    quadtree::{Find, Quadtree},
-    regions::Regions,
-};
+use super::quadtree::{Find, Quadtree};
+use crate::regions::Regions;
 use rayon::prelude::*;
 use steradian_bsdf::Bsdf;
 use steradian_math::{Bounds3, Vec2, Vec3};

@@ -3,7 +3,7 @@
 //! A path tracer whose directions follow scattering alone finds light behind a door that is ajar by chance. So a part
 //! of a picture's samples is spent on training ([`training`]): rounds of paths, each twice as many as the last one and
 //! guided by what all before found. A round leaves a *field* ([`field`]): for kinds of vertices by their normals,
-//! regions of space with about as many finds each ([`regions`]), and for each region a density of directions
+//! regions of space with about as many finds each ([`regions`](crate::regions)), and for each region a density of directions
 //! ([`quadtree`]) in proportion to the light `f L |cosθ|` that they brought (Müller et al. 2017). The picture is
 //! rendered with the field of the last round, which it does not change. So samples stay independent of each other, and
 //! the mean is right whatever the field is; a render that goes on later trains the same field again.
@@ -17,11 +17,9 @@
 
 mod field;
 mod quadtree;
-mod regions;
 mod training;
 
 pub(crate) use field::Field;
-pub(crate) use regions::Regions;
 
 use crate::{Stop, caustics::Caustics, path::PathTracer};
 use steradian_core::Scene;
@@ -33,7 +31,7 @@ use steradian_transport::{Directions, Guide, Vertex};
 pub struct Guides {
     /// Photons that mirrors and glass focused.
     pub caustics: Option<Caustics>,
-    /// What paths found.
+    /// Directions in which paths of a training found light.
     pub field: Option<Field>,
 }
 

@@ -32,7 +32,7 @@ use steradian_core::{
     scene::Interaction,
 };
 use steradian_math::{Ray, Spectrum, Vec2, spectra::Wavelengths};
-use steradian_transport::flight::{self, Flight};
+use steradian_transport::{flight::Flight, tracking};
 
 /// Events of paths from lights take numbers from this one on.
 pub(super) const LIGHT_EVENTS: u32 = 4096;
@@ -292,7 +292,7 @@ impl Subpath {
         let (lane, u) = (numbers.one(self.at(dimension::LANE)), numbers.one(self.at(dimension::FLIGHT)));
         let (medium, mut glow) = (&scene.media()[medium as usize], Spectrum::ZERO);
         let around = (scene, &self.lambda, &counters.stop);
-        let flight = flight::fly(medium, (&self.ray, distance), (lane, u), around, &mut glow);
+        let flight = tracking::fly(medium, (&self.ray, distance), (lane, u), around, &mut glow);
         self.glow += self.beta * glow;
         // β ← β Tr / p to pass, β σs Tr / p to scatter.
         let (scattered, factor) = match flight {

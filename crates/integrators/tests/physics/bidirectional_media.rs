@@ -192,7 +192,7 @@ fn media_that_glow_agree() {
     assert!(Shot::of("light", 4).limit(&scene).is_some(), "light tracing leaves scattered glow out");
 }
 
-/// Where lights are hidden from the camera, and in spectral mode, media are those of volumetric path tracing too.
+/// Media are those of volumetric path tracing with lights hidden from the camera, and in spectral mode, too.
 #[test]
 fn hidden_lights_and_spectral_media_agree() {
     let mut stage = room(0.6);
