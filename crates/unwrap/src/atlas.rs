@@ -108,11 +108,11 @@ impl Layout<'_> {
         while let Some(node) = work.pop() {
             let chart = self.cutter.cut(node, self.clusters.triangles(node));
             match flatten(chart, self.total, self.unit) {
-                Ok(flat) => {
+                Some(flat) => {
                     self.nodes.push(node);
                     self.flats.push(flat);
                 }
-                Err(_) => work.extend(self.clusters.parts(node).into_iter().flatten().rev()),
+                None => work.extend(self.clusters.parts(node).into_iter().flatten().rev()),
             }
         }
     }

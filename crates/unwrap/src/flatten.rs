@@ -28,17 +28,14 @@ pub struct Flat {
 }
 
 /// Lays a chart into the plane where the area of all charts is `total` and `unit` is the step of the coordinates, both
-/// in the units of the mesh.
-///
-/// # Errors
-/// The chart, where no map that is tried is one-to-one with little stretch.
-pub fn flatten(chart: Chart, total: f64, unit: f64) -> Result<Flat, Chart> {
+/// in the units of the mesh; `None` where no map that is tried is one-to-one with little stretch.
+pub fn flatten(chart: Chart, total: f64, unit: f64) -> Option<Flat> {
     if let [[a, b, c]] = chart.corners[..] {
         let [a, b, c] = [a, b, c].map(|i| chart.positions[i as usize]);
         let (ab, ac) = (b - a, c - a);
         let third = DVec2::new(ab.dot(ac), ab.cross(ac).length()) / ab.length();
         let uvs = vec![DVec2::ZERO, DVec2::new(ab.length(), 0.0), third];
-        return Ok(boxed(chart, uvs));
+        return Some(boxed(chart, uvs));
     }
     let projected = projection(&chart);
     let is_flat = chart.vector.length() > (1.0 - FLAT) * chart.area;
@@ -47,8 +44,11 @@ pub fn flatten(chart: Chart, total: f64, unit: f64) -> Result<Flat, Chart> {
     } else {
         lscm::solve(&chart, far_vertices(&chart, &projected), projected.clone())
     };
-    let chart = accepted(chart, map, total, unit);
-    chart.or_else(|chart| if is_flat { Err(chart) } else { accepted(chart, projected, total, unit) })
+    match accepted(chart, map, total, unit) {
+        Ok(flat) => Some(flat),
+        Err(_) if is_flat => None,
+        Err(chart) => accepted(*chart, projected, total, unit).ok(),
+    }
 }
 
 /// The vertices along the mean normal.
@@ -75,12 +75,12 @@ fn far_vertices(chart: &Chart, uvs: &[DVec2]) -> [u32; 2] {
     [first, farthest(uvs[first as usize])]
 }
 
-/// Scales a map to the chart's area and holds it against all demands.
-fn accepted(chart: Chart, mut uvs: Vec<DVec2>, total: f64, unit: f64) -> Result<Flat, Chart> {
+/// Scales a map to the chart's area and holds it against all demands; the chart again where it does not meet them.
+fn accepted(chart: Chart, mut uvs: Vec<DVec2>, total: f64, unit: f64) -> Result<Flat, Box<Chart>> {
     let area: f64 =
         chart.corners.iter().map(|t| t.map(|i| uvs[i as usize])).map(|[a, b, c]| 0.5 * (b - a).perp_dot(c - a)).sum();
     if !(area > 0.0 && area.is_finite()) {
-        return Err(chart);
+        return Err(chart.into());
     }
     let scale = (chart.area / area).sqrt();
     uvs.iter_mut().for_each(|p| *p *= scale);
@@ -89,7 +89,7 @@ fn accepted(chart: Chart, mut uvs: Vec<DVec2>, total: f64, unit: f64) -> Result<
     let is_good = flat.size.max_element() <= LONGEST * total.sqrt()
         && stretch(&flat) <= MOST_STRETCH
         && proof::is_injective(&points, &flat.chart.corners, &flat.chart.border);
-    if is_good { Ok(flat) } else { Err(flat.chart) }
+    if is_good { Ok(flat) } else { Err(flat.chart.into()) }
 }
 
 fn stretch(flat: &Flat) -> f64 {
