@@ -53,11 +53,11 @@ fn points(place: &Place, name: &str) -> Vec<Option<(DVec3, DVec3)>> {
             };
             let ([a, b, c], [p, q, r]) = (triangle.map(texel), triangle.map(position));
             let area = (b - a).perp_dot(c - a);
-            for k in 0..SIDE * SIDE {
+            for (k, point) in points.iter_mut().enumerate() {
                 let t = DVec2::new((k % SIDE) as f64 + 0.5, (k / SIDE) as f64 + 0.5) - a;
                 let (u, v) = (t.perp_dot(c - a) / area, (b - a).perp_dot(t) / area);
                 if u.min(v).min(1.0 - u - v) >= 1e-6 {
-                    points[k] = Some((p + (q - p) * u + (r - p) * v, (q - p).cross(r - p).normalize()));
+                    *point = Some((p + (q - p) * u + (r - p) * v, (q - p).cross(r - p).normalize()));
                 }
             }
         }

@@ -7,7 +7,7 @@ use steradian::{formats::Options, scene::Mesh};
 const PYRAMID: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
 
 fn mesh(place: &Place, name: &str) -> Mesh {
-    let loaded = steradian::load(&place.path(name), &Options::default());
+    let loaded = steradian::load(place.path(name), &Options::default());
     assert!(!loaded.diagnostics.has_errors(), "{name}");
     let numbers = loaded.desc.shapes.iter().filter_map(|shape| shape.mesh);
     let meshes = numbers.map(|m| (*loaded.desc.meshes[m]).clone());

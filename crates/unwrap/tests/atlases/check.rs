@@ -49,7 +49,7 @@ pub fn checked_with(shape: &Shape, options: &Options) -> Atlas {
 /// No two triangles with areas have more in common than edges: of any two, a side of one separates them.
 fn nothing_overlaps(corners: &[[Point; 3]], areas: &[i64]) {
     const CELLS: i64 = 128;
-    let cell = |x: i64| (x * CELLS >> 23).min(CELLS - 1);
+    let cell = |x: i64| ((x * CELLS) >> 23).min(CELLS - 1);
     let mut entries = Vec::new();
     for (t, [a, b, c]) in corners.iter().enumerate().filter(|(t, _)| areas[*t] > 0) {
         let range = |k: usize| cell(a[k].min(b[k]).min(c[k]))..=cell(a[k].max(b[k]).max(c[k]));
