@@ -1,7 +1,7 @@
 //! Lightmaps: what light falls on the meshes of a scene, as pictures over a texture atlas of all of them.
 //!
 //! The [atlas](crate::unwrap) is a second set of texture coordinates. At the centre of each texel that lies in a
-//! triangle a light [meter](crate::meter) takes the irradiance of the surface by path tracing. Texels about the charts
+//! triangle a light meter ([`crate::meter`]) takes the irradiance of the surface by path tracing. Texels about the charts
 //! take the value of the nearest one, so that filters find light beyond their edges.
 
 use crate::{
