@@ -4,7 +4,7 @@ use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 use std::path::Path;
 
 /// A command that runs as it stands for each that needs words.
-const EXAMPLES: [(&str, &str); 9] = [
+const EXAMPLES: [(&str, &str); 10] = [
     ("verify", "verify builtin:cornell-box --spp 16 --size 32x32"),
     ("info", "info builtin:cornell-box"),
     ("material", "material plastic -p alpha_u=0.2"),
@@ -12,6 +12,7 @@ const EXAMPLES: [(&str, &str); 9] = [
     ("compare", "compare A.exr B.exr"),
     ("convert", "convert PICTURE.exr PICTURE.png"),
     ("denoise", "denoise PICTURE.exr -o CLEAN.png"),
+    ("unwrap", "unwrap MESH.ply -o ATLAS.ply"),
     ("bench", "bench --help"),
     ("signal", "signal PICTURE.png -o spectrum.svg"),
 ];
