@@ -12,8 +12,8 @@
 //! that mirrors and glass focused ([`Caustics`]). Light that light samples find is weighted before it counts as found,
 //! so that the field leads to what they miss.
 //!
-//! Finds take 24 bytes each while the field is trained, 2²² of them 96 MiB; regions about 1 KiB each, of which there are
-//! four thousand at most.
+//! Finds take 24 bytes each while the field is trained, 2²² of them 96 MiB, and those of the round under way 32 bytes
+//! each, 128 MiB at most; regions about 1 KiB each, of which there are about four thousand at most.
 
 mod field;
 mod quadtree;

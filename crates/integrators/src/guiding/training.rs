@@ -1,4 +1,4 @@
-//! Training of a field: rounds of paths of which each is guided by what the last one found.
+//! Training of a field: rounds of paths of which each is guided by the field of those before.
 
 use super::{
     Guides,
@@ -23,7 +23,7 @@ const PART: u64 = 5;
 const ROUNDS: u32 = 7;
 /// Most finds that are kept, 24 bytes each.
 const MOST: usize = 1 << 22;
-/// Paths of a piece of work, and finds after which no more of them are followed.
+/// Paths of a piece of work, and finds after which no more of them are followed: this bounds the memory of a round.
 const PIECE: u32 = 1 << 10;
 const FINDS: usize = 4 << 10;
 

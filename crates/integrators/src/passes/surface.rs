@@ -1,6 +1,6 @@
 //! Surfaces where subpaths scatter.
 //!
-//! What a camera sees there may depend on where it looks from: normal and bump maps turn the shading normal by the
+//! The surface that a camera sees may depend on the viewpoint: normal and bump maps turn the shading normal by the
 //! viewer (`SurfaceDetail`), and curves turn towards the ray. The light that a path carries is that of the camera's
 //! side, whichever way the path was found:
 //!

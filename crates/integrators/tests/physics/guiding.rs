@@ -69,7 +69,7 @@ fn a_field_changes_noise_alone() {
     }
 }
 
-/// The training asks no clock and no thread.
+/// A guided picture has the same bits on one thread and on three, and other bits than one without a guide.
 #[test]
 fn fields_are_the_same_on_every_run() {
     let scene = gap(false).scene();
