@@ -380,7 +380,7 @@ mod tests {
         assert!(integrator("pahts").is_err_and(|e| e.contains("did you mean 'path'?")));
         assert_eq!("normal,depth".parse(), Ok(Layers(vec![Layer::NORMAL, Layer::DEPTH])));
         let all: Layers = "all".parse().unwrap();
-        assert!(all.0.len() + 5 == Layer::ALL.len() && !all.0.contains(&Layer::LIGHT_GROUPS));
+        assert!(all.0.len() + 6 == Layer::ALL.len() && !all.0.contains(&Layer::LIGHT_GROUPS));
         assert!("normals".parse::<Layers>().is_err_and(|e| e.contains("did you mean 'normal'?")));
         assert_eq!("motion".parse(), Ok(Layers(vec![Layer::MOTION])));
         assert_eq!("relmse=0.1".parse(), Ok(Threshold { metric: "relmse", limit: 0.1 }));

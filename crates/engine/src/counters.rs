@@ -34,8 +34,11 @@ pub struct Counters {
     pub nonfinite: u64,
     /// Cancellation flag of the work that is counted.
     pub stop: Stop,
-    /// The light of each group that the path under way brings; empty where nobody asks.
-    pub by_group: Vec<Spectrum>,
+    /// The light that the path under way brings, in parts: by groups of lights, by numbers of scattering events, or by
+    /// time bins; empty where nobody asks.
+    pub parts: Vec<Spectrum>,
+    /// True if the parts are numbers of scattering events.
+    pub by_bounce: bool,
 }
 
 impl Counters {
@@ -44,11 +47,22 @@ impl Counters {
         Self { stop: stop.clone(), ..Self::default() }
     }
 
-    /// Adds what a path brings to the sum of its light's group.
+    /// Adds what a path brings after so many scattering events to its part, by these or by its light's group. The last
+    /// part of bounces holds all that are beyond.
     #[inline]
-    pub fn note(&mut self, group: impl FnOnce() -> Option<u32>, light: Spectrum) {
-        if !self.by_group.is_empty()
-            && let Some(sum) = group().and_then(|g| self.by_group.get_mut(g as usize))
+    pub fn note(&mut self, events: u32, group: impl FnOnce() -> Option<u32>, light: Spectrum) {
+        if !self.by_bounce {
+            self.note_group(group, light);
+        } else if let Some(last) = self.parts.len().checked_sub(1) {
+            self.parts[last.min(events as usize)] += light;
+        }
+    }
+
+    /// Adds what a path brings to the part of its light's group.
+    #[inline]
+    pub fn note_group(&mut self, group: impl FnOnce() -> Option<u32>, light: Spectrum) {
+        if !self.parts.is_empty()
+            && let Some(sum) = group().and_then(|g| self.parts.get_mut(g as usize))
         {
             *sum += light;
         }

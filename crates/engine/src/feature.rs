@@ -47,6 +47,8 @@ pub enum Feature {
     Adaptivity,
     /// A layer for each group of lights.
     LightGroups,
+    /// A layer for each number of scattering events.
+    Bounces,
     /// Noise that a denoiser can tell from the picture: errors of pixels are independent. Halves of the samples, too.
     Denoising,
 }
@@ -96,7 +98,7 @@ impl Feature {
     ];
 
     /// All features: those of scenes, then those of requests.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 22] = [
         Self::Media,
         Self::GlowingMedia,
         Self::Subsurface,
@@ -117,6 +119,7 @@ impl Feature {
         Self::Samplers,
         Self::Adaptivity,
         Self::LightGroups,
+        Self::Bounces,
         Self::Denoising,
     ];
 
@@ -143,6 +146,7 @@ impl Feature {
             Self::Samplers => "a choice of samplers",
             Self::Adaptivity => "more samples where the error is larger (--adaptive)",
             Self::LightGroups => "layers of groups of lights",
+            Self::Bounces => "layers of bounces",
             Self::Denoising => "denoising, and the layer 'halves'",
         }
     }
@@ -186,6 +190,7 @@ impl Feature {
             | Self::Samplers
             | Self::Adaptivity
             | Self::LightGroups
+            | Self::Bounces
             | Self::Denoising => false,
         };
         is_there.then(|| self.name().to_owned())

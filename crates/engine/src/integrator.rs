@@ -100,6 +100,11 @@ pub trait GroupIntegrator: Debug + Send + Sync {
     fn bins(&self) -> u32 {
         0
     }
+
+    /// Most scattering events of a path.
+    fn max_events(&self) -> u32 {
+        u32::MAX
+    }
 }
 
 /// Samples that know nothing of each other.

@@ -19,6 +19,8 @@ impl LayerInputs {
     pub const LIGHT_GROUPS: Self = Self(16);
     /// Halves of the samples.
     pub const HALVES: Self = Self(32);
+    /// Radiance by the number of scattering events.
+    pub const BOUNCES: Self = Self(64);
 
     /// The union of two sets.
     #[must_use]

@@ -12,7 +12,7 @@ pub struct LayerSums {
     /// Objects and materials that cover pixels ([`LayerInputs::MATTES`]).
     pub mattes: Vec<MatteSums>,
     /// Linear Rec.709 radiance of each part of the light, pixel by pixel: of groups of lights
-    /// ([`LayerInputs::LIGHT_GROUPS`]), or of time bins.
+    /// ([`LayerInputs::LIGHT_GROUPS`]), of numbers of scattering events ([`LayerInputs::BOUNCES`]), or of time bins.
     pub by_light: Vec<[f64; 3]>,
 }
 

@@ -27,7 +27,7 @@ pub use first_hit::{FirstHit, FirstHitSums};
 pub use half::Half;
 pub use layer_inputs::LayerInputs;
 pub use layer_sums::LayerSums;
-pub use layers::{HALVES, Layer, Names, develop};
+pub use layers::{HALVES, Layer, Names, bounce_parts, develop};
 pub use matte::{Hits, MatteSums};
 pub use pass::{PassFilm, Splat};
 pub use pixel::Pixel;

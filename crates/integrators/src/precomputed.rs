@@ -30,10 +30,10 @@ impl VarianceReduction {
         }
     }
 
-    /// Restricts it to a plan: light of several groups is kept apart by paths that share nothing and take one light
+    /// Restricts it to a plan: light is kept apart by groups or bounces by paths that share nothing and take one light
     /// sample each, and errors of pixels are independent where nothing is shared.
     pub(crate) fn by(self, plan: &Plan) -> Self {
-        if plan.has(LayerInputs::LIGHT_GROUPS) {
+        if plan.has(LayerInputs::LIGHT_GROUPS) || plan.has(LayerInputs::BOUNCES) {
             return Self { reuse: Some(1), effort: Some(PathEffort::default()), ..self };
         }
         Self { reuse: self.reuse.or(plan.independent.then_some(1)), ..self }

@@ -41,7 +41,7 @@ pub const DIRECT: MethodKind = MethodKind::new("direct", |asked| {
 impl<const MEDIA: bool> Method for SharedPath<MEDIA> {
     fn supports(&self, feature: Feature) -> Support {
         match feature {
-            Feature::LightGroups => Support::Exact,
+            Feature::LightGroups | Feature::Bounces => Support::Exact,
             Feature::Media if !MEDIA => Support::LeavesOut(""),
             _ => support::of_camera_rays(feature),
         }
@@ -122,6 +122,10 @@ impl<const MEDIA: bool> GroupIntegrator for SharedPath<MEDIA> {
             return;
         }
         wave(&self.path, scene, precomputed, pixel_samples, buffer, counters);
+    }
+
+    fn max_events(&self) -> u32 {
+        self.path.depth.max
     }
 
     fn group_size(&self, precomputed: &Precomputed) -> u32 {

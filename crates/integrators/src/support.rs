@@ -12,6 +12,7 @@ pub(crate) fn of_camera_rays(feature: Feature) -> Support {
         // What media add to a pixel has no coverage.
         Feature::TransparencyBehindMedia => Refuses(""),
         Feature::LightGroups => Refuses("'path', 'volpath' and 'raster' can"),
+        Feature::Bounces => Refuses("'path', 'volpath' and 'direct' can"),
         _ => Exact,
     }
 }

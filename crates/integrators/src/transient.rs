@@ -160,7 +160,7 @@ impl Integrator for Transient {
     fn radiance(&self, (): &(), ray: Ray, context: &mut PathContext<'_, '_>) -> Spectrum {
         // The film sees the wavelengths that the path began with.
         let mut shifted = *context.lambda;
-        let bins = std::mem::take(&mut context.counters.by_group);
+        let bins = std::mem::take(&mut context.counters.parts);
         let PathContext { scene, sampler, counters, .. } = context;
         let (scene, sampler) = (*scene, *sampler);
         let mut inner = PathContext { scene, sampler, lambda: &mut shifted, counters };
@@ -168,7 +168,7 @@ impl Integrator for Transient {
         let clock = Clock { transient: self, sum: Spectrum::ZERO, bins, length: 0.0, index: 1.0, steps: 0, sphere };
         let state = PathState::camera(scene, ray);
         let clock = PathTracer::<true> { depth: self.depth }.along(state, None::<&NoGuide>, &mut inner, clock);
-        context.counters.by_group = clock.bins;
+        context.counters.parts = clock.bins;
         if shifted.is_secondary_terminated() {
             context.lambda.terminate_secondary();
         }

@@ -322,9 +322,9 @@ impl Rasterizer {
     ) -> Found {
         let scene = drawing.run.scene;
         let mut lambda = shader.wavelengths(at);
-        counters.by_group.clear();
+        counters.parts.clear();
         let groups = if self.by_light { scene.light_groups().names.len() } else { 0 };
-        counters.by_group.resize(groups, Spectrum::ZERO);
+        counters.parts.resize(groups, Spectrum::ZERO);
         let mut trace = Trace { counters, pixel, world: None };
         let radiance = shader.radiance(ray, seen, &shader.numbers(at), &mut lambda, &mut trace);
         // Exposure may clamp the radiance; the light of groups is scaled alike, so that groups still add up to the
@@ -332,7 +332,7 @@ impl Rasterizer {
         let exposed = scene.film().exposed(radiance);
         let scale = if exposed.is_black() { 0.0 } else { exposed.max_element() / radiance.max_element() };
         let rgb = |light| scene.film().to_rgb(light, &lambda, scene.mode()) * drawing.weight;
-        Found { value: rgb(exposed), lights: counters.by_group.iter().map(|light| rgb(*light * scale)).collect() }
+        Found { value: rgb(exposed), lights: counters.parts.iter().map(|light| rgb(*light * scale)).collect() }
     }
 }
 

@@ -255,7 +255,7 @@ impl<'a> Shader<'a> {
         let scene = self.scene;
         let Some(emitter) = scene.geometries()[i.geometry as usize].emitter else { return Spectrum::ZERO };
         let light = beta * nee::emission(scene, i, &None, lambda);
-        trace.counters.note(|| Some(scene.light_groups().of_emitters[emitter as usize]), light);
+        trace.counters.note_group(|| Some(scene.light_groups().of_emitters[emitter as usize]), light);
         light
     }
 
@@ -286,7 +286,7 @@ impl<'a> Shader<'a> {
         }
         let Point { i, frame, scattering, lambda, beta, .. } = point;
         self.scene.ambient(i, scattering, frame.to_local(i.wo), lambda).fold(Spectrum::ZERO, |sum, (group, light)| {
-            trace.counters.note(|| Some(group), *beta * light);
+            trace.counters.note_group(|| Some(group), *beta * light);
             sum + *beta * light
         })
     }
@@ -295,7 +295,7 @@ impl<'a> Shader<'a> {
         let scene = self.scene;
         scene.lights().environments.iter().fold(Spectrum::ZERO, |sum, &light| {
             let found = beta * nee::environment(scene, light, ray.origin, ray.direction, &None, lambda);
-            trace.counters.note(|| Some(scene.light_groups().of_lights[light as usize]), found);
+            trace.counters.note_group(|| Some(scene.light_groups().of_lights[light as usize]), found);
             sum + found
         })
     }
@@ -368,7 +368,7 @@ impl<'a> Shader<'a> {
         let mirrored = n * (2.0 * n.dot(wo)) - wo;
         known.reflected(split, n, mirrored).fold(Spectrum::ZERO, |sum, (group, light)| {
             let found = point.beta * light;
-            trace.counters.note(|| Some(group), found);
+            trace.counters.note_group(|| Some(group), found);
             sum + found
         })
     }
@@ -423,7 +423,7 @@ impl<'a> Shader<'a> {
                 let open = *open.get_or_insert_with(|| self.shadows.of_sky(self.scene, &i.spawn(wi), trace));
                 let group = self.scene.light_groups().of_lights[light as usize];
                 let found = *beta * s.weight * arriving * (open / self.options.points as f32);
-                trace.counters.note(|| Some(group), found);
+                trace.counters.note_group(|| Some(group), found);
                 sum += found;
             }
         }
@@ -478,7 +478,7 @@ impl<'a> Shader<'a> {
         let weight = if is_met { power_heuristic(s.pdf * p, e.pdf) } else { 1.0 };
         // β · f cos θ · L · V · w / p, averaged over the samples.
         let found = *beta * e.value * s.radiance * (lit * weight * part / (s.pdf * p));
-        trace.counters.note(|| Some(self.scene.light_groups().of_lights[light as usize]), found);
+        trace.counters.note_group(|| Some(self.scene.light_groups().of_lights[light as usize]), found);
         found
     }
 }

@@ -7,7 +7,7 @@ use steradian_core::{
     sampler::{Sampler, SamplerKind},
 };
 use steradian_engine::{Asked, Feature, Limit, Method, MethodKind, Refusal, Support};
-use steradian_film::LayerInputs;
+use steradian_film::{LayerInputs, bounce_parts};
 use steradian_request::{MethodRequest, Request, SamplerRequest};
 use steradian_schema::integrator::path_tracer;
 
@@ -138,12 +138,14 @@ impl Render {
             return Err(Error::NotAdaptive(self.name.into()));
         }
         let (by_light, halves) = (plan.has(LayerInputs::LIGHT_GROUPS), plan.has(LayerInputs::HALVES));
+        let by_bounce = plan.has(LayerInputs::BOUNCES);
         let behind = if scene.has_media() { " behind media" } else { "" };
         let transparency = if scene.has_media() { Feature::TransparencyBehindMedia } else { Feature::Transparency };
         let groups = scene.light_groups().names.len();
         let asked = [
             (plan.transparent, transparency, format!("a transparent background{behind}")),
             (by_light, Feature::LightGroups, "layers of groups of lights".into()),
+            (by_bounce, Feature::Bounces, "layers of bounces".into()),
         ];
         for (is_asked, feature, what) in asked {
             if is_asked && supports(feature) != Support::Exact {
@@ -153,8 +155,13 @@ impl Render {
         if by_light && groups > MOST_LIGHT_GROUPS {
             return Err(cannot(format!("layers of {groups} groups of lights ({MOST_LIGHT_GROUPS} at most)")));
         }
-        if by_light && plan.adaptive {
-            return Err(cannot("layers of groups of lights with --adaptive".into()));
+        for (is_asked, feature) in [(by_light, Feature::LightGroups), (by_bounce, Feature::Bounces)] {
+            if is_asked && plan.adaptive {
+                return Err(cannot(format!("{} with --adaptive", feature.name())));
+            }
+        }
+        if by_light && by_bounce {
+            return Err(cannot("layers of groups of lights and of bounces in one picture".into()));
         }
         if halves && plan.sampler.spp < 2 {
             return Err(cannot("the layer 'halves' with one sample per pixel; it takes two or more".into()));
@@ -166,17 +173,19 @@ impl Render {
     }
 
     /// Bytes of the film while it is rendered, copied, developed and encoded, with so many layers that were asked for.
-    /// Mattes, the light of groups, intervals of arrival and halves count for themselves.
+    /// Mattes, the light of groups and bounces, intervals of arrival and halves count for themselves.
     pub fn film_bytes(&self, scene: &Scene, layers: usize) -> u64 {
         // Mattes are counted apart from other layers, and have eight times as many planes.
         let mattes = if self.plan.has(LayerInputs::MATTES) { 16 } else { 0 };
         let groups = if self.plan.has(LayerInputs::LIGHT_GROUPS) { 3 * scene.light_groups().names.len() } else { 0 };
+        let max_events = self.method.camera_paths().map_or(0, |paths| paths.depth.max);
+        let bounces = if self.plan.has(LayerInputs::BOUNCES) { 3 * bounce_parts(max_events) } else { 0 };
         let bins = 3 * self.method.bins() as usize;
         // Sums of even number beside those of all, and two more pictures.
         let halves = if self.plan.has(LayerInputs::HALVES) { 8 } else { 0 };
         let crop = scene.film().crop;
         let pixels = u64::from(crop.width()) * u64::from(crop.height());
-        pixels.saturating_mul(film_bytes_per_pixel(layers + mattes + groups + bins + halves))
+        pixels.saturating_mul(film_bytes_per_pixel(layers + mattes + groups + bounces + bins + halves))
     }
 
     /// Features of the scene that the picture lacks or shows otherwise, with the method that renders them; `None` where

@@ -157,6 +157,7 @@ impl Recipe {
             ("seed", plan.sampler.seed.to_string()),
             ("layers", format!("{} {}", plan.has(LayerInputs::FIRST_HITS), plan.has(LayerInputs::SEEN_THROUGH))),
             ("mattes", plan.has(LayerInputs::MATTES).to_string()),
+            ("bounces", plan.has(LayerInputs::BOUNCES).to_string()),
             ("light groups", plan.has(LayerInputs::LIGHT_GROUPS).to_string()),
             ("halves", plan.has(LayerInputs::HALVES).to_string()),
             ("transparent background", plan.transparent.to_string()),

@@ -84,7 +84,9 @@ pub fn meet<'s, const MEDIA: bool>(
             let way = (&path_state.ray, distance);
             let flight = tracking::fly(scattering, way, (lane, u), (scene, lambda, &counters.stop), &mut glow);
             if scattering.glow.is_some() {
-                sink.add(path_state.beta * glow * weight);
+                let light = path_state.beta * glow * weight;
+                counters.note(path_state.events, || None, light);
+                sink.add(light);
             }
             // β is multiplied by the transmittance, times σs if the path scatters, over the density of the flight (the
             // mean over lanes).
@@ -123,8 +125,8 @@ pub fn meet<'s, const MEDIA: bool>(
         if !(path_state.events == 0 && depth.hide_emitters) {
             let light = path_state.beta * nee::emission(scene, &i, &path_state.origin, lambda);
             let emitter = || scene.geometries()[i.geometry as usize].emitter;
-            // Light groups: the light is noted by the group of its emitter, too.
-            counters.note(|| emitter().map(|e| scene.light_groups().of_emitters[e as usize]), light);
+            // The light is noted by its number of events, or by the group of its emitter, where that is asked for.
+            counters.note(path_state.events, || emitter().map(|e| scene.light_groups().of_emitters[e as usize]), light);
             sink.add(light);
         }
         // Camera rays go straight through emitters that are hidden from the camera.
@@ -205,21 +207,22 @@ pub fn escape(path_state: &PathState, depth: &Depth, sink: &mut impl Sink, conte
         return;
     }
     let (ray, origin) = (&path_state.ray, &path_state.origin);
-    if !context.counters.by_group.is_empty() {
-        note_groups(path_state, context);
+    if !context.counters.parts.is_empty() {
+        note_environments(path_state, context);
     }
     // β Σ Le w over all environments, with w the power heuristic against light sampling at the last vertex.
     let light = path_state.beta * nee::background(context.scene, ray.origin, ray.direction, origin, context.lambda);
     sink.add_from_infinity(light, ray.origin, ray.direction);
 }
 
-/// Counts the light of the environments by groups of lights.
+/// Notes the light of the environments one by one.
 #[cold]
-fn note_groups(path_state: &PathState, context: &mut PathContext<'_, '_>) {
+fn note_environments(path_state: &PathState, context: &mut PathContext<'_, '_>) {
     let PathContext { scene, lambda, counters, .. } = context;
     let (ray, origin) = (&path_state.ray, &path_state.origin);
     for &light in &scene.lights().environments {
         let found = nee::environment(scene, light, ray.origin, ray.direction, origin, lambda);
-        counters.note(|| Some(scene.light_groups().of_lights[light as usize]), path_state.beta * found);
+        let group = || Some(scene.light_groups().of_lights[light as usize]);
+        counters.note(path_state.events, group, path_state.beta * found);
     }
 }

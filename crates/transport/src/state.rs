@@ -96,7 +96,9 @@ impl PathState {
         // Light samples of surfaces and environments, and one of an emissive medium where there are any.
         let of_lights = self.of_lights::<MEDIA>(v, context);
         if MEDIA && !context.scene.emissive_volumes().is_empty() {
-            return of_lights + self.beta * volume_emission::direct(v, self.events, context);
+            let of_media = self.beta * volume_emission::direct(v, self.events, context);
+            context.counters.note(self.events + 1, || None, of_media);
+            return of_lights + of_media;
         }
         of_lights
     }
@@ -104,12 +106,16 @@ impl PathState {
     #[inline]
     fn of_lights<const MEDIA: bool>(&self, v: &Vertex<'_>, context: &mut PathContext<'_, '_>) -> Spectrum {
         let first = v.direct::<MEDIA>(self.event_of_light(0), context);
-        // One sample: its light is noted by the group of the light, which the same random numbers choose again.
+        // One sample: its light is noted by its number of events, or by the group of the light, which the same random numbers choose again.
         if self.lights == 1 {
             let light = self.beta * first;
             let PathContext { scene, sampler, counters, .. } = context;
             let chosen = || nee::choose(scene, &v.context(), self.event_of_light(0), sampler);
-            counters.note(|| chosen().map(|(light, _)| scene.light_groups().of_lights[light as usize]), light);
+            counters.note(
+                self.events + 1,
+                || chosen().map(|(light, _)| scene.light_groups().of_lights[light as usize]),
+                light,
+            );
             return light;
         }
         // Several samples of the same vertex: their mean.

@@ -244,6 +244,66 @@ fn the_light_of_groups_adds_up_to_the_picture() {
     place.refuse(2, &["render", "lamps.pbrt", "--adaptive", "--aov", "light_groups"], &["--adaptive"]);
 }
 
+/// In a closed sphere that shines by 1 and reflects a half, light of n scattering events is 2⁻ⁿ. The picture is the sum
+/// of the layers to the bit, in fog, too, and the last layer has the rest.
+#[test]
+fn bounces_are_terms_of_a_series() {
+    let place = Place::new();
+    let furnace = "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\nCamera \"perspective\"\nWorldBegin\n\
+                   Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\nReverseOrientation\n\
+                   AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\nShape \"sphere\"";
+    place.file("furnace.pbrt", furnace);
+    let fog = "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_s\" [1 1 1] \"rgb sigma_a\" [1 1 1] \
+               \"rgb Le\" [1 1 1]\nMediumInterface \"\" \"fog\"\nCamera";
+    place.file(
+        "fog.pbrt",
+        &furnace
+            .replace("L\" [1 1 1]", "L\" [.5 .5 .5]")
+            .replace("Camera", fog)
+            .replace("ReverseOrientation", "MediumInterface \"fog\" \"\"\nReverseOrientation"),
+    );
+    for (scene, integrator, color, layers) in [
+        ("furnace", "path:max_depth=-1", "rgb", 16),
+        ("furnace", "path:max_depth=3", "spectral", 4),
+        ("furnace", "direct", "rgb", 2),
+        ("fog", "volpath:max_depth=5", "rgb", 6),
+        ("fog", "volpath:max_depth=-1", "spectral", 16),
+    ] {
+        let scene_file = format!("{scene}.pbrt");
+        let command = ["render", &scene_file, "--spp", "64", "--color", color, "--integrator", integrator];
+        place.succeed(&[&command[..], &["--aov", "bounces", "-q", "-o", "out.exr"]].concat());
+        let picture = place.picture("out.exr");
+        let name = |n: usize| if n == 15 { "bounce.rest".into() } else { format!("bounce.{n:02}") };
+        let count = picture.channels().iter().filter(|c| c.name.starts_with("bounce.")).count();
+        assert_eq!(count, 3 * layers, "{integrator}");
+        let plane = |n: usize, c: &str| picture.channel(&format!("{}.{c}", name(n))).unwrap();
+        for c in ["R", "G", "B"] {
+            for (at, value) in picture.channel(c).unwrap().iter().enumerate() {
+                let sum = (0..layers).fold(0.0, |sum, n| sum + plane(n, c)[at]);
+                assert!(sum == *value, "{integrator}: {c} of {at}: {sum} and {value}");
+            }
+        }
+        if scene == "furnace" {
+            for n in 0..layers.min(5) {
+                let mean = plane(n, "G").iter().sum::<f32>() / 64.0;
+                assert!((mean * 2_f32.powi(n as i32) - 1.0).abs() < 0.02, "{integrator}: {n} is {mean}");
+            }
+        } else {
+            // Walls and fog of one temperature: all light together is 1 wherever one looks.
+            let mean = |n: usize| plane(n, "G").iter().sum::<f32>() / 64.0;
+            assert!((1..5).all(|n| mean(n) < 0.8 * mean(n - 1) && mean(n) > 0.2 * mean(n - 1)));
+            let sum: f32 = (0..layers).map(mean).sum();
+            assert!(layers < 16 || (sum - 1.0).abs() < 0.01, "{sum}");
+        }
+    }
+    let refused = |options: &[&str], words: &[&str]| {
+        place.refuse(2, &[&["render", "furnace.pbrt", "--aov"], options].concat(), words);
+    };
+    refused(&["bounces", "--integrator", "bdpt"], &["'bdpt'", "bounces"]);
+    refused(&["bounces", "--adaptive"], &["bounces", "--adaptive"]);
+    refused(&["bounces,light_groups"], &["bounces", "groups"]);
+}
+
 /// Layers change no bit of the picture, also where paths share: these are the guides that denoisers ask for at few
 /// samples.
 #[test]

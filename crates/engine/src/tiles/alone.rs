@@ -9,6 +9,7 @@ use crate::{
     partition::{Place, TILE, cell_of},
 };
 use std::sync::atomic::Ordering;
+use steradian_core::film::LayerInputs;
 use steradian_math::{Spectrum, Vec3};
 
 /// Paths of a wave. More of them keep what a thread works with out of its cache; with fewer, what is done for many at
@@ -29,7 +30,8 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
         let at = [at[0] + column, at[1] + row];
         while next < self.ticks.1 {
             let mut mine = Counters::until(&self.stop);
-            mine.by_group.resize(self.frame.parts, Spectrum::ZERO);
+            mine.parts.resize(self.frame.parts, Spectrum::ZERO);
+            mine.by_bounce = self.frame.plan.has(LayerInputs::BOUNCES);
             let begin = next;
             scratch.members.clear();
             while next < self.ticks.1 && (next == begin || scratch.members.len() < WAVE) {
@@ -54,7 +56,7 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
     fn waves(&self, scratch: &mut Scratch<G::Buffer<'a>>, counters: &mut Counters) {
         scratch.hits.clear();
         scratch.lights.clear();
-        scratch.lights.resize(scratch.members.len() * counters.by_group.len(), Vec3::ZERO);
+        scratch.lights.resize(scratch.members.len() * counters.parts.len(), Vec3::ZERO);
         scratch.pixels.clear();
         scratch.numbers.clear();
         let sampler = self.sampler();
@@ -86,20 +88,20 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
                 (*pixel_samples, *weights) = pixels.iter().map(at).unzip();
             }
         }
-        let groups = counters.by_group.len();
-        if groups == 0 {
+        let parts = counters.parts.len();
+        if parts == 0 {
             self.integrator.wave(scene, self.prepared, pixel_samples, buffer, counters);
         }
         for ((number, weight), pixel_sample) in numbers.drain(..).zip(&*weights).zip(&mut *pixel_samples) {
-            if groups > 0 {
-                // Light is counted by groups for one path at a time.
+            if parts > 0 {
+                // Light is kept apart for one path at a time.
                 let before = counters.rays;
                 self.integrator.group(scene, self.prepared, std::slice::from_mut(pixel_sample), buffer, counters);
                 pixel_sample.rays = (counters.rays - before) as u32;
             }
             let (l, hit) = self.exposed(pixel_sample);
             let m = &mut members[number];
-            for (sum, light) in lights[number * groups..][..groups].iter_mut().zip(&mut counters.by_group) {
+            for (sum, light) in lights[number * parts..][..parts].iter_mut().zip(&mut counters.parts) {
                 let scale = if l.is_black() { 0.0 } else { l.max_element() / pixel_sample.radiance.max_element() };
                 let light = std::mem::replace(light, Spectrum::ZERO) * scale;
                 *sum += scene.film().to_rgb(light, &pixel_sample.lambda, scene.mode()) * (*weight / m.paths as f32);
@@ -113,7 +115,7 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
 
     /// Adds what was found to the film.
     fn keep(&self, scratch: &Scratch<G::Buffer<'a>>, counters: &mut Counters) {
-        let groups = counters.by_group.len();
+        let parts = counters.parts.len();
         let Some((number, _)) = scratch.members.first().and_then(|m| m.kept) else { return };
         let mut tile = lock(&self.frame.tiles[number as usize]);
         for (number, m) in scratch.members.iter().enumerate() {
@@ -124,8 +126,8 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
             let cell = &mut tile.cells[cell_of(place.x, place.y)];
             cell.rays += u64::from(rays) * RAYS;
             cell.samples += 1;
-            if groups > 0 && value.is_finite() {
-                tile.layers.add_lights(at, &scratch.lights[number * groups..][..groups]);
+            if parts > 0 && value.is_finite() {
+                tile.layers.add_lights(at, &scratch.lights[number * parts..][..parts]);
             }
         }
         for (number, hit) in &scratch.hits {

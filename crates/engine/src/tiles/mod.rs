@@ -37,7 +37,7 @@ use std::{
 };
 use steradian_core::{
     Scene,
-    film::{Crop, Film, Half, LayerInputs, LayerSums, Pixel},
+    film::{Crop, Film, Half, LayerInputs, LayerSums, Pixel, bounce_parts},
 };
 use tile::Tile;
 use work::Work;
@@ -68,7 +68,7 @@ impl<G: GroupIntegrator> Tiles<G> {
     /// Starts with an empty film.
     pub fn new(scene: Arc<Scene>, integrator: G, plan: Plan) -> Self {
         Self {
-            frame: Frame::new(scene, plan, integrator.bins()),
+            frame: Frame::new(scene, plan, &integrator),
             integrator,
             prepared: G::Prepared::default(),
             is_prepared: false,
@@ -77,7 +77,7 @@ impl<G: GroupIntegrator> Tiles<G> {
 
     /// Starts with an empty film, and with what is known of the scene already.
     pub fn prepared(scene: Arc<Scene>, integrator: G, plan: Plan, prepared: G::Prepared) -> Self {
-        Self { frame: Frame::new(scene, plan, integrator.bins()), integrator, prepared, is_prepared: true }
+        Self { frame: Frame::new(scene, plan, &integrator), integrator, prepared, is_prepared: true }
     }
 
     /// Prepares the integrator for the scene, before the first step; true if that came to an end.
@@ -233,7 +233,8 @@ struct Frame {
     scene: Arc<Scene>,
     /// Scene of the frame before, where layers show how things have moved.
     before: Option<Arc<Scene>>,
-    /// Parts that light is kept apart in, groups of lights or these intervals of its arrival.
+    /// Parts that light is kept apart in: groups of lights, numbers of scattering events, or these intervals of its
+    /// arrival.
     parts: usize,
     bins: u32,
     plan: Plan,
@@ -263,11 +264,16 @@ struct Frame {
 
 impl Frame {
     /// Without samples.
-    fn new(scene: Arc<Scene>, plan: Plan, bins: u32) -> Self {
+    fn new(scene: Arc<Scene>, plan: Plan, integrator: &impl GroupIntegrator) -> Self {
         let crop = scene.film().crop;
         let round = Round::first(plan.sampler.spp, plan.adaptive);
-        let groups = if plan.has(LayerInputs::LIGHT_GROUPS) { scene.light_groups().names.len() } else { 0 };
-        let parts = if bins > 0 { bins as usize } else { groups };
+        let bins = integrator.bins();
+        let parts = match () {
+            () if bins > 0 => bins as usize,
+            () if plan.has(LayerInputs::BOUNCES) => bounce_parts(integrator.max_events()),
+            () if plan.has(LayerInputs::LIGHT_GROUPS) => scene.light_groups().names.len(),
+            () => 0,
+        };
         let mut tiles = Vec::new();
         let aligned = |v: u32| v / TILE * TILE;
         let columns = (aligned(crop.x0)..crop.x1).step_by(TILE as usize);

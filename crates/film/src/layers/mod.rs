@@ -5,6 +5,8 @@ mod light;
 mod samples;
 mod surface;
 
+pub use light::bounce_parts;
+
 use crate::{Film, FirstHit, LayerInputs, Pixel};
 use std::{collections::BTreeMap, fmt};
 use steradian_image::Image;
@@ -66,6 +68,7 @@ layers! {
     surface::ALPHA,
     cryptomatte::CRYPTOMATTE,
     light::LIGHT_GROUPS,
+    light::BOUNCES,
     samples::HALVES,
 }
 
@@ -163,9 +166,12 @@ pub struct Names {
 pub fn develop(film: &Film, layers: &[Layer], names: &Names) -> Image {
     let (w, h) = (film.crop.width() as usize, film.crop.height() as usize);
     let mut image = Image::new(w, h);
-    let means: Vec<[f64; 3]> = film.pixels.iter().map(|p| p.mean()).collect();
+    let picture = match layers.contains(&Layer::BOUNCES) {
+        true => light::sum_of_bounces(film),
+        false => film.pixels.iter().map(|p| p.mean().map(held)).collect(),
+    };
     for (c, name) in ["R", "G", "B"].into_iter().enumerate() {
-        push(&mut image, name, means.iter().map(|m| held(m[c])).collect());
+        push(&mut image, name, picture.iter().map(|pixel| pixel[c]).collect());
     }
     let hits: Vec<FirstHit> = film.layers.features.iter().map(|f| f.mean()).collect();
     for layer in layers {

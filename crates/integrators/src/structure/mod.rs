@@ -70,7 +70,7 @@ impl Method for Structure {
             Feature::Motion | Feature::MovingCamera => Approximates("it is shown as the shutter opens"),
             Feature::Transparency => Refuses(""),
             Feature::Denoising => Refuses("it has no noise"),
-            Feature::LightGroups => Refuses("it shows no light"),
+            Feature::LightGroups | Feature::Bounces => Refuses("it shows no light"),
             Feature::Adaptivity => Refuses("it makes whole pictures pass by pass"),
             _ => support::of_camera_rays(feature),
         }

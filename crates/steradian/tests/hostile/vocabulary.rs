@@ -17,8 +17,8 @@ use steradian::{
 const METHODS: [&str; 4] = ["path", "volpath", "direct", "whitted"];
 
 /// Kinds of a family that have a parameter of the same name take turns with its values, at most so many of them: each
-/// value of each name is tried with a twelfth of the kinds at least.
-const TURNS: usize = 12;
+/// value of each name is tried with a fortieth of the kinds at least, and once.
+const TURNS: usize = 40;
 
 /// A kind of node and its parameters.
 struct Row {
