@@ -106,7 +106,8 @@ impl PathState {
     #[inline]
     fn of_lights<const MEDIA: bool>(&self, v: &Vertex<'_>, context: &mut PathContext<'_, '_>) -> Spectrum {
         let first = v.direct::<MEDIA>(self.event_of_light(0), context);
-        // One sample: its light is noted by its number of events, or by the group of the light, which the same random numbers choose again.
+        // One sample: its light is noted by its number of events, or by the group of the light, which the same random
+        // numbers choose again.
         if self.lights == 1 {
             let light = self.beta * first;
             let PathContext { scene, sampler, counters, .. } = context;
