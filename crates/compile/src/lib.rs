@@ -49,6 +49,7 @@ mod subsurface;
 mod textures;
 mod unknown_parameters;
 mod view;
+mod volume_files;
 
 use assets::Assets;
 use coats::Coats;

@@ -30,6 +30,7 @@ impl Compiler<'_> {
         let compiled = match node.kind.as_str() {
             "homogeneous" => Some(self.homogeneous(node)),
             "uniformgrid" | "rgbgrid" | "cloud" | "heterogeneous" => self.varying(node),
+            "vdb" => self.volume_file(node),
             other => {
                 let known = Family::Medium.kinds().collect::<Vec<_>>().join(", ");
                 let what = format!("medium '{other}' is not implemented (there is {known}); it is left out");
@@ -45,7 +46,7 @@ impl Compiler<'_> {
         compiled
     }
 
-    fn homogeneous(&mut self, node: &Node) -> Medium {
+    pub(super) fn homogeneous(&mut self, node: &Node) -> Medium {
         let (sigma_a, sigma_s) = if node.get("sigma_t").is_some() || node.get("albedo").is_some() {
             let t = self.constant_color_or(node, "sigma_t", Role::Unbounded, ONE);
             let albedo = self.constant_color_or(node, "albedo", Role::Albedo, SpectrumValue::Constant(0.75));

@@ -2,7 +2,7 @@
 
 use crate::{
     model::{Group, Model},
-    parameter::{ANY, Parameter, Type, integer, list, number, spectrum, tex, transform, vector},
+    parameter::{ANY, Parameter, Type, file, integer, list, number, spectrum, tex, transform, vector},
 };
 
 const SIGMA_A: Parameter = spectrum("sigma_a", ANY, "0", "absorption").unit("per scene unit");
@@ -26,6 +26,9 @@ const LESCALE: Parameter = Parameter::new(
     "1",
     "factor on what is emitted, or as many as there are cells; a single one below 0 counts as 0",
 );
+const TEMPERATURE_OFFSET: Parameter =
+    number("temperatureoffset", ANY, "0", "what is taken from the temperature, after interpolation").unit("K");
+const TEMPERATURE_SCALE: Parameter = number("temperaturescale", ANY, "1", "factor on the temperature, after that");
 const LE_GRID: Parameter =
     list("Le", "none", "emitted radiance: as many linear colours as there are cells, three numbers each");
 const LE_OR_GRID: Parameter = Parameter::new(
@@ -131,6 +134,36 @@ pub const MEDIA: &[Model] = &[
         groups: &[&CELLS, &GLOW],
         source: "Mitsuba 3, plugin documentation: heterogeneous",
     },
+    Model {
+        kind: "vdb",
+        doc: "coefficients times a density on the grid of a volume file, where the file places it; numbers stand at \
+         indices, are linear in between, and fade to zero within a voxel outside of the active ones; with a grid of \
+         temperatures it glows as a black body whose spectrum's largest value is Lescale",
+        parameters: &[
+            file("file", "needed", "the volume: NanoVDB's .nvdb"),
+            Parameter::new(Type::Text, "grid", ANY, "density", "name of the grid of densities"),
+            Parameter::new(
+                Type::Text,
+                "temperature_grid",
+                ANY,
+                "temperature",
+                "name of the grid of temperatures, if any",
+            ),
+            SIGMA_A,
+            SIGMA_S,
+            SIGMA_T,
+            ALBEDO,
+            SCALE,
+            PHASE,
+            G,
+            number("Lescale", ANY, "1", "factor on what is emitted; below 0 counts as 0"),
+            TEMPERATURE_OFFSET,
+            TEMPERATURE_SCALE,
+            transform("to_world", "identity", "places the file's own world"),
+        ],
+        groups: &[],
+        source: "Museth, NanoVDB: A GPU-friendly and portable VDB data structure (2021); pbrt-v4, 11.4",
+    },
 ];
 
 /// All phase functions.
@@ -202,8 +235,8 @@ pub static GLOW: Group = Group {
     parameters: &[
         LESCALE,
         list("temperature", "none", "as many numbers as there are cells, instead of Le").unit("K"),
-        number("temperatureoffset", ANY, "0", "what is taken from the temperature, after interpolation").unit("K"),
-        number("temperaturescale", ANY, "1", "factor on the temperature, after that"),
+        TEMPERATURE_OFFSET,
+        TEMPERATURE_SCALE,
     ],
     source: "pbrt-v4, 11.4",
 };

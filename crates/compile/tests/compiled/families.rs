@@ -35,7 +35,24 @@ fn files() -> tempfile::TempDir {
     [2_i32, 2, 2, 1].iter().for_each(|v| grid.extend(v.to_le_bytes()));
     grid.extend(floats(&[0.0, 0.0, 0.0, 1.0, 1.0, 1.0, -0.25, -0.25, -0.25, -0.25, 0.75, 0.75, 0.75, 0.75]));
     std::fs::write(folder.path().join("g.vol"), grid).unwrap();
+    std::fs::write(folder.path().join("v.nvdb"), volume()).unwrap();
     folder
+}
+
+/// A grid of NanoVDB as it lies in memory: one tile of density one over 2³ voxels.
+fn volume() -> Vec<u8> {
+    let mut bytes = vec![0; 832];
+    let mut put = |at: usize, part: &[u8]| bytes[at..at + part.len()].copy_from_slice(part);
+    put(0, b"NanoVDB1");
+    put(16, &(32_u32 << 21).to_le_bytes());
+    put(32, &832_u64.to_le_bytes());
+    put(40, b"density");
+    [384, 416, 448].iter().for_each(|at| put(*at, &1.0_f64.to_le_bytes()));
+    [(632, 2_u32), (636, 1), (696, 64), (748, 1), (752, 1), (756, 1), (760, 1), (816, 1)]
+        .iter()
+        .for_each(|(at, v)| put(*at, &v.to_le_bytes()));
+    put(820, &1.0_f32.to_le_bytes());
+    bytes
 }
 
 /// Parameters that a model needs to be compiled.
@@ -48,6 +65,7 @@ fn needs(family: Family, kind: &str, files: &Path) -> Vec<(&'static str, Value)>
         (Family::Texture, "curve") => vec![("values", vec![0.0, 1.0].into())],
         (Family::Texture, "mesh_attribute") => vec![("name", "color".into())],
         (Family::Phase, "tabulated") => vec![("values", vec![1.0, 2.0].into())],
+        (Family::Medium, "vdb") => vec![("file", Value::Path(files.join("v.nvdb")))],
         (Family::Medium, "uniformgrid") => vec![("density", vec![1.0].into())],
         // Without either, a size that is none leaves the medium out without a word.
         (Family::Medium, "rgbgrid") => vec![("sigma_a", vec![1.0; 3].into()), ("sigma_s", vec![1.0; 3].into())],

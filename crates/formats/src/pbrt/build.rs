@@ -213,7 +213,6 @@ pub(super) enum Field {
     Float(&'static str, f64),
     Int(&'static str, i64),
     Text(&'static str),
-    File(&'static str),
     FloatTexture(&'static str, f64),
     /// Unset where absent.
     OptionalFloatTexture(&'static str),
@@ -240,7 +239,6 @@ impl Build<'_, '_> {
                 Field::Float(n, v) => self.float(n, n, v),
                 Field::Int(n, v) => self.int(n, n, v),
                 Field::Text(n) => self.text(n, n, None),
-                Field::File(n) => self.required_file(n, n),
                 Field::FloatTexture(n, v) => _ = self.float_texture(n, n, v),
                 Field::OptionalFloatTexture(n) => _ = self.float_texture(n, n, None),
                 Field::SpectrumTexture(n, role, v) => _ = self.spectrum_texture(n, n, role, constant(v)),

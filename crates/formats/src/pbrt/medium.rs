@@ -59,14 +59,14 @@ pub(super) fn translate(scene: &mut Scene, dict: &Dict, kind: &str, ctm: Transfo
             bounds(&mut b);
         }
         "nanovdb" => {
-            b.fields(&[
-                Field::File("filename"),
-                Field::Text("gridname"),
-                Field::Text("temperaturename"),
-                Field::Float("Lescale", 1.0),
-            ]);
+            b.node.kind = "vdb".into();
+            b.fields(&[Field::Float("Lescale", 1.0)]);
+            b.required_file("filename", "file");
+            b.text("gridname", "grid", None);
+            b.text("temperaturename", "temperature_grid", None);
             temperature(&mut b);
             coefficients(&mut b);
+            photometric(&mut b);
         }
         _ => {
             let help = names::did_you_mean(kind, KINDS);
