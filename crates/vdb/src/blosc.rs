@@ -87,13 +87,11 @@ fn lz4(stream: &[u8], all: &mut Vec<u8>, end: usize) -> Result<(), Error> {
     let (begin, mut bytes) = (all.len(), stream.iter().copied());
     // Lengths of 15 go on in bytes until one is not 255.
     let length = |nibble: u8, bytes: &mut dyn Iterator<Item = u8>| -> Option<usize> {
-        let mut sum = usize::from(nibble);
-        while nibble == 15 {
+        let (mut sum, mut goes_on) = (usize::from(nibble), nibble == 15);
+        while goes_on {
             let more = bytes.next()?;
             sum += usize::from(more);
-            if more != 255 {
-                break;
-            }
+            goes_on = more == 255;
         }
         Some(sum)
     };

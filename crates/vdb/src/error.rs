@@ -1,5 +1,8 @@
 //! Reasons why there is no volume.
 
+/// Names of grids that an error lists.
+pub(crate) const LISTED: usize = 16;
+
 /// Reason why a volume cannot be read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
@@ -12,7 +15,7 @@ pub enum Error {
     /// The file contradicts itself.
     #[error("{0}")]
     Malformed(String),
-    /// What there is, is not read.
+    /// A part of a kind that is not read.
     #[error("{0}")]
     Unsupported(String),
     /// There is no grid of this name.

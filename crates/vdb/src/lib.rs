@@ -13,20 +13,13 @@ mod blosc;
 mod bytes;
 mod dense;
 mod error;
+mod limits;
 mod nano;
 mod unpack;
 
 pub use dense::Volume;
 pub use error::Error;
-
-/// Bounds on what a file may ask for.
-#[derive(Clone, Copy, Debug)]
-pub struct Limits {
-    /// Voxels of a dense grid.
-    pub voxels: u64,
-    /// Bytes of an unpacked grid.
-    pub bytes: u64,
-}
+pub use limits::Limits;
 
 /// Reads the first grid of a name from the bytes of a file; an empty name is that of any grid.
 ///

@@ -7,6 +7,7 @@ use steradian_compile::{Options, compile};
 use steradian_math::Transform;
 use steradian_scene::{ColorSpace, Family, Mesh, Node, NodeId, SceneDesc, Shape, SpectrumValue, Value};
 use steradian_schema::{Condition, Model, Parameter, texture};
+use steradian_testkit::nanovdb;
 
 const FAMILIES: [Family; 9] = {
     use Family::*;
@@ -35,24 +36,9 @@ fn files() -> tempfile::TempDir {
     [2_i32, 2, 2, 1].iter().for_each(|v| grid.extend(v.to_le_bytes()));
     grid.extend(floats(&[0.0, 0.0, 0.0, 1.0, 1.0, 1.0, -0.25, -0.25, -0.25, -0.25, 0.75, 0.75, 0.75, 0.75]));
     std::fs::write(folder.path().join("g.vol"), grid).unwrap();
-    std::fs::write(folder.path().join("v.nvdb"), volume()).unwrap();
+    let volumes = [("density", 1.0), ("temperature", 1000.0)].map(|(name, v)| nanovdb(name, [2; 3], &[v; 8]));
+    std::fs::write(folder.path().join("v.nvdb"), volumes.concat()).unwrap();
     folder
-}
-
-/// A grid of NanoVDB as it lies in memory: one tile of density one over 2³ voxels.
-fn volume() -> Vec<u8> {
-    let mut bytes = vec![0; 832];
-    let mut put = |at: usize, part: &[u8]| bytes[at..at + part.len()].copy_from_slice(part);
-    put(0, b"NanoVDB1");
-    put(16, &(32_u32 << 21).to_le_bytes());
-    put(32, &832_u64.to_le_bytes());
-    put(40, b"density");
-    [384, 416, 448].iter().for_each(|at| put(*at, &1.0_f64.to_le_bytes()));
-    [(632, 2_u32), (636, 1), (696, 64), (748, 1), (752, 1), (756, 1), (760, 1), (816, 1)]
-        .iter()
-        .for_each(|(at, v)| put(*at, &v.to_le_bytes()));
-    put(820, &1.0_f32.to_le_bytes());
-    bytes
 }
 
 /// Parameters that a model needs to be compiled.
@@ -108,7 +94,7 @@ fn company(family: Family, kind: &str, p: &Parameter, files: &Path) -> Vec<(&'st
         company.push(("file", picture()));
     }
     let of_glow = ["Lescale", "temperatureoffset", "temperaturescale", "nx", "ny", "nz"].contains(&p.name);
-    if family == Family::Medium && of_glow {
+    if family == Family::Medium && kind != "vdb" && of_glow {
         let le = Value::Spectrum(SpectrumValue::Rgb([1.0; 3], ColorSpace::Srgb));
         company.push(if kind == "homogeneous" { ("Le", le) } else { ("temperature", vec![1000.0].into()) });
     }

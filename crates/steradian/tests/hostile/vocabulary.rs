@@ -12,6 +12,7 @@ use steradian::{
     scene::{ColorSpace, Family, Format, Group, Instance, Mesh, Node, NodeId, SceneDesc, Shape, SpectrumValue, Value},
     schema::FAMILIES,
 };
+use steradian_testkit::nanovdb;
 
 /// Integrators that are tried: hostile options of others are tried by those of the command line.
 const METHODS: [&str; 4] = ["path", "volpath", "direct", "whitted"];
@@ -142,6 +143,7 @@ fn scene_of(family: Family, kind: &str, format: Format) -> (SceneDesc, NodeId) {
         }
         (Family::Texture, "ramp") => _ = node.set("colors", vec![0.0, 0.0, 0.0, 1.0, 0.5, 0.2], None),
         (Family::Texture, "curve") => _ = node.set("values", vec![0.0, 1.0], None),
+        (Family::Medium, "vdb") => _ = node.set("file", PathBuf::from("v.nvdb"), None),
         (Family::Medium, "uniformgrid") => _ = node.set("density", vec![1.0], None),
         (Family::Shape, "height_field") => {
             node.set("heights", vec![0.0, 0.1, 0.2, 0.0], None).set("nu", 2_i64, None).set("nv", 2_i64, None);
@@ -223,7 +225,8 @@ fn scene_of(family: Family, kind: &str, format: Format) -> (SceneDesc, NodeId) {
 
 /// A case of a description. Films of the scene count where the film is what is tried.
 fn case(name: String, scene: SceneDesc, small: bool, expect: Expect) -> Case {
-    let mut case = Case::new(name, "i.pfm", images::pfm(0.5), expect).with("nan.pfm", images::pfm(f32::NAN));
+    let case = Case::new(name, "i.pfm", images::pfm(0.5), expect).with("nan.pfm", images::pfm(f32::NAN));
+    let mut case = case.with("v.nvdb", nanovdb("density", [2; 3], &[1.0; 8]));
     (case.description, case.small) = (Some(scene), small);
     case
 }

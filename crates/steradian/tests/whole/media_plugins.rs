@@ -3,6 +3,7 @@
 
 use std::path::Path;
 use steradian::{CompileOptions, Quality, compile, formats::Options, load, render};
+use steradian_testkit::nanovdb;
 
 /// A box of a medium, from z = 0 to 1, before an orthographic camera.
 fn boxed(medium: &str, light: &str) -> String {
@@ -82,25 +83,76 @@ fn all_parameters_of_pbrt() {
             assert!(wrong.len() == 1 && wrong[0].contains("'nothing'"), "{medium}: {wrong:?}");
         }
     }
-    std::fs::write(folder.path().join("c.nvdb"), b"").unwrap();
+    let grids = [nanovdb("d", [2; 3], &[1.0; 8]), nanovdb("t", [1; 3], &[3000.0])];
+    std::fs::write(folder.path().join("c.nvdb"), grids.concat()).unwrap();
     let vdb = format!(
         r#""nanovdb" "string filename" "c.nvdb" "string gridname" "d" "string temperaturename" "t" "float Lescale" 2
         "float temperatureoffset" 100 "float temperaturescale" 2 {sigma} "float scale" 2"#
     );
-    let refused = said(folder.path(), &boxed(&vdb, LAMP));
-    assert!(refused.len() == 1 && refused[0].contains("it is no NanoVDB file"), "{refused:?}");
+    assert_eq!(said(folder.path(), &boxed(&vdb, "")), [""; 0]);
+    for (name, bytes, fault) in
+        [("e.nvdb", &b""[..], "by its first bytes"), ("s.nvdb", &grids[0][..800], "ends within")]
+    {
+        std::fs::write(folder.path().join(name), bytes).unwrap();
+        let refused = said(folder.path(), &boxed(&vdb.replace("c.nvdb", name), LAMP));
+        assert!(refused.len() == 1 && refused[0].contains(fault), "{refused:?}");
+    }
+    let other = said(folder.path(), &boxed(&vdb.replace(r#""d""#, r#""e""#), LAMP));
+    assert!(other.len() == 1 && other[0].contains("no grid 'e' (it has: d, t)"), "{other:?}");
     let both = format!(r#""uniformgrid" {grid} "rgb Le" [1 2 3] "float temperature" [3000 4000]"#);
     let refused = said(folder.path(), &boxed(&both, ""));
     assert!(refused.len() == 1 && refused[0].contains("not by both"), "{refused:?}");
 }
 
+/// A volume file is, to the bit, the grid of its numbers with a voxel of zeros around them, where the matrix places it,
+/// and so is a grid of temperatures that has another box.
+#[test]
+fn volumes_of_files_are_grids() {
+    let folder = tempfile::tempdir().unwrap();
+    let number = |[x, y, z]: [usize; 3]| (x + 2 * y + 3 * z + 1) as f32;
+    // Four × three × two voxels, and the zeros.
+    let (size, around) = ([4, 3, 2], [6, 5, 4]);
+    let voxels = |[nx, ny, nz]: [usize; 3]| {
+        (0..nz).flat_map(move |z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])))
+    };
+    let density: Vec<f32> = voxels(size).map(number).collect();
+    let inner = |at: [usize; 3]| {
+        let index: [usize; 3] = std::array::from_fn(|a| at[a].wrapping_sub(1));
+        (0..3).all(|a| index[a] < size[a]).then_some(index)
+    };
+    let list = |value: &dyn Fn([usize; 3]) -> f32| {
+        voxels(around).map(|at| inner(at).map_or(0.0, value).to_string()).collect::<Vec<_>>().join(" ")
+    };
+    let heat = |index: [usize; 3]| if index.iter().all(|i| *i < 2) { 4000.0 } else { 0.0 };
+    let files = [nanovdb("density", size, &density), nanovdb("temperature", [2; 3], &[4000.0; 8])];
+    let coefficients = r#""rgb sigma_a" [.5 .3 .2] "rgb sigma_s" [.1 .2 .3] "float scale" .5"#;
+    let bounds = r#""point3 p0" [-1.5 -1.5 -1.5] "point3 p1" [4.5 3.5 2.5]"#;
+    let cells = r#""integer nx" 6 "integer ny" 5 "integer nz" 4"#;
+    for (count, temperature) in [(1, String::new()), (2, format!(r#""float temperature" [{}]"#, list(&heat)))] {
+        std::fs::write(folder.path().join("c.nvdb"), files[..count].concat()).unwrap();
+        let grid = format!(r#""uniformgrid" {cells} {bounds} "float density" [{}] {temperature}"#, list(&number));
+        let [file, grid] = [r#""nanovdb" "string filename" "c.nvdb""#, &grid].map(|medium| {
+            let place = format!("{LAMP} AttributeBegin Scale .125 .125 .125 Translate -1.5 -1 3");
+            let scene = boxed(&format!("{medium} {coefficients} AttributeEnd"), &place);
+            assert_eq!(said(folder.path(), &scene), [""; 0]);
+            seen_in(folder.path(), &scene, 16)
+        });
+        assert_eq!(file, grid, "{count} grids");
+    }
+}
+
 fn seen(text: &str) -> [f64; 3] {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("scene.pbrt");
+    seen_in(folder.path(), text, 1024)
+}
+
+/// Means of a picture.
+fn seen_in(folder: &Path, text: &str, spp: u32) -> [f64; 3] {
+    let path = folder.join("scene.pbrt");
     std::fs::write(&path, text).unwrap();
     let scene = compile(&load(&path, &Options::default()).desc, &CompileOptions::default()).scene.expect("a scene");
     let picture =
-        render(&std::sync::Arc::new(scene), &Quality { spp: Some(1024), ..Quality::default() }).expect("a picture");
+        render(&std::sync::Arc::new(scene), &Quality { spp: Some(spp), ..Quality::default() }).expect("a picture");
     ["R", "G", "B"].map(|c| picture.channel(c).unwrap().iter().map(|v| f64::from(*v)).sum::<f64>() / 64.0)
 }
 

@@ -4,7 +4,7 @@
 //! bytes and its name, then the grids, packed one by one. Or it is grids as they lie in memory.
 
 use super::tree;
-use crate::{Error, Limits, Volume, blosc, bytes::Bytes, unpack};
+use crate::{Error, Limits, Volume, blosc, bytes::Bytes, error::LISTED, unpack};
 
 const OLD: &[u8; 8] = b"NanoVDB0";
 const GRID: &[u8; 8] = b"NanoVDB1";
@@ -16,8 +16,6 @@ const GRID_HEAD: u64 = 176;
 pub(super) const GRID_SIZE: u64 = 672;
 /// Bytes that Blosc packs at once.
 const CHUNK: u64 = 1 << 30;
-/// Names that an error lists.
-const LISTED: usize = 16;
 
 /// Tells NanoVDB's files by their first bytes.
 pub(crate) fn is_one(bytes: &[u8]) -> bool {
