@@ -140,7 +140,7 @@ pub const MEDIA: &[Model] = &[
          indices, are linear in between, and fade to zero within a voxel outside of the active ones; with a grid of \
          temperatures it glows as a black body whose spectrum's largest value is Lescale",
         parameters: &[
-            file("file", "needed", "the volume: NanoVDB's .nvdb"),
+            file("file", "needed", "the volume: NanoVDB's .nvdb or OpenVDB's .vdb"),
             Parameter::new(Type::Text, "grid", ANY, "density", "name of the grid of densities"),
             Parameter::new(
                 Type::Text,

@@ -2,6 +2,9 @@
 
 use crate::Error;
 
+/// Longest name, in bytes.
+const LONGEST: u32 = 1 << 12;
+
 /// Bytes and a noun for what they are, for messages.
 #[derive(Clone, Copy)]
 pub(crate) struct Bytes<'a> {
@@ -43,6 +46,63 @@ impl<'a> Bytes<'a> {
 
     pub fn f64(&self, at: u64) -> Result<f64, Error> {
         self.array(at).map(f64::from_le_bytes)
+    }
+}
+
+/// Bytes that are read one after the other.
+#[derive(Clone, Copy)]
+pub(crate) struct Stream<'a> {
+    pub bytes: Bytes<'a>,
+    pub at: u64,
+}
+
+impl<'a> Stream<'a> {
+    pub fn new(all: &'a [u8], what: &'static str) -> Self {
+        Self { bytes: Bytes { all, what }, at: 0 }
+    }
+
+    pub fn take(&mut self, count: u64) -> Result<&'a [u8], Error> {
+        let part = self.bytes.part(self.at, count)?;
+        self.at += count;
+        Ok(part)
+    }
+
+    fn array<const N: usize>(&mut self) -> Result<[u8; N], Error> {
+        let part = self.take(N as u64)?;
+        Ok(std::array::from_fn(|i| part[i]))
+    }
+
+    pub fn u8(&mut self) -> Result<u8, Error> {
+        self.array().map(|[byte]| byte)
+    }
+
+    pub fn u32(&mut self) -> Result<u32, Error> {
+        self.array().map(u32::from_le_bytes)
+    }
+
+    pub fn i32(&mut self) -> Result<i32, Error> {
+        self.array().map(i32::from_le_bytes)
+    }
+
+    pub fn u64(&mut self) -> Result<u64, Error> {
+        self.array().map(u64::from_le_bytes)
+    }
+
+    pub fn f32(&mut self) -> Result<f32, Error> {
+        self.array().map(f32::from_le_bytes)
+    }
+
+    pub fn f64(&mut self) -> Result<f64, Error> {
+        self.array().map(f64::from_le_bytes)
+    }
+
+    /// A text behind its length of 32 bits, at most [`LONGEST`].
+    pub fn text(&mut self) -> Result<String, Error> {
+        let length = self.u32()?;
+        if length > LONGEST {
+            return Err(Error::Malformed(format!("a name of {length} bytes is longer than {LONGEST}")));
+        }
+        self.take(length.into()).map(|text| String::from_utf8_lossy(text).into_owned())
     }
 }
 

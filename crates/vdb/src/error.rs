@@ -7,7 +7,7 @@ pub(crate) const LISTED: usize = 16;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
     /// The bytes are of another kind of file.
-    #[error("it is no NanoVDB file, by its first bytes")]
+    #[error("it is neither a NanoVDB nor an OpenVDB file, by its first bytes")]
     Unknown,
     /// The file ends before what it says that it has.
     #[error("it ends within {0}")]

@@ -1,9 +1,9 @@
-//! Volumes of NanoVDB files (`.nvdb`) as dense grids of numbers.
+//! Volumes of NanoVDB's and OpenVDB's files (`.nvdb`, `.vdb`) as dense grids of numbers.
 //!
 //! 1. The file is recognised by its first bytes (`read`), and its grid of the name asked for is found and unpacked
-//!    (`nano::file`, `blosc`).
+//!    (`nano::file`, `open::file`, `blosc`).
 //! 2. Its tree of 32³, 16³ and 8³ children is walked, and voxels and tiles within the box of the active ones are copied
-//!    into a dense grid (`nano::tree`, `dense`).
+//!    into a dense grid (`nano::tree`, `open::tree`, `dense`).
 //! 3. The grid's map from indices to its world goes with it.
 //!
 //! Each offset and count of a file is held against the bytes there are, and the dense grid against [`Limits`] before
@@ -15,6 +15,7 @@ mod dense;
 mod error;
 mod limits;
 mod nano;
+mod open;
 mod unpack;
 
 pub use dense::Volume;
@@ -29,6 +30,9 @@ pub use limits::Limits;
 pub fn read(bytes: &[u8], name: &str, limits: &Limits) -> Result<Volume, Error> {
     if nano::is_one(bytes) {
         return nano::read(bytes, name, limits);
+    }
+    if open::is_one(bytes) {
+        return open::read(bytes, name, limits);
     }
     Err(Error::Unknown)
 }
