@@ -3,6 +3,7 @@
 
 pub mod ao;
 pub mod gather;
+pub mod irradiance_cache;
 pub mod meter;
 pub mod passes;
 pub mod path;
@@ -49,6 +50,7 @@ pub const METHODS: &[MethodKind] = &[
     whitted::WHITTED,
     ao::AO,
     gather::GATHER,
+    irradiance_cache::IRRADIANCE_CACHE,
     raycast::RAYCAST,
     structure::STRUCTURE,
     radiosity::RADIOSITY,

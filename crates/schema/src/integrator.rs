@@ -121,6 +121,19 @@ const GATHER: &[Parameter] = &[
     HIDE_EMITTERS,
 ];
 
+const IRRADIANCE_CACHE: &[Parameter] = &[
+    integer("rays", (1.0, 65536.0), "512", "rays of a record, about").refused(),
+    number("error", (0.001, 1.0), "0.2", "largest error of a record that counts, Ward's a").refused(),
+    flag("gradients", "true", "whether irradiance is extrapolated by its gradients"),
+    number("min_spacing", POSITIVE, "3", "least reach of a record, in pixels").refused(),
+    number("max_spacing", POSITIVE, "40", "largest reach of a record, in pixels").refused(),
+    integer("records", (0.0, 1e7), "1000000", "most records; paths go on where there are none").refused(),
+    integer("wavelengths", (4.0, 256.0), "16", "wavelengths of records in spectral renders").refused(),
+    MAX_DEPTH,
+    RR_DEPTH,
+    HIDE_EMITTERS,
+];
+
 const RASTER: &[Parameter] = &[
     word(
         "frame",
@@ -234,6 +247,12 @@ pub const INTEGRATORS: &[Model] = &[
         "many directions at each surface, and again at what they meet",
         GATHER,
         "Kajiya, The rendering equation (1986); Davis, Rabinowitz, Methods of numerical integration (1984)",
+    ),
+    method(
+        "irradiance-cache",
+        "indirect irradiance by many rays at few points, interpolated between them",
+        IRRADIANCE_CACHE,
+        "Ward, Rubinstein, Clear, A ray tracing solution for diffuse interreflection (1988)",
     ),
     method("raycast", "the colour of the first surface", &[HIDE_EMITTERS], ""),
     method("structure", "the acceleration structure: its steps, boxes or cells", STRUCTURE, ""),

@@ -43,7 +43,7 @@ const SCENES: [&str; 12] = [
     "textured.pbrt",
 ];
 /// Integrators and their options, in forms that take little time.
-const INTEGRATORS: [&str; 28] = [
+const INTEGRATORS: [&str; 29] = [
     "path",
     "path:reuse=4",
     "path:caustics=true,reuse=1",
@@ -52,6 +52,7 @@ const INTEGRATORS: [&str; 28] = [
     "whitted",
     "ao:distance=1",
     "gather",
+    "irradiance-cache:rays=32",
     "raycast",
     "structure",
     "structure:structure=kdtree,show=cells",

@@ -8,6 +8,7 @@
 //! | `direct`, `direct_projective`, `direct_reparam` | light of one scattering event | `direct` |
 //! | `emission_reparam` | lights that the camera sees | `path` without scattering |
 //! | `aov`, `moment`, `stokes` | that of the integrator inside, with further channels | the integrator inside |
+//! | `irrcache` | all light, indirect irradiance interpolated | `irradiance-cache`, with the depth of the integrator inside |
 //! | `depth` | distances | `path`, approximated |
 //!
 //! Paths of Mitsuba's differentiable integrators have 6 segments at most by default, but for `prbvolpath`; those of
@@ -60,7 +61,8 @@ impl Reader<'_> {
                 self.approximated(self.span(object), what);
                 "path"
             }
-            "field" | "irrcache" | "vpl" => {
+            "irrcache" => return self.irradiance_cache(object),
+            "field" | "vpl" => {
                 self.approximated(self.span(object), format!("there is no integrator '{plugin}'; 'path' is used"));
                 "path"
             }
@@ -139,6 +141,44 @@ impl Reader<'_> {
         self.means(object);
         self.no_effect(object, &["hide_emitters"], "the integrator inside has its own");
         Some(first)
+    }
+
+    /// Mitsuba 0.6's `irrcache`: its depth is that of the integrator inside. Its hemispheres have 2 resolution × resolution
+    /// cells, and its quality κ is the largest error.
+    fn irradiance_cache(&mut self, object: ObjectId) -> Option<NodeId> {
+        let span = self.span(object);
+        let mut node = self.node(Family::Integrator, "irradiance-cache", object);
+        if let Some(inner) = self.wrapped(object) {
+            let inner = self.integrator(inner)?;
+            let inner = self.desc.node(inner).clone();
+            if inner.kind != "path" {
+                let what = format!("indirect light of the irradiance cache is that of 'path', not of '{}'", inner.kind);
+                self.approximated(span, what);
+            }
+            for name in ["max_depth", "rr_depth"] {
+                if let Some(depth) = inner.int(name) {
+                    node.set(name, depth, Some(span));
+                }
+            }
+            node.set("hide_emitters", inner.bool("hide_emitters").unwrap_or(false), Some(span));
+        }
+        let quality = self.float(object, "quality").unwrap_or(1.0);
+        let error = if quality > 0.0 { quality.clamp(0.001, 1.0) } else { 0.2 };
+        node.set("error", error, Some(self.value_span(object, "quality")));
+        let resolution = self.int(object, "resolution").unwrap_or(14).clamp(1, 181);
+        node.set("rays", 2 * resolution * resolution, Some(self.value_span(object, "resolution")));
+        let gradients = self.bool(object, "gradients").unwrap_or(true);
+        node.set("gradients", gradients, Some(self.value_span(object, "gradients")));
+        self.no_effect(
+            object,
+            &["qualityAdjustment", "quality_adjustment", "overture"],
+            "records are made before the picture",
+        );
+        self.left_out(object, "clampNeighbor", &["true"], "neighbours always bound each other's reach");
+        self.left_out(object, "clampScreen", &["true"], "the reach of records is always bounded in pixels");
+        self.left_out(object, "indirectOnly", &["false"], "direct light is always shown");
+        self.left_out(object, "debug", &["false"], "places of records are not shown");
+        Some(self.desc.add(node))
     }
 
     /// Notes the settings that are about time, memory and noise alone.

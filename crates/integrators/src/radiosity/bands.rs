@@ -41,11 +41,17 @@ impl Bands {
     /// Values at the wavelengths of a path, between those of the bands.
     #[inline]
     pub fn at(&self, values: &[Spectrum], lambda: &Wavelengths) -> Spectrum {
+        self.of(|band| values[band], lambda)
+    }
+
+    /// Values at the wavelengths of a path, between those that `values` gives of bands.
+    #[inline]
+    pub fn of(&self, values: impl Fn(usize) -> Spectrum, lambda: &Wavelengths) -> Spectrum {
         if self.mode == ColorMode::Rgb {
-            return values[0];
+            return values(0);
         }
         let last = 4 * self.count() - 1;
-        let value = |k: usize| values[k / 4][k % 4];
+        let value = |k: usize| values(k / 4)[k % 4];
         Spectrum::new(lambda.lambda.map(|l| {
             // Linear interpolation between the two wavelengths next to λ.
             let x = ((l - LAMBDA_MIN) / (LAMBDA_MAX - LAMBDA_MIN)).clamp(0.0, 1.0) * last as f32;

@@ -41,7 +41,7 @@ pub use surfaces::Refusal;
 pub use view::View;
 
 use crate::Stop;
-use bands::Bands;
+pub(crate) use bands::Bands;
 use cells::Cells;
 use clusters::Unknowns;
 use factors::Exchange;

@@ -18,6 +18,7 @@ mod grating;
 mod guiding;
 mod highlights;
 mod irradiance;
+mod irradiance_caching;
 mod lab;
 mod lenses;
 mod lights;

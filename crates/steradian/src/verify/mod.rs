@@ -42,9 +42,20 @@ const COARSE: u32 = 4;
 /// The part of the light that a reference may leave out.
 const COMPLETE: f64 = 1e-3;
 /// Integrators that are not compared by default: those that do not compute all light, parts of polarised
-/// light, and `gather`, whose paths are those of `path` without lights asked.
-const OTHERS: &[&str] =
-    &["ao", "direct", "gather", "whitted", "raycast", "structure", "stokes-s1", "stokes-s2", "stokes-s3", "raster"];
+/// light, `gather`, whose paths are those of `path` without lights asked, and `irradiance-cache`, whose pixels err alike.
+const OTHERS: &[&str] = &[
+    "ao",
+    "direct",
+    "gather",
+    "irradiance-cache",
+    "whitted",
+    "raycast",
+    "structure",
+    "stokes-s1",
+    "stokes-s2",
+    "stokes-s3",
+    "raster",
+];
 
 /// Outcome of an integrator.
 #[derive(Clone, Debug)]

@@ -409,6 +409,12 @@ fn integrators() {
         "<integrator type=\"sppm\"><integer name=\"photon_count\" value=\"900\"/><float name=\"initial_radius\" value=\"0.5\"/></integrator>",
     );
     assert_eq!((i.kind.as_str(), i.int("photons"), i.float("radius")), ("sppm", Some(900), Some(0.5)));
+    let i = integrator(
+        "<integrator type=\"irrcache\"><integer name=\"resolution\" value=\"10\"/><float name=\"quality\" value=\"0.3\"/>\
+         <integrator type=\"path\"><integer name=\"max_depth\" value=\"6\"/></integrator></integrator>",
+    );
+    assert_eq!((i.kind.as_str(), i.int("rays"), i.int("max_depth")), ("irradiance-cache", Some(200), Some(5)));
+    assert_eq!(i.float("error"), Some(0.3));
     assert_eq!(integrator("<integrator type=\"ptracer\"/><medium type=\"homogeneous\" id=\"m\"/>").kind, "volpath");
     assert_eq!(integrator("<integrator type=\"aov\"><string name=\"aovs\" value=\"d:depth\"/><integrator type=\"direct\"/></integrator>").kind, "direct");
 }
