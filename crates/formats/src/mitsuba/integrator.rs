@@ -143,8 +143,9 @@ impl Reader<'_> {
         Some(first)
     }
 
-    /// Mitsuba 0.6's `irrcache`: its depth is that of the integrator inside. Its hemispheres have 2 resolution × resolution
-    /// cells, and its quality κ is the largest error.
+    /// Mitsuba 0.6's `irrcache`: its depth is that of the integrator inside, and its hemispheres have 2 resolution ×
+    /// resolution cells. With the quality κ records reach 1/(2κ) of the least distance of what they see, within 1.5/κ and
+    /// 10/κ pixels; the share of the mean distance, which is greater, is taken as 0.2/κ.
     fn irradiance_cache(&mut self, object: ObjectId) -> Option<NodeId> {
         let span = self.span(object);
         let mut node = self.node(Family::Integrator, "irradiance-cache", object);
@@ -163,20 +164,22 @@ impl Reader<'_> {
             node.set("hide_emitters", inner.bool("hide_emitters").unwrap_or(false), Some(span));
         }
         let quality = self.float(object, "quality").unwrap_or(1.0);
-        let error = if quality > 0.0 { quality.clamp(0.001, 1.0) } else { 0.2 };
-        node.set("error", error, Some(self.value_span(object, "quality")));
+        if quality > 0.0 {
+            let at = Some(self.value_span(object, "quality"));
+            node.set("error", (0.2 / quality).clamp(0.001, 1.0), at);
+            for (name, pixels) in [("min_spacing", 1.5), ("max_spacing", 10.0)] {
+                node.set(name, (pixels / quality).clamp(1e-3, 1e6), at);
+            }
+        }
         let resolution = self.int(object, "resolution").unwrap_or(14).clamp(1, 181);
         node.set("rays", 2 * resolution * resolution, Some(self.value_span(object, "resolution")));
         let gradients = self.bool(object, "gradients").unwrap_or(true);
         node.set("gradients", gradients, Some(self.value_span(object, "gradients")));
-        self.no_effect(
-            object,
-            &["qualityAdjustment", "quality_adjustment", "overture"],
-            "records are made before the picture",
-        );
-        self.left_out(object, "clampNeighbor", &["true"], "neighbours always bound each other's reach");
-        self.left_out(object, "clampScreen", &["true"], "the reach of records is always bounded in pixels");
-        self.left_out(object, "indirectOnly", &["false"], "direct light is always shown");
+        self.no_effect(object, &["overture"], "records are made before the picture");
+        self.left_out(object, "quality_adjustment", &["1"], "records count as far as they keep others from being made");
+        self.left_out(object, "clamp_neighbor", &["true"], "neighbours always bound each other's reach");
+        self.left_out(object, "clamp_screen", &["true"], "the reach of records is always bounded in pixels");
+        self.left_out(object, "indirect_only", &["false"], "direct light is always shown");
         self.left_out(object, "debug", &["false"], "places of records are not shown");
         Some(self.desc.add(node))
     }

@@ -410,11 +410,11 @@ fn integrators() {
     );
     assert_eq!((i.kind.as_str(), i.int("photons"), i.float("radius")), ("sppm", Some(900), Some(0.5)));
     let i = integrator(
-        "<integrator type=\"irrcache\"><integer name=\"resolution\" value=\"10\"/><float name=\"quality\" value=\"0.3\"/>\
+        "<integrator type=\"irrcache\"><integer name=\"resolution\" value=\"10\"/><float name=\"quality\" value=\"2\"/>\
          <integrator type=\"path\"><integer name=\"max_depth\" value=\"6\"/></integrator></integrator>",
     );
     assert_eq!((i.kind.as_str(), i.int("rays"), i.int("max_depth")), ("irradiance-cache", Some(200), Some(5)));
-    assert_eq!(i.float("error"), Some(0.3));
+    assert_eq!((i.float("error"), i.float("min_spacing"), i.float("max_spacing")), (Some(0.1), Some(0.75), Some(5.0)));
     assert_eq!(integrator("<integrator type=\"ptracer\"/><medium type=\"homogeneous\" id=\"m\"/>").kind, "volpath");
     assert_eq!(integrator("<integrator type=\"aov\"><string name=\"aovs\" value=\"d:depth\"/><integrator type=\"direct\"/></integrator>").kind, "direct");
 }
