@@ -56,7 +56,7 @@ impl Cache {
     }
 }
 
-/// What a record is made of.
+/// A record, its irradiance, and the rays that it took.
 struct Made {
     record: Record,
     irradiance: Vec<Irradiance>,
