@@ -8,7 +8,7 @@
 //! | `direct`, `direct_projective`, `direct_reparam` | light of one scattering event | `direct` |
 //! | `emission_reparam` | lights that the camera sees | `path` without scattering |
 //! | `aov`, `moment`, `stokes` | that of the integrator inside, with further channels | the integrator inside |
-//! | `irrcache` | all light, indirect irradiance interpolated | `irradiance-cache`, with the depth of the integrator inside |
+//! | `irrcache` | all light, indirect irradiance interpolated | `irradiance-cache`, as deep as the integrator inside |
 //! | `depth` | distances | `path`, approximated |
 //!
 //! Paths of Mitsuba's differentiable integrators have 6 segments at most by default, but for `prbvolpath`; those of
@@ -144,8 +144,8 @@ impl Reader<'_> {
     }
 
     /// Mitsuba 0.6's `irrcache`: its depth is that of the integrator inside, and its hemispheres have 2 resolution ×
-    /// resolution cells. With the quality κ records reach 1/(2κ) of the least distance of what they see, within 1.5/κ and
-    /// 10/κ pixels; the share of the mean distance, which is greater, is taken as 0.2/κ.
+    /// resolution cells. With the quality κ records reach 1/(2κ) of the least distance of what they see, within 1.5/κ
+    /// and 10/κ pixels; the share of the mean distance, which is greater, is taken as 0.2/κ.
     fn irradiance_cache(&mut self, object: ObjectId) -> Option<NodeId> {
         let span = self.span(object);
         let mut node = self.node(Family::Integrator, "irradiance-cache", object);

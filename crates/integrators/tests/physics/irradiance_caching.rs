@@ -32,8 +32,8 @@ fn error(film: &Film, right: &Film) -> f64 {
     pairs().map(|(a, b)| (a - b).powi(2) / (b * b + 0.01)).sum::<f64>() / pairs().count() as f64
 }
 
-/// The picture is that of paths, with less error for as many samples of pixels. Where records reach far, gradients lower
-/// the error.
+/// The picture is that of paths, with less error for as many samples of pixels. Where records reach far, gradients
+/// lower the error.
 #[test]
 fn rooms_are_those_of_paths() {
     let scene = room();

@@ -42,7 +42,8 @@ const COARSE: u32 = 4;
 /// The part of the light that a reference may leave out.
 const COMPLETE: f64 = 1e-3;
 /// Integrators that are not compared by default: those that do not compute all light, parts of polarised
-/// light, `gather`, whose paths are those of `path` without lights asked, and `irradiance-cache`, whose pixels err alike.
+/// light, `gather`, whose paths are those of `path` without lights asked, and `irradiance-cache`, whose pixels err
+/// alike.
 const OTHERS: &[&str] = &[
     "ao",
     "direct",
