@@ -39,10 +39,11 @@ pub(crate) fn of_passes(feature: Feature) -> Support {
     }
 }
 
-/// Answers of methods that gather photons, on surfaces alone.
+/// Answers of methods that gather photons.
 pub(crate) fn of_photons(feature: Feature) -> Support {
     match feature {
-        Feature::Media | Feature::InfinitePlanes => Refuses(""),
+        Feature::GlowingMedia => Refuses("photons do not start in them"),
+        Feature::InfinitePlanes => Refuses(""),
         Feature::UnsampledEmitters => LeavesOut(""),
         _ => of_passes(feature),
     }

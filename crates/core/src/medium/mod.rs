@@ -46,6 +46,13 @@ impl Medium {
         (self.sigma_a.eval(lambda) * self.scale, self.sigma_s.eval(lambda) * self.scale)
     }
 
+    /// Scattering coefficient at a point of the world.
+    #[inline]
+    pub fn scattering_at(&self, p: Vec3, lambda: &Wavelengths) -> Spectrum {
+        let unit = self.coefficients(lambda);
+        self.field.as_ref().map_or(unit, |field| field.coefficients(unit, field.place(p), lambda)).1
+    }
+
     /// Extinction by which bounds on the variation are multiplied to give majorants.
     #[inline]
     pub fn majorant(&self, lambda: &Wavelengths) -> Spectrum {

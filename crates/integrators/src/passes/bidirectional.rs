@@ -175,7 +175,8 @@ impl Pass for Tracer {
                     let pair = Pair { tracer: self, run, ways, numbers, photons: None };
                     let mut found = Found::default();
                     pair.light(shared.unwrap_or(sample.lambda), is_kept, &mut found, counters);
-                    photons.extend(found.vertices.iter().filter_map(|v| Photon::of(v, false)));
+                    photons
+                        .extend(found.vertices.iter().filter(|v| v.geometry().is_some()).map(|v| Photon::of(v, false)));
                     if is_kept {
                         subpaths.push((found.vertices, found.splats));
                     }

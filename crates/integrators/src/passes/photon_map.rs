@@ -11,7 +11,7 @@ use super::{
     vertex::Vertex,
 };
 use crate::{Counters, Depth, support};
-use std::{f32::consts::PI, sync::Arc};
+use std::sync::Arc;
 use steradian_core::{Scene, film::PassFilm, light::emission::Emission, sampler::PixelSampler};
 use steradian_engine::{Feature, Method, MethodKind, Pass, Passes, Plan, Refusal, Run, Session, Support};
 use steradian_math::Vec3;
@@ -94,7 +94,8 @@ impl Mapped {
         let counts = |p: &&Photon| self.settings.gather || (p.events > 0 && !p.is_focused);
         let global = photons.iter().filter(counts).copied().collect();
         let radius = radius::of_pass(self.radius, number);
-        let (caustics, global) = (Grid::new(focused, radius), Grid::new(global, radius));
+        let largest = radius::largest(run.scene, radius);
+        let (caustics, global) = (Grid::new(focused, largest), Grid::new(global, largest));
         Some((Maps { caustics, global, radius, number }, counters))
     }
 
@@ -105,6 +106,7 @@ impl Mapped {
             return gathered(v, map, radius, sent, depth, run);
         }
         // The k nearest photons on the surface: a density estimate with the radius of the next one.
+        let radius = radius::at(v, radius);
         let mut near: Vec<(f32, Photon)> = Vec::new();
         map.near(v.p(), radius, |photon| {
             if v.events + photon.events < depth.max && photon.lies_on(v) {
@@ -119,7 +121,7 @@ impl Mapped {
             square = near[k].0;
             near.truncate(k);
         }
-        let scale = 1.0 / (PI * square.max(f32::MIN_POSITIVE) * sent);
+        let scale = radius::kernel(v, square) / sent;
         // In an order that is the same for equal sets of photons.
         near.iter().map(|(_, photon)| brought(v, photon, scale, run)).sum()
     }

@@ -6,16 +6,16 @@ use super::{
 };
 use steradian_math::{Spectrum, Vec3, spectra::Wavelengths};
 
-/// Light that arrived at a surface.
+/// Light that arrived at a surface or at a point of a medium.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Photon {
     pub p: Vec3,
     /// Unit direction back to where it came from.
     pub wi: Vec3,
-    /// Geometric normal.
-    n: Vec3,
-    /// Flux that arrived, also what the surface let pass: photons that land on it by chance count for those that did
-    /// not.
+    ground: Ground,
+    /// On surfaces the flux that arrived, also what the surface let pass: photons that land on it by chance count for
+    /// those that did not. In media flux times length: the flux of collisions per scattering coefficient there, whose
+    /// density is the fluence (Jensen, Christensen 1998, eq. 4).
     pub beta: Spectrum,
     pub lambda: Wavelengths,
     /// Events before it landed.
@@ -25,25 +25,45 @@ pub(super) struct Photon {
     pub is_focused: bool,
 }
 
+/// Matter that a photon landed on.
+#[derive(Clone, Copy, Debug)]
+enum Ground {
+    /// A surface, by its geometric normal.
+    Surface(Vec3),
+    /// A medium, by its index.
+    Medium(Option<u32>),
+}
+
 impl Photon {
-    /// At a vertex of a light subpath, all of whose events may have been specular; `None` within media.
-    pub fn of(v: &Vertex<'_>, is_specular: bool) -> Option<Self> {
-        let Place::Surface(s) = &v.place else { return None };
-        Some(Self {
-            p: s.i.surface.p,
-            wi: s.i.wo,
-            n: s.i.surface.n,
-            beta: v.beta / s.opacity,
+    /// At a vertex of a light subpath, all of whose events may have been specular.
+    pub fn of(v: &Vertex<'_>, is_specular: bool) -> Self {
+        let (wi, ground, beta) = match &v.place {
+            Place::Surface(s) => (s.i.wo, Ground::Surface(s.i.surface.n), v.beta / s.opacity),
+            Place::Medium(m) => {
+                let scattering = m.medium.scattering_at(m.p, &v.lambda);
+                (m.wo, Ground::Medium(v.medium), v.beta.safe_div(scattering))
+            }
+        };
+        Self {
+            p: v.p(),
+            wi,
+            ground,
+            beta,
             lambda: v.lambda,
             events: v.events,
             sums: v.sums,
             is_focused: is_specular && v.events > 0,
-        })
+        }
     }
 
-    /// True if the photon lies on a vertex's surface, rather than on another one about the corner: |n·n'| > 0.8.
+    /// True if the photon lies in a vertex's medium, or on its surface, rather than on another one about the corner:
+    /// |n·n'| > 0.8.
     pub fn lies_on(&self, v: &Vertex<'_>) -> bool {
-        v.cos(self.n) > 0.8
+        match (&v.place, self.ground) {
+            (Place::Surface(s), Ground::Surface(n)) => s.i.surface.n.dot(n).abs() > 0.8,
+            (Place::Medium(_), Ground::Medium(medium)) => medium == v.medium,
+            _ => false,
+        }
     }
 }
 

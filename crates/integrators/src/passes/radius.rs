@@ -1,5 +1,7 @@
 //! Gather radius of photons.
 
+use super::vertex::{Place, Vertex};
+use std::f32::consts::PI;
 use steradian_core::Scene;
 use steradian_math::Vec2;
 use steradian_request::MethodRequest;
@@ -48,6 +50,33 @@ pub(super) fn of_pass(first: f32, number: u32) -> f32 {
     // r_n = r_1 (n + 1)^((α − 1)/2).
     first * (number as f32 + 1.0).powf((ALPHA - 1.0) / 2.0)
 }
+
+/// The kernel of a density estimate at a vertex within a radius: one over the area of its disc, or in media over the
+/// volume of its ball.
+pub(super) fn kernel(v: &Vertex<'_>, square: f32) -> f32 {
+    let square = square.max(f32::MIN_POSITIVE);
+    match &v.place {
+        Place::Surface(_) => 1.0 / (PI * square),
+        Place::Medium(_) => 0.75 / (PI * square * square.sqrt()),
+    }
+}
+
+/// The radius within which photons are gathered at a vertex, for a radius on surfaces. Media are wide and have few
+/// photons in a ball of the edge of a pixel.
+pub(super) fn at(v: &Vertex<'_>, on_surfaces: f32) -> f32 {
+    match &v.place {
+        Place::Surface(_) => on_surfaces,
+        Place::Medium(_) => IN_MEDIA * on_surfaces,
+    }
+}
+
+/// The largest radius of a scene's queries, for a radius on surfaces.
+pub(super) fn largest(scene: &Scene, on_surfaces: f32) -> f32 {
+    if scene.has_media() { IN_MEDIA * on_surfaces } else { on_surfaces }
+}
+
+/// The radius in media relative to that on surfaces.
+const IN_MEDIA: f32 = 4.0;
 
 /// The median edge of a pixel on what the camera sees.
 fn pixel_size(scene: &Scene) -> f32 {

@@ -7,14 +7,15 @@ use super::{
     radius::{self, Radius},
     subpath::{Arrival, Subpath, Ways},
     surface::Surface,
-    vertex::{Place, Vertex},
+    vertex::{Place, Vertex, Within},
 };
 use crate::{Counters, Depth, MAX_PASSES, dimension, nee, support};
-use std::{f32::consts::PI, sync::Arc};
+use std::sync::Arc;
 use steradian_bsdf::TransportMode::Radiance;
 use steradian_core::{Scene, film::PassFilm, light::emission::Emission, sampler::PixelSampler};
-use steradian_engine::{Feature, Method, MethodKind, Pass, Passes, Plan, Refusal, Run, Session, Support};
+use steradian_engine::{Feature, Method, MethodKind, Pass, Passes, PathContext, Plan, Refusal, Run, Session, Support};
 use steradian_math::{Spectrum, Vec3, spectra::Wavelengths};
+use steradian_transport::{NoGuide, PathState, leaving};
 
 /// Light paths and pixels of a piece of work.
 const PIECE: usize = 256;
@@ -103,7 +104,7 @@ pub(super) fn land(
                     break;
                 }
                 if !v.is_specular() && keeps(&v) {
-                    photons.extend(Photon::of(&v, path.is_specular));
+                    photons.push(Photon::of(&v, path.is_specular));
                 }
                 if !path.scatter(run.scene, &v, &sampler, &ways, depth) {
                     break;
@@ -118,8 +119,9 @@ pub(super) fn land(
 /// Radiance towards the camera by the photons within a radius.
 pub(super) fn gathered(v: &Vertex<'_>, photons: &Grid, radius: f32, paths: f32, depth: &Depth, run: &Run<'_>) -> Vec3 {
     let mut sum = Vec3::ZERO;
-    // Density estimate with a constant kernel: Σ β f / (π r² n).
-    let scale = 1.0 / (PI * radius * radius * paths);
+    // Density estimate with a constant kernel: Σ β f / (π r² n), or in media Σ β f / (4/3 π r³ n).
+    let radius = radius::at(v, radius);
+    let scale = radius::kernel(v, radius * radius) / paths;
     photons.near(v.p(), radius, |photon| {
         if v.events + photon.events < depth.max && photon.lies_on(v) {
             sum += brought(v, photon, scale, run);
@@ -139,7 +141,12 @@ pub(super) fn brought(v: &Vertex<'_>, photon: &Photon, scale: f32, run: &Run<'_>
 /// Light straight from lights at a vertex of a camera path: by a light sample and by scattering, weighted against each
 /// other.
 pub(super) fn direct(run: &Run<'_>, v: &Vertex<'_>, sampler: &PixelSampler, counters: &mut Counters) -> Vec3 {
-    let Place::Surface(Surface { i, scattering, frame, .. }) = &v.place else { return Vec3::ZERO };
+    let Place::Surface(Surface { i, scattering, frame, .. }) = &v.place else {
+        return direct_in_media(run, v, sampler, counters);
+    };
+    if run.scene.has_media() {
+        return direct_in_media(run, v, sampler, counters);
+    }
     let (scene, context, wo) = (run.scene, v.context(), frame.to_local(i.wo));
     let mut sum = Spectrum::ZERO;
     // Technique 1: a light sample, with its MIS weight.
@@ -175,6 +182,25 @@ pub(super) fn direct(run: &Run<'_>, v: &Vertex<'_>, sampler: &PixelSampler, coun
     run.developed(v.beta * sum, &v.lambda)
 }
 
+/// As [`direct`], through media and thin panes: a path of one event.
+fn direct_in_media(run: &Run<'_>, v: &Vertex<'_>, sampler: &PixelSampler, counters: &mut Counters) -> Vec3 {
+    let vertex = match &v.place {
+        Place::Surface(Surface { i, scattering, frame, .. }) => {
+            steradian_transport::Vertex::Surface { i: *i, scattering: *scattering, frame: *frame, medium: v.medium }
+        }
+        Place::Medium(Within { p, wo, time, medium }) => {
+            let Some(index) = v.medium else { return Vec3::ZERO };
+            steradian_transport::Vertex::Medium { p: *p, wo: *wo, time: *time, scattering: medium, medium: index }
+        }
+    };
+    let mut lambda = v.lambda;
+    let context = &mut PathContext { scene: run.scene, sampler, lambda: &mut lambda, counters };
+    let path = PathState { events: v.events, medium: v.medium, ..PathState::NONE };
+    let depth = Depth { max: v.events + 1, roulette_after: u32::MAX, hide_emitters: false };
+    let light = leaving::<true, Spectrum>(&vertex, path, depth, None::<&NoGuide>, context, Spectrum::ZERO);
+    run.developed(v.beta * light, &lambda)
+}
+
 impl Pass for Progressive {
     fn prepare(&mut self, run: &Run<'_>) -> Option<()> {
         self.emission = Emission::new(run.scene);
@@ -199,7 +225,13 @@ impl Pass for Progressive {
         };
         // Camera pass: every pixel gathers within the radius of this pass.
         let radius = radius::of_pass(self.radius, number);
-        let landed = Landed { number, lambda, photons: Grid::new(photons, radius), radius, paths: count as f32 };
+        let landed = Landed {
+            number,
+            lambda,
+            photons: Grid::new(photons, radius::largest(scene, radius)),
+            radius,
+            paths: count as f32,
+        };
         let crop = film.crop();
         let (rows, counters) = run.in_order(crop.height() as usize, |row, counters| {
             let pixel = |x| {
