@@ -388,6 +388,9 @@ pub struct VerifyArgs {
     /// Folder for the pictures and their differences (.exr)
     #[arg(short, long, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
+    /// Report with pictures and maps of z, as one page
+    #[arg(long, value_name = "REPORT.html")]
+    pub html: Option<PathBuf>,
     /// Print one line of JSON to stdout instead of a table
     #[arg(long)]
     pub json: bool,

@@ -16,6 +16,12 @@ pub fn hint(picture: &Image, outputs: &[PathBuf], exposure: Option<f32>) -> Opti
     if exposure.is_some() {
         return None;
     }
+    let (what, stops) = needed(picture)?;
+    Some(format!("{what} in {}: --exposure {stops} would show more", file.display()))
+}
+
+/// Complaint about a picture that is white or black as it is shown, and the exposure in stops that mends it.
+pub fn needed(picture: &Image) -> Option<(&'static str, f32)> {
     let rgb = picture.rgb()?;
     let luminance = |k: usize| {
         let [r, g, b] = rgb.at(k);
@@ -28,14 +34,13 @@ pub fn hint(picture: &Image, outputs: &[PathBuf], exposure: Option<f32>) -> Opti
     lit.sort_unstable_by(f32::total_cmp);
     let quantile = |share: f32| lit[((lit.len() - 1) as f32 * share) as usize];
     let stops = |from: f32, to: f32| (to / from).log2().round().clamp(-64.0, 64.0);
-    let (what, stops) = if quantile(0.4) > 1.0 {
-        ("most of what is lit is white", stops(quantile(0.5), GREY))
+    if quantile(0.4) > 1.0 {
+        Some(("most of what is lit is white", stops(quantile(0.5), GREY)))
     } else if quantile(0.98) < DARK {
-        ("nearly all is dark", stops(quantile(0.98), BRIGHT))
+        Some(("nearly all is dark", stops(quantile(0.98), BRIGHT)))
     } else {
-        return None;
-    };
-    Some(format!("{what} in {}: --exposure {stops} would show more", file.display()))
+        None
+    }
 }
 
 #[cfg(test)]

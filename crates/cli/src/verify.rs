@@ -1,5 +1,7 @@
 //! `steradian verify`: whether integrators agree on a scene.
 
+mod page;
+
 use crate::{
     args::{Color, VerifyArgs},
     failure::{self, Failure, Outcome},
@@ -13,7 +15,7 @@ use std::{
 };
 use steradian::{
     Control, Film, Inputs, Layer, Quality, Scene, SensorNoise,
-    image::WriteOptions,
+    image::{self, WriteOptions},
     scene::Family,
     verify::{self, Difference, Verdict},
 };
@@ -64,13 +66,16 @@ pub fn run(args: &VerifyArgs, terminal: Terminal) -> Outcome {
     let opened = open::open(&args.scene, &options, Some(args.spp));
     let ready = open::ready(opened, &args.scene, args.scene_options.strict, terminal)?;
     let mut scene = ready.scene;
+    let mut paths = Vec::from_iter(args.html.clone());
     if let Some(folder) = &args.output {
         std::fs::create_dir_all(folder)
             .map_err(|e| Failure::failed(format!("cannot make the folder {}: {e}", folder.display())))?;
         // What is written has the names of integrators.
-        let paths: Vec<PathBuf> = Family::Integrator.kinds().flat_map(|i| files(folder, i)).collect();
-        output::claim(paths.iter().map(PathBuf::as_path), &ready.inputs)?;
+        paths.extend(Family::Integrator.kinds().flat_map(|i| files(folder, i)));
     }
+    let mut taken = ready.inputs;
+    output::claim(paths.iter().map(PathBuf::as_path), &taken)?;
+    args.html.iter().for_each(|path| drop(taken.add(path)));
     let quality = Quality {
         spp: Some(args.spp),
         seed: Some(args.seed),
@@ -81,9 +86,13 @@ pub fn run(args: &VerifyArgs, terminal: Terminal) -> Outcome {
     let report = verify::verify(&mut scene, &quality, &args.integrator, &Control::default(), told)
         .map_err(|e| Failure::bad_input(e.to_string()))?;
     if let Some(folder) = &args.output {
-        save(&scene, &report, folder, ready.inputs)?;
+        save(&scene, &report, folder, taken)?;
     }
     let rows: Vec<Row<'_>> = report.verified.iter().map(row).collect();
+    if let Some(path) = &args.html {
+        image::stream_whole(path, |out| page::write(out, args, &scene, &report, &rows))
+            .map_err(|e| Failure::failed(e.to_string()))?;
+    }
     if args.json {
         let (scene, reference) = (args.scene.as_path(), report.reference.as_str());
         terminal::json(&Answer {
@@ -151,33 +160,57 @@ fn row(v: &verify::Verified) -> Row<'_> {
     }
 }
 
-/// Differences are root mean squares over blocks, as parts of the picture's mean.
-fn table(reference: &str, rows: &[Row<'_>]) -> String {
-    let mut out = format!(
-        "{:<14} {:>9} {:>9} {:>12} {:>9} {:>10} {:>9} {:>6} {:>8}  agrees with {reference}\n",
-        "integrator", "mean", "detects", "difference", "noise", "change", "largest z", "spp", "CPU s"
-    );
-    for r in rows {
+/// Columns of the table between integrator and answer, with their widths.
+const COLUMNS: [(&str, usize); 9] = [
+    ("mean", 9),
+    ("detects", 9),
+    ("difference", 12),
+    ("noise", 9),
+    ("change", 10),
+    ("largest z", 9),
+    ("allowed z", 9),
+    ("spp", 6),
+    ("CPU s", 8),
+];
+
+impl Row<'_> {
+    /// The numbers of [`COLUMNS`]. Differences are root mean squares over blocks, as parts of the picture's mean.
+    fn cells(&self) -> [String; COLUMNS.len()] {
         let percent = |v: Option<f64>| v.map_or("-".into(), |v| format!("{:.3} %", 100.0 * v));
-        let line = match (r.cannot, r.verdict) {
-            (None, Some(verdict)) => format!(
-                "{:>9.4} {:>9} {:>12} {:>9} {:>10} {:>9.2} {:>6} {:>8.2}  {}",
-                r.mean_ratio.unwrap_or(f64::NAN),
-                percent(r.detectable_difference),
-                percent(r.difference),
-                percent(r.noise),
-                percent(r.change),
-                r.largest_z.unwrap_or(f64::NAN),
-                r.spp.unwrap_or(0),
-                r.cpu_seconds.unwrap_or(f64::NAN),
-                match verdict {
-                    "agrees" => "yes",
-                    "converges" => "yes, in the limit",
-                    "undecided" => "not decided",
-                    _ => "NO",
-                }
-            ),
-            (what, _) => format!("cannot do {}", what.unwrap_or_default()),
+        let fixed = |v: Option<f64>, digits: usize| format!("{:.digits$}", v.unwrap_or(f64::NAN));
+        [
+            fixed(self.mean_ratio, 4),
+            percent(self.detectable_difference),
+            percent(self.difference),
+            percent(self.noise),
+            percent(self.change),
+            fixed(self.largest_z, 2),
+            fixed(self.allowed_z, 2),
+            self.spp.unwrap_or(0).to_string(),
+            fixed(self.cpu_seconds, 2),
+        ]
+    }
+
+    /// In words, whether it agrees with the reference.
+    fn answer(&self) -> &'static str {
+        match self.verdict {
+            Some("agrees") => "yes",
+            Some("converges") => "yes, in the limit",
+            Some("undecided") => "not decided",
+            _ => "NO",
+        }
+    }
+}
+
+fn table(reference: &str, rows: &[Row<'_>]) -> String {
+    let aligned = |cells: [&str; COLUMNS.len()]| -> String {
+        cells.iter().zip(COLUMNS).map(|(cell, (_, width))| format!("{cell:>width$} ")).collect()
+    };
+    let mut out = format!("{:<14} {} agrees with {reference}\n", "integrator", aligned(COLUMNS.map(|c| c.0)));
+    for r in rows {
+        let line = match r.cannot {
+            None => format!("{} {}", aligned(r.cells().each_ref().map(String::as_str)), r.answer()),
+            Some(what) => format!("cannot do {what}"),
         };
         let _ = writeln!(out, "{:<14} {line}", r.integrator);
     }

@@ -23,6 +23,7 @@ mod sensors;
 mod stopping;
 mod streams;
 mod unwrapping;
+mod verifying;
 mod view;
 
 use std::{

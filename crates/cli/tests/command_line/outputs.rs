@@ -145,7 +145,7 @@ const CLASHES: &[(&str, &[&str], &[&str])] = &[
         &["sky.pbrt", "--integrator", "radiosity:solution=wall.png", "-o", "n.png"],
         &["sky.pbrt", "--integrator", "radiosity:solution=n.exr", "-o", "./n.exr"],
     ),
-    ("verify", &["path.pbrt", "-o", "."], &[]),
+    ("verify", &["path.pbrt", "-o", "."], &["sky.pbrt", "-o", ".", "--html", "path.exr"]),
     ("info", &["sky.pbrt", "--thumbnail", "wall.png"], &[]),
     (
         "material",

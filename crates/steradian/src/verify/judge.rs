@@ -32,7 +32,7 @@ pub enum Verdict {
 }
 
 /// Difference of a picture from the reference.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Difference {
     /// Mean over the picture and the channels, over that of the reference; noisy blocks count less.
     pub ratio: f64,
@@ -42,7 +42,12 @@ pub struct Difference {
     pub difference: f64,
     /// Expected value of that by noise alone.
     pub noise: f64,
-    /// The largest difference of a block, in standard errors.
+    /// Difference of each block in standard errors, by channel (R, G, B), rows of blocks from the top; `None` where
+    /// the error is not known.
+    pub z: Vec<Option<f64>>,
+    /// Edge of the blocks in pixels; those at the right and at the bottom may be cut.
+    pub edge: usize,
+    /// The largest magnitude among `z`.
     pub largest: f64,
     /// The largest that is allowed.
     pub allowed: f64,
@@ -106,18 +111,20 @@ pub(super) fn compare(reference: &Values, ours: &Values, wider: Option<&Values>)
     let in_errors = |d: f64, variance: f64| {
         (d - ROUNDING * level).max(0.0) / variance.max(0.25 * usual).sqrt().max(f64::MIN_POSITIVE)
     };
-    let (mut squares, mut noise, mut largest, mut largest_beyond) = (0.0, 0.0, 0.0_f64, 0.0_f64);
+    let (mut squares, mut noise, mut largest_beyond) = (0.0, 0.0, 0.0_f64);
+    let mut z = vec![None; weights.len()];
     for k in counting() {
         let (a, b) = (ours.blocks[k], reference.blocks[k]);
         let d = a.mean - b.mean;
         squares += d * d;
         noise += a.variance + b.variance;
-        largest = largest.max(in_errors(d.abs(), a.variance + b.variance));
+        z[k] = Some(in_errors(d.abs(), a.variance + b.variance).copysign(d));
         if let Some(w) = wider {
             let v = 4.0 * a.variance + b.variance + w.blocks[k].variance;
             largest_beyond = largest_beyond.max(in_errors(beyond(-d, change_of(k), SLACK * usual_change), v));
         }
     }
+    let largest = z.iter().flatten().fold(0.0_f64, |largest, z| largest.max(z.abs()));
     let detects_with = |variance: f64| ROUNDING + allowed_of_mean * variance.sqrt() / level;
     let (ratio, detects) = (a.mean / level, detects_with(a.variance + b.variance));
     let is_same = largest <= allowed && (ratio - 1.0).abs() <= detects;
@@ -144,7 +151,8 @@ pub(super) fn compare(reference: &Values, ours: &Values, wider: Option<&Values>)
     let root = |v: f64| (v / count as f64).sqrt() / level;
     let change = limit.map(|l| l.0);
     let (difference, noise) = (root(squares), root(noise));
-    Difference { ratio, detects, difference, noise, largest, allowed, change, is_reliable, verdict }
+    let edge = ours.edge;
+    Difference { ratio, detects, difference, noise, z, edge, largest, allowed, change, is_reliable, verdict }
 }
 
 #[cfg(test)]

@@ -55,6 +55,8 @@ pub(super) struct Values {
     pub freedom: usize,
     /// True if variances can be trusted as a whole.
     pub is_reliable: bool,
+    /// Edge of the blocks in pixels.
+    pub edge: usize,
 }
 
 impl Value {
@@ -67,8 +69,8 @@ impl Value {
 }
 
 impl Values {
-    /// Values by the means of blocks of each group of parts.
-    fn of(groups: Vec<Vec<f64>>) -> Self {
+    /// Values by the means of blocks, of an edge, of each group of parts.
+    fn of(groups: Vec<Vec<f64>>, edge: usize) -> Self {
         let (mut blocks, mut is_known) = (Vec::new(), Vec::new());
         for k in 0..groups.first().map_or(0, Vec::len) {
             let value = Value::of(groups.iter().map(|g| g[k]));
@@ -79,7 +81,7 @@ impl Values {
         }
         let unknown = is_known.iter().filter(|known| !**known).count();
         let is_reliable = groups.len() >= FEWEST && unknown as f64 <= RARE * blocks.len() as f64;
-        Self { blocks, is_known, freedom: groups.len().saturating_sub(1), is_reliable, groups }
+        Self { blocks, is_known, freedom: groups.len().saturating_sub(1), is_reliable, edge, groups }
     }
 
     /// The mean of blocks with weights whose sum is one.
@@ -149,7 +151,7 @@ impl Picture {
 
     /// The values with their variances.
     pub fn values(&self) -> Values {
-        Values::of(self.groups())
+        Values::of(self.groups(), BLOCK)
     }
 
     /// The values of blocks whose edges are so many times as long; `None` where these would be too few.
@@ -169,7 +171,7 @@ impl Picture {
             }
             sums.into_iter().zip(counts).map(|(sum, count)| sum / count).collect()
         };
-        Some(Values::of(self.groups().into_iter().map(merged).collect()))
+        Some(Values::of(self.groups().into_iter().map(merged).collect(), BLOCK * times))
     }
 
     /// The parts in groups of equal size, of which there are at most twice [`PARTS`].
