@@ -2,7 +2,9 @@
 
 use super::{Compiler, materials::combine};
 use std::sync::Arc;
-use steradian_core::medium::{Cloud, Field, Glow, GlowSource, Grid, Heat, Lobe, Medium, Phase, Table, Variation};
+use steradian_core::medium::{
+    Cloud, Draine, Field, Glow, GlowSource, Grid, Heat, Lobe, Medium, Phase, Table, Variation,
+};
 use steradian_math::{
     Bounds3, Transform, Vec3,
     spectra::{
@@ -82,6 +84,11 @@ impl Compiler<'_> {
                 self.henyey_greenstein(node, g)
             }
             "rayleigh" => Phase::of(Lobe::Rayleigh),
+            "draine" => {
+                let [g, alpha] = ["g", "alpha"].map(|name| f64::from(self.float(node, name)));
+                Phase::of(Lobe::Draine(Draine::new(g.clamp(-0.999, 0.999), alpha.max(0.0))))
+            }
+            "droplets" => Phase::droplets(f64::from(self.float(node, "diameter")).clamp(5.0, 50.0)),
             "tabulated" => {
                 let table = match node.get("values") {
                     Some(Value::Floats(values)) => Table::new(values),

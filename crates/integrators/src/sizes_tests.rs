@@ -84,7 +84,9 @@ impl Render {
 
     /// By a method other than path tracing, which has no tactics.
     fn other(self, scene: &Arc<Scene>) -> Box<dyn Session> {
-        let options = MethodRequest::named(self.name).unwrap();
+        // Records are made for the whole frame: a few rays of each will do.
+        let options = if self.name == "irradiance-cache" { "irradiance-cache:rays=16" } else { self.name };
+        let options = MethodRequest::parse(options).unwrap();
         let asked = Asked { request: &Request { max_depth: Some(6), ..Request::default() }, options: &options, scene };
         let kind = METHODS.iter().find(|kind| kind.name == self.name).unwrap();
         (kind.new)(&asked).unwrap().session(Arc::clone(scene), self.plan).unwrap()

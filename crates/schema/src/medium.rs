@@ -184,6 +184,24 @@ pub const PHASES: &[Model] = &[
         source: "Rayleigh, On the light from the sky, its polarization and colour (1871)",
     },
     Model {
+        kind: "draine",
+        doc: "Draine's, between Henyey and Greenstein's (alpha 0) and Cornette and Shanks's (alpha 1), and beyond: grains \
+         of dust; in proportion to (1 + alpha cos²) / (1 + g² - 2 g cos)^1.5",
+        parameters: &[
+            number("g", (-0.999, 0.999), "0.6", "asymmetry").refused(),
+            number("alpha", (0.0, 1e6), "1", "weight of the squared cosine").refused(),
+        ],
+        groups: &[],
+        source: "Draine, Scattering by interstellar dust grains (2003)",
+    },
+    Model {
+        kind: "droplets",
+        doc: "of droplets of water in white light, fitted to Mie's theory: mist, fog, clouds",
+        parameters: &[number("diameter", (5.0, 50.0), "20", "diameter of the droplets, micrometres").refused()],
+        groups: &[],
+        source: "Jendersie, d'Eon, An approximate Mie scattering function for fog and cloud rendering (2023)",
+    },
+    Model {
         kind: "tabulated",
         doc: "values at even steps of the cosine of the deflection, from back to straight on, linear in between",
         parameters: &[list("values", "needed", "two or more, in any scale, none below 0")],

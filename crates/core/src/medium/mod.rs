@@ -1,11 +1,13 @@
 //! Participating media: Beer–Lambert attenuation, scattering and emission.
 
 mod cells;
+mod draine;
 mod emissive_volume;
 mod field;
 mod phase;
 
 use cells::Cells;
+pub use draine::Draine;
 pub use emissive_volume::EmissiveVolume;
 pub use field::{Cloud, Field, Glow, GlowSource, Grid, Heat, Variation, into_cube};
 pub use phase::{Lobe, Phase, Table};

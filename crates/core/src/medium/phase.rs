@@ -2,8 +2,9 @@
 //! Their values are the densities of their samples, so that throughput is unchanged.
 //!
 //! Beside Henyey and Greenstein's there are Rayleigh's, `3(1 + cos²θ)/(16π)` (Rayleigh 1871; PBR 4th ed., 11.3), tables
-//! over the cosine of the deflection (Mitsuba 3, plugin documentation: tabphase), and weighted sums of all of these.
+//! over the cosine of the deflection (Mitsuba 3, plugin documentation: tabphase), Draine's, and weighted sums of all of these.
 
+use super::Draine;
 use std::{f32::consts::PI, sync::Arc};
 use steradian_math::{
     Frame, Vec2, Vec3, elementary,
@@ -27,6 +28,8 @@ pub enum Lobe {
     HenyeyGreenstein(f32),
     /// Scattering by particles much smaller than the wavelength.
     Rayleigh,
+    /// Draine's.
+    Draine(Draine),
     /// Linear between values at even steps of the cosine.
     Table(Table),
 }
@@ -82,6 +85,7 @@ impl Phase {
         let of_lobe = |lobe: &Lobe| match lobe {
             Lobe::HenyeyGreenstein(g) => g.abs(),
             Lobe::Rayleigh => 0.0,
+            Lobe::Draine(draine) => draine.asymmetry().abs(),
             Lobe::Table(_) => 1.0,
         };
         match self {
@@ -128,6 +132,7 @@ impl Lobe {
         match self {
             Self::HenyeyGreenstein(g) => hg_phase(cos, *g),
             Self::Rayleigh => 3.0 / (16.0 * PI) * (1.0 + cos * cos),
+            Self::Draine(draine) => draine.value(-cos),
             Self::Table(table) => table.density(-cos) / (2.0 * PI),
         }
     }
@@ -141,6 +146,7 @@ impl Lobe {
                 let root = (z + (z * z + 1.0).sqrt()).cbrt();
                 (root - 1.0 / root) as f32
             }
+            Self::Draine(draine) => draine.invert(u.x),
             Self::Table(table) => table.invert(u.x),
         };
         let cos = cos.clamp(-1.0, 1.0);
@@ -203,6 +209,8 @@ mod tests {
         let hg = Phase::HenyeyGreenstein(-0.5);
         vec![
             ("Rayleigh", Phase::of(Lobe::Rayleigh)),
+            ("Draine", Phase::of(Lobe::Draine(Draine::new(0.5, 20.0)))),
+            ("back", Phase::of(Lobe::Draine(Draine::new(-0.3, 1.0)))),
             ("table", Phase::of(Lobe::Table(table.clone()))),
             ("two lobes", Phase::sum(&[(0.7, hg.clone()), (0.3, Phase::ISOTROPIC)])),
             (

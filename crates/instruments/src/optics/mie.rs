@@ -148,6 +148,29 @@ mod tests {
         assert!((s.backscattering - 2.92534).abs() < 2e-5, "{}", s.backscattering);
     }
 
+    /// The phase function of droplets in scenes has the mean cosine of water's, over sizes that differ by a tenth and
+    /// over visible wavelengths, within 0.02: its own is drawn from its samples.
+    #[test]
+    fn droplets_of_scenes_have_the_mean_cosine_of_spheres() {
+        use steradian_core::medium::Phase;
+        use steradian_math::{Vec2, Vec3};
+        for diameter in [6.0, 10.0, 20.0, 45.0] {
+            let (mut sum, mut weights) = (0.0, 0.0);
+            for lambda in [0.45, 0.55, 0.65] {
+                for k in -2..=2 {
+                    let d = diameter * (1.0 + 0.05 * f64::from(k));
+                    let sphere = Sphere::new(PI * d / lambda, C::new(1.333, 0.0));
+                    (sum, weights) =
+                        (sum + d * d * sphere.scattering * sphere.asymmetry, weights + d * d * sphere.scattering);
+                }
+            }
+            let phase = Phase::droplets(diameter);
+            let of = |u: Vec2| -f64::from(phase.sample(Vec3::Z, u).0.z);
+            let mean = (0..20_000).map(|k| of(Vec2::new((k as f32 + 0.5) / 20_000.0, 0.5))).sum::<f64>() / 20_000.0;
+            assert!((mean - sum / weights).abs() < 0.02, "{diameter} µm: {mean}, by Mie's theory {}", sum / weights);
+        }
+    }
+
     /// Small spheres scatter as x⁴ (Rayleigh), large ones twice their cross section (the extinction paradox).
     #[test]
     fn small_and_large_spheres_have_their_limits() {

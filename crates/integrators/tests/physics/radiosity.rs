@@ -423,7 +423,9 @@ fn a_limit_on_bounces_is_followed() {
             let expected = mean(&Shot::of("path", 512).depth(depth).take(&scene)).mean;
             for gather in [0, 1] {
                 let bounces = Some(depth.saturating_sub(gather));
-                for method in [Method::GaussSeidel, Method::Jacobi, Method::Stochastic] {
+                // The gather is the same whichever method solved.
+                let methods = [Method::GaussSeidel, Method::Jacobi, Method::Stochastic];
+                for method in methods.into_iter().take(if gather == 0 { 3 } else { 1 }) {
                     let solution = solved(&scene, &Settings { bounces, ..settings(method, 600) });
                     let seen = picture_to(depth, &scene, solution, gather, 16);
                     let off = seen.iter().zip(expected).all(|(a, b)| (a - b).abs() <= precision * b);

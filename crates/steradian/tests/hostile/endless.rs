@@ -45,8 +45,8 @@ pub fn table() -> Vec<Case> {
         ("a rough mirror", spheres(material("conductor").with("alpha_u", 1.0), 1, 0.0)),
         ("30 spheres of glass", spheres(material("dielectric"), 30, 0.1)),
         ("30 panes", spheres(material("thin_dielectric"), 30, 0.1)),
-        ("200 spheres that are not seen", spheres(material("interface"), 200, 0.1)),
-        ("1000 spheres at one place that are not seen", spheres(material("interface"), 1000, 0.0)),
+        ("100 spheres that are not seen", spheres(material("interface"), 100, 0.1)),
+        ("200 spheres at one place that are not seen", spheres(material("interface"), 200, 0.0)),
         ("fog of 10⁵ per metre", fog(1e5)),
         ("fog of 10³⁰ per metre", fog(1e30)),
     ];
