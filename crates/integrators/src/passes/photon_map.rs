@@ -5,7 +5,7 @@
 
 use super::{
     photons::{Grid, Photon},
-    radius::{self, Radius},
+    radius::{self, Radii, Radius},
     sppm::{brought, direct, gathered, land, next, paths},
     subpath::{Subpath, Ways},
     vertex::Vertex,
@@ -61,7 +61,7 @@ impl Method for PhotonMap {
 #[derive(Debug)]
 pub(super) struct Mapped {
     settings: PhotonMap,
-    radius: f32,
+    radii: Radii,
     emission: Option<Emission>,
 }
 
@@ -69,13 +69,13 @@ pub(super) struct Mapped {
 struct Maps {
     caustics: Grid,
     global: Grid,
-    radius: f32,
+    radii: Radii,
     number: u32,
 }
 
 impl Mapped {
     pub fn new(settings: PhotonMap) -> Self {
-        Self { settings, radius: 0.0, emission: None }
+        Self { settings, radii: Radii::default(), emission: None }
     }
 
     /// Sends the photons of a pass.
@@ -93,20 +93,20 @@ impl Mapped {
         // Where photons are not gathered over a bounce, direct and focused light is not read from the global map.
         let counts = |p: &&Photon| self.settings.gather || (p.events > 0 && !p.is_focused);
         let global = photons.iter().filter(counts).copied().collect();
-        let radius = radius::of_pass(self.radius, number);
-        let largest = radius::largest(run.scene, radius);
+        let radii = self.radii.of_pass(number);
+        let largest = radii.largest(run.scene);
         let (caustics, global) = (Grid::new(focused, largest), Grid::new(global, largest));
-        Some((Maps { caustics, global, radius, number }, counters))
+        Some((Maps { caustics, global, radii, number }, counters))
     }
 
     /// Radiance by a map.
-    fn estimate(&self, v: &Vertex<'_>, map: &Grid, radius: f32, run: &Run<'_>) -> Vec3 {
+    fn estimate(&self, v: &Vertex<'_>, map: &Grid, radii: Radii, run: &Run<'_>) -> Vec3 {
         let (sent, depth) = (paths(self.settings.photons, run) as f32, &self.settings.depth);
         if self.settings.nearest == 0 {
-            return gathered(v, map, radius, sent, depth, run);
+            return gathered(v, map, radii, sent, depth, run);
         }
         // The k nearest photons on the surface: a density estimate with the radius of the next one.
-        let radius = radius::at(v, radius);
+        let radius = radii.at(v);
         let mut near: Vec<(f32, Photon)> = Vec::new();
         map.near(v.p(), radius, |photon| {
             if v.events + photon.events < depth.max && photon.lies_on(v) {
@@ -148,7 +148,7 @@ impl Mapped {
                 // Direct light, caustics, and what the global map knows where no gather follows.
                 sum += match stage {
                     Stage::Open => self.lit(run, &v, maps, sampler, counters),
-                    Stage::Bounce | Stage::PastCurve => self.estimate(&v, &maps.global, maps.radius, run),
+                    Stage::Bounce | Stage::PastCurve => self.estimate(&v, &maps.global, maps.radii, run),
                     Stage::Gathered => Vec3::ZERO,
                 };
             }
@@ -173,12 +173,12 @@ impl Mapped {
 
     /// Light of a surface that is seen, but for what a bounce brings.
     fn lit(&self, run: &Run<'_>, v: &Vertex<'_>, maps: &Maps, sampler: &PixelSampler, counters: &mut Counters) -> Vec3 {
-        let focused = self.estimate(v, &maps.caustics, maps.radius, run);
+        let focused = self.estimate(v, &maps.caustics, maps.radii, run);
         let direct = direct(run, v, sampler, counters);
         if self.settings.gather {
             return direct + focused;
         }
-        direct + focused + self.estimate(v, &maps.global, maps.radius, run)
+        direct + focused + self.estimate(v, &maps.global, maps.radii, run)
     }
 }
 
@@ -199,7 +199,7 @@ enum Stage {
 
 impl Pass for Mapped {
     fn prepare(&mut self, run: &Run<'_>) -> Option<()> {
-        self.radius = self.settings.radius.of_scene(run.scene);
+        self.radii = Radii::of_scene(self.settings.radius, run.scene);
         self.emission = Emission::new(run.scene);
         Some(())
     }

@@ -61,22 +61,54 @@ pub(super) fn kernel(v: &Vertex<'_>, square: f32) -> f32 {
     }
 }
 
-/// The radius within which photons are gathered at a vertex, for a radius on surfaces. Media are wide and have few
-/// photons in a ball of the edge of a pixel.
-pub(super) fn at(v: &Vertex<'_>, on_surfaces: f32) -> f32 {
-    match &v.place {
-        Place::Surface(_) => on_surfaces,
-        Place::Medium(_) => IN_MEDIA * on_surfaces,
+/// The radii within which photons are gathered.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Radii {
+    surfaces: f32,
+    media: f32,
+}
+
+/// Radius in media relative to that on surfaces, where this is a number of pixels: few photons lie in a ball of that
+/// size.
+const IN_MEDIA: f32 = 4.0;
+
+/// Such radii in media are at most this part of the scene's diagonal, since light is missing from balls that reach out
+/// of their medium.
+const WIDEST: f32 = 0.02;
+
+impl Radii {
+    /// Those of the first pass.
+    pub fn of_scene(radius: Radius, scene: &Scene) -> Self {
+        let surfaces = radius.of_scene(scene);
+        let media = match radius {
+            Radius::Fixed(r) => r,
+            Radius::Pixels(_) => {
+                let diagonal = (scene.bounds().max - scene.bounds().min).length();
+                // Of scenes without bounds there is no part.
+                if diagonal.is_finite() { (IN_MEDIA * surfaces).min(WIDEST * diagonal) } else { surfaces }
+            }
+        };
+        Self { surfaces, media }
+    }
+
+    /// Those of a pass, counted from zero.
+    pub fn of_pass(self, number: u32) -> Self {
+        Self { surfaces: of_pass(self.surfaces, number), media: of_pass(self.media, number) }
+    }
+
+    /// The one at a vertex.
+    pub fn at(self, v: &Vertex<'_>) -> f32 {
+        match &v.place {
+            Place::Surface(_) => self.surfaces,
+            Place::Medium(_) => self.media,
+        }
+    }
+
+    /// The larger one of a scene.
+    pub fn largest(self, scene: &Scene) -> f32 {
+        if scene.has_media() { self.surfaces.max(self.media) } else { self.surfaces }
     }
 }
-
-/// The largest radius of a scene's queries, for a radius on surfaces.
-pub(super) fn largest(scene: &Scene, on_surfaces: f32) -> f32 {
-    if scene.has_media() { IN_MEDIA * on_surfaces } else { on_surfaces }
-}
-
-/// The radius in media relative to that on surfaces.
-const IN_MEDIA: f32 = 4.0;
 
 /// The median edge of a pixel on what the camera sees.
 fn pixel_size(scene: &Scene) -> f32 {

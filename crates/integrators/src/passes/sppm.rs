@@ -4,7 +4,7 @@
 use super::{
     pair::common,
     photons::{Grid, Photon},
-    radius::{self, Radius},
+    radius::{self, Radii, Radius},
     subpath::{Arrival, Subpath, Ways},
     surface::Surface,
     vertex::{Place, Vertex, Within},
@@ -71,12 +71,12 @@ impl Method for Sppm {
 pub(super) struct Progressive {
     settings: Sppm,
     emission: Option<Emission>,
-    radius: f32,
+    radii: Radii,
 }
 
 impl Progressive {
     pub fn new(settings: Sppm) -> Self {
-        Self { settings, emission: None, radius: 0.0 }
+        Self { settings, emission: None, radii: Radii::default() }
     }
 }
 
@@ -117,10 +117,10 @@ pub(super) fn land(
 }
 
 /// Radiance towards the camera by the photons within a radius.
-pub(super) fn gathered(v: &Vertex<'_>, photons: &Grid, radius: f32, paths: f32, depth: &Depth, run: &Run<'_>) -> Vec3 {
+pub(super) fn gathered(v: &Vertex<'_>, photons: &Grid, radii: Radii, paths: f32, depth: &Depth, run: &Run<'_>) -> Vec3 {
     let mut sum = Vec3::ZERO;
     // Density estimate with a constant kernel: Σ β f / (π r² n), or in media Σ β f / (4/3 π r³ n).
-    let radius = radius::at(v, radius);
+    let radius = radii.at(v);
     let scale = radius::kernel(v, radius * radius) / paths;
     photons.near(v.p(), radius, |photon| {
         if v.events + photon.events < depth.max && photon.lies_on(v) {
@@ -204,7 +204,7 @@ fn direct_in_media(run: &Run<'_>, v: &Vertex<'_>, sampler: &PixelSampler, counte
 impl Pass for Progressive {
     fn prepare(&mut self, run: &Run<'_>) -> Option<()> {
         self.emission = Emission::new(run.scene);
-        self.radius = self.settings.radius.of_scene(run.scene);
+        self.radii = Radii::of_scene(self.settings.radius, run.scene);
         Some(())
     }
 
@@ -224,14 +224,9 @@ impl Pass for Progressive {
             }
         };
         // Camera pass: every pixel gathers within the radius of this pass.
-        let radius = radius::of_pass(self.radius, number);
-        let landed = Landed {
-            number,
-            lambda,
-            photons: Grid::new(photons, radius::largest(scene, radius)),
-            radius,
-            paths: count as f32,
-        };
+        let radii = self.radii.of_pass(number);
+        let landed =
+            Landed { number, lambda, photons: Grid::new(photons, radii.largest(scene)), radii, paths: count as f32 };
         let crop = film.crop();
         let (rows, counters) = run.in_order(crop.height() as usize, |row, counters| {
             let pixel = |x| {
@@ -252,7 +247,7 @@ struct Landed {
     number: u32,
     lambda: Wavelengths,
     photons: Grid,
-    radius: f32,
+    radii: Radii,
     /// Light paths that were sent.
     paths: f32,
 }
@@ -281,7 +276,7 @@ impl Progressive {
             if !v.is_specular() && !is_gathered {
                 sum += direct(run, &v, sampler, counters);
                 if !is_curve {
-                    sum += gathered(&v, &landed.photons, landed.radius, landed.paths, depth, run);
+                    sum += gathered(&v, &landed.photons, landed.radii, landed.paths, depth, run);
                 }
             }
             if !path.scatter(scene, &v, sampler, &ways, depth) {

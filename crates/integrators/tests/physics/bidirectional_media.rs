@@ -168,7 +168,7 @@ fn merging_leaves_media_to_connections() {
 }
 
 /// Photons in media have the mean of volumetric path tracing, but for what their radius leaves out at the bounds of
-/// media: 2 % at most.
+/// media and at edges: 3 % at most.
 #[test]
 fn photons_have_the_mean_of_volumetric_path_tracing() {
     for (name, scene) in scenes() {
@@ -180,7 +180,7 @@ fn photons_have_the_mean_of_volumetric_path_tracing() {
             [("sppm", 120, ""), ("photon", 60, "nearest=20,"), ("photon", 60, "gather=false,")]
         {
             let shot = Shot::of(method, spp).depth(6);
-            let options = format!("{options}photons=1500,radius=0.04");
+            let options = format!("{options}photons=1500,radius=0.1");
             let mut session = shot.session_of(&scene, &*shot.method(&scene, &options));
             session.step(u32::MAX, &Control::default());
             let photons = mean(&session.film());
@@ -188,7 +188,7 @@ fn photons_have_the_mean_of_volumetric_path_tracing() {
                 let (found, expected) = (photons.mean[c], paths.mean[c]);
                 let sigma = photons.sigma[c].hypot(paths.sigma[c]);
                 assert!(sigma < 0.05 * expected, "{method} {options}, {name}: {found} ± {sigma} is too vague");
-                let is_near = (found - expected).abs() < 4.0 * sigma + 0.02 * expected;
+                let is_near = (found - expected).abs() < 4.0 * sigma + 0.03 * expected;
                 assert!(is_near, "{method} {options}, {name}, channel {c}: {found} against {expected} ± {sigma}");
             }
         }

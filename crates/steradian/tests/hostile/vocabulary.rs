@@ -18,7 +18,8 @@ use steradian_testkit::nanovdb;
 const METHODS: [&str; 4] = ["path", "volpath", "direct", "whitted"];
 
 /// Kinds of a family that have a parameter of the same name take turns with its values, at most so many of them: each
-/// value of each name is tried with a fortieth of the kinds at least, and once.
+/// value of each name is tried with a fortieth of the kinds at least, and once. Parameters whose names one kind has
+/// take turns with the odd and the even values.
 const TURNS: usize = 40;
 
 /// A kind of node and its parameters.
@@ -282,13 +283,13 @@ pub fn table() -> impl Iterator<Item = Case> {
         let Row { family, kind, parameters } = row;
         let sound = Format::Native;
         let first = case(format!("{family:?} {kind}"), scene_of(family, kind, sound).0, true, Expect::Either);
-        let mut whose_turn = |parameter| {
+        let mut whose_turn = |(i, parameter)| {
             let key = (family, parameter);
             let turn = turns.entry(key).or_insert(0);
             *turn += 1;
-            (*turn, kinds[&key].min(TURNS))
+            if kinds[&key] == 1 { (i, 2) } else { (*turn, kinds[&key].min(TURNS)) }
         };
-        let parameters: Vec<_> = parameters.into_iter().map(|p| (whose_turn(p), p)).collect();
+        let parameters: Vec<_> = parameters.into_iter().enumerate().map(|(i, p)| (whose_turn((i, p)), p)).collect();
         let poisoned = parameters.into_iter().enumerate().flat_map(move |(i, ((turn, turns), parameter))| {
             // Formats differ in defaults and in colour: they take turns.
             let format = [Format::Native, Format::Pbrt, Format::Mitsuba][i % 3];
