@@ -74,6 +74,16 @@ impl Compiler<'_> {
         Medium { field: None, glow, sigma_a, sigma_s, scale: scale.max(0.0), phase }
     }
 
+    /// A number of a phase function, refused outside of its range.
+    fn held(&mut self, node: &Node, name: &str, (least, most): (f64, f64)) -> f64 {
+        let v = f64::from(self.float(node, name));
+        // Numbers are read in 32 bits, which moves the ends.
+        if !(least - 1e-6..=most * (1.0 + 1e-6)).contains(&v) {
+            self.error(node.span, format!("'{name}' lies between {least} and {most}, not at {v}"));
+        }
+        v.clamp(least, most)
+    }
+
     /// A phase function; a sum flattens the sums in it, which are nested to a bounded depth.
     fn phase(&mut self, id: NodeId, depth: u32) -> Phase {
         let node = self.node(id);
@@ -85,10 +95,10 @@ impl Compiler<'_> {
             }
             "rayleigh" => Phase::of(Lobe::Rayleigh),
             "draine" => {
-                let [g, alpha] = ["g", "alpha"].map(|name| f64::from(self.float(node, name)));
-                Phase::of(Lobe::Draine(Draine::new(g.clamp(-0.999, 0.999), alpha.max(0.0))))
+                let g = self.held(node, "g", (-0.999, 0.999));
+                Phase::of(Lobe::Draine(Draine::new(g, self.held(node, "alpha", (0.0, 1e6)))))
             }
-            "droplets" => Phase::droplets(f64::from(self.float(node, "diameter")).clamp(5.0, 50.0)),
+            "droplets" => Phase::droplets(self.held(node, "diameter", (5.0, 50.0))),
             "tabulated" => {
                 let table = match node.get("values") {
                     Some(Value::Floats(values)) => Table::new(values),

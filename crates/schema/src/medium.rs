@@ -185,8 +185,8 @@ pub const PHASES: &[Model] = &[
     },
     Model {
         kind: "draine",
-        doc: "Draine's, between Henyey and Greenstein's (alpha 0) and Cornette and Shanks's (alpha 1), and beyond: grains \
-         of dust; in proportion to (1 + alpha cos²) / (1 + g² - 2 g cos)^1.5",
+        doc: "Draine's, between Henyey and Greenstein's (alpha 0) and Cornette and Shanks's (alpha 1), and beyond: \
+         grains of dust; in proportion to (1 + alpha cos²) / (1 + g² - 2 g cos)^1.5",
         parameters: &[
             number("g", (-0.999, 0.999), "0.6", "asymmetry").refused(),
             number("alpha", (0.0, 1e6), "1", "weight of the squared cosine").refused(),

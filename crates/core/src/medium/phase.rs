@@ -2,7 +2,8 @@
 //! Their values are the densities of their samples, so that throughput is unchanged.
 //!
 //! Beside Henyey and Greenstein's there are Rayleigh's, `3(1 + cos²θ)/(16π)` (Rayleigh 1871; PBR 4th ed., 11.3), tables
-//! over the cosine of the deflection (Mitsuba 3, plugin documentation: tabphase), Draine's, and weighted sums of all of these.
+//! over the cosine of the deflection (Mitsuba 3, plugin documentation: tabphase), Draine's, and weighted sums of all of
+//! these.
 
 use super::Draine;
 use std::{f32::consts::PI, sync::Arc};

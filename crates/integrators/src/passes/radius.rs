@@ -77,7 +77,7 @@ const IN_MEDIA: f32 = 4.0;
 const WIDEST: f32 = 0.02;
 
 impl Radii {
-    /// Those of the first pass.
+    /// Radii of the first pass.
     pub fn of_scene(radius: Radius, scene: &Scene) -> Self {
         let surfaces = radius.of_scene(scene);
         let media = match radius {
@@ -91,7 +91,7 @@ impl Radii {
         Self { surfaces, media }
     }
 
-    /// Those of a pass, counted from zero.
+    /// Radii of a pass, counted from zero.
     pub fn of_pass(self, number: u32) -> Self {
         Self { surfaces: of_pass(self.surfaces, number), media: of_pass(self.media, number) }
     }

@@ -54,7 +54,8 @@ pub fn render(desc: &SceneDesc, options: &CompileOptions, earlier: &Diagnostics)
     }
     let messages = earlier.iter().chain(compiled.diagnostics.iter()).cloned().collect();
     let mut quality = Quality { spp: Some(2), threads: 1, layers: Layer::ALL.to_vec(), ..Quality::default() };
-    // Not all integrators have these layers, nor are there any of too many lights; light is parted in one way at a time.
+    // Not all integrators have these layers, nor are there any of too many lights; light is parted in one way at a
+    // time.
     for layer in [Layer::BOUNCES, Layer::LIGHT_GROUPS, Layer::HALVES] {
         if quality.render(&scene).is_err() {
             quality.layers.retain(|kept| *kept != layer);
