@@ -170,17 +170,22 @@ impl Compiler<'_> {
         }
     }
 
+    /// Emission of black bodies by a grid of temperatures, times a factor.
+    pub(super) fn black_bodies(&mut self, node: &Node, temperatures: Grid, factor: f32) -> GlowSource {
+        let (offset, scale) = (self.float(node, "temperatureoffset"), self.float(node, "temperaturescale"));
+        let color = |kelvin: f32| {
+            let body = Spd::Blackbody(Blackbody::normalized(kelvin.into()));
+            Color::curve(&body, Role::Illuminant, self.mode).scaled(factor)
+        };
+        GlowSource::Heat(Box::new(Heat::new(temperatures, (offset, scale), color)))
+    }
+
     /// Emission of the grids of a medium: black bodies by `temperature`, or the colours `Le`.
     fn varying_glow(&mut self, node: &Node) -> Option<GlowSource> {
         let factor = self.glow_scale(node);
         if let Some(kelvin) = self.list(node, "temperature") {
-            let (offset, scale) = (self.float(node, "temperatureoffset"), self.float(node, "temperaturescale"));
             let temperatures = self.grid_of(node, "temperature", kelvin, 1)?.pop()?;
-            let color = |kelvin: f32| {
-                let body = Spd::Blackbody(Blackbody::normalized(kelvin.into()));
-                Color::curve(&body, Role::Illuminant, self.mode).scaled(factor)
-            };
-            return Some(GlowSource::Heat(Box::new(Heat::new(temperatures, (offset, scale), color))));
+            return Some(self.black_bodies(node, temperatures, factor));
         }
         // What is no grid is the same everywhere, which media with coefficients of their own know.
         if matches!(node.kind.as_str(), "uniformgrid" | "cloud") && !matches!(node.get("Le"), Some(Value::Floats(_))) {

@@ -2,13 +2,9 @@
 
 use super::Compiler;
 use std::path::Path;
-use steradian_core::medium::{Field, Glow, GlowSource, Grid, Heat, Medium, Variation};
+use steradian_core::medium::{Field, Glow, Grid, Medium, Variation};
 use steradian_image::read_regular;
-use steradian_math::{
-    Bounds3, Transform, Vec3,
-    spectra::{Blackbody, Spd, role::Color, role::Role},
-    transform::Affine,
-};
+use steradian_math::{Bounds3, Transform, Vec3, transform::Affine};
 use steradian_scene::Node;
 use steradian_texture::Wrap;
 use steradian_vdb::{Error, Limits, Volume};
@@ -74,18 +70,12 @@ impl Compiler<'_> {
     /// Emission by a grid of temperatures, which has a box and a map of its own.
     fn heat(&mut self, node: &Node, volume: Volume, (bounds, place): (&Bounds3, &Transform)) -> Option<Glow> {
         let factor = self.float(node, "Lescale").max(0.0);
-        let (offset, scale) = (self.float(node, "temperatureoffset"), self.float(node, "temperaturescale"));
         let (own_bounds, own_place) = box_of(&volume);
         let mut grid = self.numbers(node, volume)?;
         // From the cube of the densities over the file's world into the cube of the temperatures.
         let from_cube = unit_cube(&own_bounds) * own_place.inverse()? * *place * unit_cube(bounds).inverse()?;
         grid.from_cube = from_cube.affine().filter(|map| map.m != Affine::IDENTITY.m);
-        let color = |kelvin: f32| {
-            let body = Spd::Blackbody(Blackbody::normalized(kelvin.into()));
-            Color::curve(&body, Role::Illuminant, self.mode).scaled(factor)
-        };
-        let heat = Heat::new(grid, (offset, scale), color);
-        Some(Glow { source: GlowSource::Heat(Box::new(heat)), scale: None })
+        Some(Glow { source: self.black_bodies(node, grid, factor), scale: None })
     }
 }
 

@@ -25,8 +25,8 @@ pub use limits::Limits;
 /// Reads the first grid of a name from the bytes of a file; an empty name is that of any grid.
 ///
 /// # Errors
-/// Where the bytes are no such file, are damaged or incomplete, have no such grid, or one that is not of densities, is
-/// of a type that is not read, has no active voxels, or exceeds the limits.
+/// [`Error`] for bytes that are no such file, are damaged or incomplete, or have no such grid, and for a grid that is
+/// not of densities, is of a type that is not read, has no active voxels, or exceeds the limits.
 pub fn read(bytes: &[u8], name: &str, limits: &Limits) -> Result<Volume, Error> {
     if nano::is_one(bytes) {
         return nano::read(bytes, name, limits);

@@ -24,7 +24,7 @@ const STYLE: &str = include_str!("page.css");
 /// Writes the page. Pictures are encoded one after the other: beside the films there is one of them at a time.
 ///
 /// # Errors
-/// What `out` refuses, and a picture that cannot be encoded.
+/// Errors of `out`, and a picture that cannot be encoded.
 pub fn write(
     out: &mut dyn Write,
     args: &VerifyArgs,

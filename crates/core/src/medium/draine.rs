@@ -1,7 +1,7 @@
 //! Draine's phase function, and fog and clouds made of it.
 //!
 //! `p(c) = (1 − g²)/(4π (1 + g² − 2gc)^{3/2}) · (1 + α c²)/(1 + α (1 + 2g²)/3)` over the cosine c of the deflection
-//! (Draine 2003, "Scattering by Interstellar Dust Grains. I", eq. 4): Henyey and Greenstein's for α = 0, Rayleigh's for
+//! (Draine 2003, "Scattering by Interstellar Dust Grains. I"): Henyey and Greenstein's for α = 0, Rayleigh's for
 //! g = 0 and α = 1, Cornette and Shanks's for α = 1.
 
 use super::{Lobe, Phase};

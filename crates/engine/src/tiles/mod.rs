@@ -268,11 +268,14 @@ impl Frame {
         let crop = scene.film().crop;
         let round = Round::first(plan.sampler.spp, plan.adaptive);
         let bins = integrator.bins();
-        let parts = match () {
-            () if bins > 0 => bins as usize,
-            () if plan.has(LayerInputs::BOUNCES) => bounce_parts(integrator.max_events()),
-            () if plan.has(LayerInputs::LIGHT_GROUPS) => scene.light_groups().names.len(),
-            () => 0,
+        let parts = if bins > 0 {
+            bins as usize
+        } else if plan.has(LayerInputs::BOUNCES) {
+            bounce_parts(integrator.max_events())
+        } else if plan.has(LayerInputs::LIGHT_GROUPS) {
+            scene.light_groups().names.len()
+        } else {
+            0
         };
         let mut tiles = Vec::new();
         let aligned = |v: u32| v / TILE * TILE;

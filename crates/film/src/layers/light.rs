@@ -17,7 +17,7 @@ pub const LIGHT_GROUPS: Layer = Layer(&Row {
 /// Most parts that light is kept apart in by its scattering events: the last of so many holds the rest of the series.
 pub const MOST_BOUNCES: usize = 16;
 
-/// The terms of the Neumann series `L = Σ τⁿ Le` (Kajiya 1986, eq. 9).
+/// The terms of the Neumann series `L = Σ τⁿ Le` (Kajiya 1986, "The Rendering Equation").
 pub const BOUNCES: Layer = Layer(&Row {
     name: "bounces",
     channels: &["bounce.00.R", "bounce.00.G", "bounce.00.B"],

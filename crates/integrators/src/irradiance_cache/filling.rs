@@ -40,35 +40,24 @@ struct Seen<'s> {
     pixel: f32,
 }
 
-/// Records, their colours, and the number of rays that they took.
+/// Records and their colours.
 #[derive(Clone, Debug)]
 pub struct Cache {
     pub(super) records: Records,
     pub(super) bands: Bands,
-    /// Rays.
-    pub rays: u64,
 }
 
-impl Cache {
-    /// Number of records.
-    pub fn records(&self) -> usize {
-        self.records.len()
-    }
-}
-
-/// A record, its irradiance, and the rays that it took.
+/// A record and its irradiance.
 struct Made {
     record: Record,
     irradiance: Vec<Irradiance>,
-    rays: u64,
 }
 
 /// Makes all records; where a stop is asked for, some.
 pub(super) fn fill(settings: &IrradianceCache, scene: &Scene, plan: &Plan, stop: &Stop) -> Cache {
     let bands = Bands::new(scene.mode(), settings.bands());
     let records = Records::new(settings.error, bands.count());
-    let mut filling =
-        Filling { settings, scene, stop, seed: plan.sampler.seed, cache: Cache { records, bands, rays: 0 } };
+    let mut filling = Filling { settings, scene, stop, seed: plan.sampler.seed, cache: Cache { records, bands } };
     let mut step = COARSEST;
     while step > 0 {
         filling.level(step);
@@ -96,7 +85,6 @@ impl<'s> Filling<'s> {
             let place = |k: u64| [(k % columns) as u32 * step, (k / columns) as u32 * step];
             let mut open: Vec<[u32; 2]> =
                 (start..end).into_par_iter().map(place).filter(|pixel| self.is_open(*pixel)).collect();
-            self.cache.rays += end - start;
             let scattered = |[x, y]: [u32; 2]| combine32(combine32(self.seed as u32, x), y);
             open.sort_by_key(|pixel| (scattered(*pixel), *pixel));
             self.cover(&open);
@@ -114,8 +102,7 @@ impl<'s> Filling<'s> {
                 return;
             }
             let made: Vec<Option<Made>> = batch.par_iter().map(|pixel| self.make(*pixel)).collect();
-            for Made { record, irradiance, rays } in made.into_iter().flatten() {
-                self.cache.rays += rays;
+            for Made { record, irradiance } in made.into_iter().flatten() {
                 if !self.cache.records.covers(record.p, record.n, record.events) {
                     self.cache.records.insert(record, &irradiance);
                 }
@@ -214,7 +201,7 @@ impl<'s> Filling<'s> {
             irradiance.iter_mut().for_each(|i| *i = Irradiance { value: i.value, ..Irradiance::default() });
         }
         let record = Record { p: vertex.p(), n: normal, radius: radius.min(most).max(least), least, events };
-        Some(Made { record, irradiance, rays: counters.rays })
+        Some(Made { record, irradiance })
     }
 
     /// Light that arrives along a ray and was scattered before, and the distance of what it meets.

@@ -68,23 +68,17 @@ impl Records {
         (error < self.error && !is_behind && events == record.events).then(|| 1.0 / error.max(1e-6) - 1.0 / self.error)
     }
 
-    /// Hands all records that count at a point, and their weights, to `take`, in an order that their making decides.
+    /// All records that count at a point, with their weights, in an order that their making decides.
     #[inline]
-    fn about(&self, p: Vec3, n: Vec3, events: u32, mut take: impl FnMut(usize, f32)) {
-        for (level, cells) in &self.levels {
-            for &k in cells.get(&cell(p, *level)).into_iter().flatten() {
-                if let Some(weight) = self.weight(&self.records[k as usize], p, n, events) {
-                    take(k as usize, weight);
-                }
-            }
-        }
+    fn about(&self, p: Vec3, n: Vec3, events: u32) -> impl Iterator<Item = (usize, f32)> {
+        let in_cells =
+            self.levels.iter().flat_map(move |(level, cells)| cells.get(&cell(p, *level)).into_iter().flatten());
+        in_cells.filter_map(move |&k| Some((k as usize, self.weight(&self.records[k as usize], p, n, events)?)))
     }
 
     /// True if some record counts at a point.
     pub fn covers(&self, p: Vec3, n: Vec3, events: u32) -> bool {
-        let mut found = false;
-        self.about(p, n, events, |_, _| found = true);
-        found
+        self.about(p, n, events).next().is_some()
     }
 
     /// Irradiance at a point, each band by `of`; `None` where no record counts. The weighted mean of what each record
@@ -98,20 +92,19 @@ impl Records {
         of: impl Fn(&[Irradiance], Vec3, Vec3) -> Spectrum,
     ) -> Option<Spectrum> {
         let (mut sum, mut total) = (Spectrum::ZERO, 0.0);
-        self.about(p, n, events, |k, weight| {
+        for (k, weight) in self.about(p, n, events) {
             let record = &self.records[k];
             let bands = &self.irradiance[k * self.bands..][..self.bands];
             sum += of(bands, p - record.p, n - record.n) * weight;
             total += weight;
-        });
+        }
         (total > 0.0).then(|| sum / total)
     }
 
     /// Adds a record. Neighbours bound each other's reach: `R_i ≤ R_j + |x_i − x_j|`, since what one sees close by is
     /// not much farther from the other (Křivánek and others 2006, "Making radiance and irradiance caching practical").
     pub fn insert(&mut self, mut record: Record, irradiance: &[Irradiance]) {
-        let mut near = Vec::new();
-        self.about(record.p, record.n, record.events, |k, _| near.push(k));
+        let near: Vec<usize> = self.about(record.p, record.n, record.events).map(|(k, _)| k).collect();
         let distance = |other: &Record, p: Vec3| other.radius + (other.p - p).length();
         for &k in &near {
             record.radius = record.radius.min(distance(&self.records[k], record.p));

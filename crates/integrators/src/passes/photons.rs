@@ -15,7 +15,7 @@ pub(super) struct Photon {
     ground: Ground,
     /// On surfaces the flux that arrived, also what the surface let pass: photons that land on it by chance count for
     /// those that did not. In media flux times length: the flux of collisions per scattering coefficient there, whose
-    /// density is the fluence (Jensen, Christensen 1998, eq. 4).
+    /// density is the fluence (Jensen, Christensen 1998).
     pub beta: Spectrum,
     pub lambda: Wavelengths,
     /// Events before it landed.
