@@ -7,7 +7,7 @@ import steradian as st
 from scenes import SQUARE, of_mesh
 
 # Those that change how paths are made, and one that takes a frame before.
-ASK_MORE = ["light_groups", "halves", "motion"]
+ASK_MORE = ["light_groups", "bounces", "halves", "motion"]
 LAYERS = [name for name in st.registry()["layers"] if name not in ASK_MORE]
 
 
@@ -22,6 +22,13 @@ def test_no_layer_is_ignored(integrator):
         assert any(name.startswith("RGBA_") for name in image.channels), image.channels
     except ValueError as e:
         assert "groups of lights" in str(e) and integrator.split(":")[0] in str(e)
+    try:
+        image = scene.render(spp=1, size=(4, 3), integrator=integrator, layers=["bounces"])
+        bounces = [name for name in image.channels if name.startswith("bounce.") and name.endswith(".R")]
+        picture = sum(image[name] for name in sorted(bounces))
+        np.testing.assert_allclose(picture, image["R"], rtol=1e-5)
+    except ValueError as e:
+        assert "bounces" in str(e) and integrator.split(":")[0] in str(e)
     try:
         image = scene.render(spp=2, size=(4, 3), integrator=integrator, layers=["halves"])
         halves = [np.stack([image[f"{half}.{c}"] for c in "RGB"]) for half in ("half_a", "half_b")]
