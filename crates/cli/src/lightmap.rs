@@ -1,19 +1,23 @@
-//! `steradian bake light`: the light that falls on the meshes of a scene as a picture over their texture atlas.
+//! `steradian bake light`: the light that falls on the meshes of a scene as a picture over their texture atlas, or as a
+//! scene that shows it.
 
 use crate::{
     args::{FileOptions, SceneOptions},
+    diagnostics,
     failure::{self, Failure, Outcome},
     memory, open, output,
     terminal::Terminal,
     values,
 };
 use clap::{Args, ValueEnum};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use steradian::{
     Inputs,
-    image::{FileKind, Image},
+    formats::write,
+    image::{self, FileKind, Image},
     integrators::Depth,
     lightmap::{self, Lightmap, Settings},
+    scene::SceneDesc,
     unwrap::Options,
 };
 
@@ -34,11 +38,11 @@ pub enum Part {
 #[derive(Args, Debug)]
 #[command(after_help = "The atlas is that of 'steradian unwrap SCENE --second' with the same --resolution and \
                         --padding, which writes the scene with it. Irradiance times albedo over π is the radiance of \
-                        a diffuse surface.")]
+                        a diffuse surface: that is what .glb and .gltf files show.")]
 pub struct LightArgs {
     /// Scene file, - for standard input, or builtin:NAME
     pub scene: PathBuf,
-    /// Output file of linear light; .exr holds several --parts
+    /// Output file of linear light (.exr holds several --parts), or of the scene that shows the first (.glb .gltf)
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// Parts of the light: the first is the picture, others are layers of an .exr by their names
@@ -78,7 +82,7 @@ const MOST: u32 = 16384;
 pub fn run(args: &LightArgs, terminal: Terminal) -> Outcome {
     let scene_options = &args.scene_options;
     open::limit_threads(scene_options.threads);
-    let kind = output::kind(&args.output)?;
+    let kind = if is_scene(&args.output) { None } else { Some(output::kind(&args.output)?) };
     check(args, kind)?;
     let options = args.files.write_options().map_err(Failure::bad_input)?;
     output::claim([args.output.as_path()], &Inputs::of([args.scene.as_path()]))?;
@@ -92,6 +96,7 @@ pub fn run(args: &LightArgs, terminal: Terminal) -> Outcome {
         }
         loaded.desc = laid_out.0;
     }
+    let desc = kind.is_none().then(|| loaded.desc.clone());
     let opened = open::opened(loaded, scene_options, None);
     let open::Ready { scene, inputs, .. } = open::ready(opened, &args.scene, scene_options.strict, terminal)?;
     output::claim([args.output.as_path()], &inputs)?;
@@ -114,14 +119,40 @@ pub fn run(args: &LightArgs, terminal: Terminal) -> Outcome {
     if baked.nonfinite > 0 {
         terminal.warn(&format!("{} samples were not finite and count as black", baked.nonfinite));
     }
-    let written = output::save(std::slice::from_ref(&args.output), &picture(args, &baked)?, &options, true)?;
+    let written = match desc {
+        Some(desc) => save_scene(args, &desc, &baked, terminal)?,
+        None => output::save(std::slice::from_ref(&args.output), &picture(args, &baked)?, &options, true)?,
+    };
     terminal.say(&format!("light at {} texels; wrote {}", baked.measured, output::listed(&written)));
     Ok(failure::DONE)
 }
 
-/// Refuses parts that a file cannot hold, and what would not fit into memory.
-fn check(args: &LightArgs, kind: FileKind) -> Result<(), Failure> {
-    if args.parts.len() > 1 && kind != FileKind::Exr {
+/// True for files of scenes.
+fn is_scene(path: &Path) -> bool {
+    path.extension().is_some_and(|e| ["gltf", "glb"].iter().any(|known| e.eq_ignore_ascii_case(known)))
+}
+
+/// Writes the scene that shows the light without lights; the files that were written.
+fn save_scene(
+    args: &LightArgs,
+    desc: &SceneDesc,
+    baked: &Lightmap,
+    terminal: Terminal,
+) -> Result<Vec<PathBuf>, Failure> {
+    let radiance = baked.reflected(0, args.parts[0].baked());
+    let lit = lightmap::lit(desc, &radiance, args.resolution as usize).map_err(|e| Failure::failed(e.to_string()))?;
+    let written = write::write(&lit, &args.output).map_err(Failure::failed)?;
+    diagnostics::tell(&written.diagnostics, terminal);
+    let folder = args.output.parent().unwrap_or(Path::new(""));
+    let beside: Vec<PathBuf> = written.files.iter().map(|(name, _)| folder.join(name)).collect();
+    output::claim([args.output.as_path()], &Inputs::of(beside.iter().map(PathBuf::as_path)))?;
+    image::write_together(&args.output, &written.bytes, &written.files).map_err(|e| Failure::failed(e.to_string()))?;
+    Ok(vec![args.output.clone()])
+}
+
+/// Refuses parts that a file (a scene, without `kind`) cannot hold, and what would not fit into memory.
+fn check(args: &LightArgs, kind: Option<FileKind>) -> Result<(), Failure> {
+    if args.parts.len() > 1 && kind != Some(FileKind::Exr) {
         let name = args.output.display();
         return Err(Failure::bad_input(format!("'{name}' holds one part of --parts; several are layers of an .exr")));
     }
@@ -157,7 +188,7 @@ fn bare(args: &LightArgs) -> SceneOptions {
 /// The parts as one picture with layers.
 fn picture(args: &LightArgs, baked: &Lightmap) -> Result<Image, Failure> {
     let side = args.resolution as usize;
-    let failed = |e: steradian::image::Error| Failure::failed(e.to_string());
+    let failed = |e: image::Error| Failure::failed(e.to_string());
     let mut parts = args.parts.iter().zip(&baked.parts);
     let first = parts.next().map_or(&[][..], |(_, pixels)| pixels);
     let mut image = Image::from_rgb(side, side, first).map_err(failed)?;

@@ -240,6 +240,7 @@ fn faults_are_told() {
     refuse(&["sphere.xml", "-o", "a.exr"], &["sphere.xml", "no mesh"]);
     refuse(&["none.xml", "-o", "a.exr"], &["none.xml"]);
     refuse(&["square.xml", "-o", "a.png", "--parts", "all,ao"], &["a.png", ".exr"]);
+    refuse(&["square.xml", "-o", "a.glb", "--parts", "all,ao"], &["a.glb", ".exr"]);
     refuse(&["square.xml", "-o", "a.exr", "--parts", "all,all"], &["twice"]);
     refuse(&["square.xml", "-o", "a.exr", "--resolution", "30000"], &["16384"]);
     refuse(&["square.xml", "-o", "a.exr", "--resolution", "8"], &["resolution"]);

@@ -11,6 +11,7 @@ mod experiments;
 mod layers;
 mod lightmaps;
 mod lists;
+mod lit_scenes;
 mod materials;
 mod meters;
 mod names;

@@ -2,7 +2,12 @@
 //!
 //! The [atlas](crate::unwrap) is a second set of texture coordinates. At the centre of each texel that lies in a
 //! triangle a light meter ([`crate::meter`]) takes the irradiance of the surface by path tracing. Texels about the charts
-//! take the value of the nearest one, so that filters find light beyond their edges.
+//! take the value of the nearest one, so that filters find light beyond their edges. A [lit] scene shows the map
+//! without lights.
+
+mod lit;
+
+pub use lit::lit;
 
 use crate::{
     Error, Scene,
@@ -13,7 +18,7 @@ use steradian_core::{
     sampler::{PixelSampler, Sampler, SamplerKind},
     scene::{Hit, PrimId, Shape, WORLD},
 };
-use steradian_engine::dimension;
+use steradian_engine::{self as engine, dimension};
 use steradian_integrators::{
     Depth,
     meter::{self, Receiver},
@@ -60,6 +65,8 @@ pub struct Settings {
 pub struct Lightmap {
     /// Linear Rec.709 of each part. Under a radiance of 1 from all sides the irradiance is π.
     pub parts: Vec<Vec<[f32; 3]>>,
+    /// Part of white light that each texel's surface sends back along its normal, linear Rec.709.
+    pub albedo: Vec<[f32; 3]>,
     /// Texels at which light was measured.
     pub measured: usize,
     /// Samples that were not finite, and count as black.
@@ -71,7 +78,7 @@ pub const MOST_SAMPLES: u64 = 1 << 40;
 
 /// Bytes that baking takes for each texel, by the number of parts.
 pub fn bytes_per_texel(parts: usize) -> u64 {
-    72 + 48 * parts as u64
+    96 + 48 * parts as u64
 }
 
 /// A scene whose meshes have the coordinates of one atlas as their second set, and the number of shapes that are no
@@ -126,19 +133,19 @@ pub fn bake(scene: &Scene, settings: &Settings) -> Result<Lightmap, Error> {
         )));
     }
     let baker = Baker { scene, settings, side };
-    let values: Vec<(Vec<[f32; 3]>, u64)> =
+    let texels: Vec<Texel> =
         measured.par_iter().map(|&k| places[k].map_or_else(Default::default, |place| baker.texel(k, place))).collect();
     let mut numbers = vec![NONE; places.len()];
     measured.iter().zip(0..).for_each(|(k, number)| numbers[*k] = number);
     let numbers = spread(numbers, side, settings.padding);
-    let of = |part: usize| {
-        let value = |number: &u32| values.get(*number as usize).map_or([0.0; 3], |v| v.0[part]);
-        numbers.iter().map(value).collect()
+    let over = |value: &dyn Fn(&Texel) -> [f32; 3]| -> Vec<[f32; 3]> {
+        numbers.iter().map(|number| texels.get(*number as usize).map_or([0.0; 3], value)).collect()
     };
     Ok(Lightmap {
-        parts: (0..settings.parts.len()).map(of).collect(),
+        parts: (0..settings.parts.len()).map(|part| over(&|texel| texel.parts[part])).collect(),
+        albedo: over(&|texel| texel.albedo),
         measured: measured.len(),
-        nonfinite: values.iter().map(|v| v.1).sum(),
+        nonfinite: texels.iter().map(|texel| texel.nonfinite).sum(),
     })
 }
 
@@ -179,6 +186,14 @@ fn places(scene: &Scene, side: usize) -> Vec<Option<Place>> {
     places
 }
 
+/// Measurement at a texel.
+#[derive(Clone, Debug, Default)]
+struct Texel {
+    parts: Vec<[f32; 3]>,
+    albedo: [f32; 3],
+    nonfinite: u64,
+}
+
 /// All that measuring needs.
 #[derive(Clone, Copy)]
 struct Baker<'a> {
@@ -188,16 +203,17 @@ struct Baker<'a> {
 }
 
 impl Baker<'_> {
-    /// The parts of a texel, and the number of samples that were not finite. Random numbers depend on the texel and the
-    /// sample.
-    fn texel(&self, texel: usize, place: Place) -> (Vec<[f32; 3]>, u64) {
+    /// Measures a texel. Random numbers depend on the texel and the sample.
+    fn texel(&self, texel: usize, place: Place) -> Texel {
         let Settings { samples, seed, .. } = *self.settings;
-        let surface = self
-            .scene
-            .interaction(&Ray::new(Vec3::ZERO, Vec3::Z), &Hit { t: 0.0, u: place.u, v: place.v, id: place.id })
-            .surface;
-        let n = if surface.ns.dot(surface.n) < 0.0 { -surface.ns } else { surface.ns };
-        let receiver = meter::off_surface(self.scene, &Receiver::Plane(surface.p, n));
+        let hit = Hit { t: 0.0, u: place.u, v: place.v, id: place.id };
+        let mut at = self.scene.interaction(&Ray::new(Vec3::ZERO, Vec3::Z), &hit);
+        let n = if at.surface.ns.dot(at.surface.n) < 0.0 { -at.surface.ns } else { at.surface.ns };
+        // Seen from the side that the light falls on.
+        at.wo = n;
+        let lambda = self.scene.mode().wavelengths(|| 0.5);
+        let albedo = engine::albedo(self.scene, &at, &lambda).map_or(Vec3::ZERO, |(albedo, _)| albedo);
+        let receiver = meter::off_surface(self.scene, &Receiver::Plane(at.surface.p, n));
         let sampler = Sampler { kind: SamplerKind::Sobol, spp: samples, seed };
         let (x, y) = ((texel % self.side) as u32, (texel / self.side) as u32);
         let mut sums = vec![[0.0_f64; 3]; self.settings.parts.len()];
@@ -226,7 +242,8 @@ impl Baker<'_> {
                 (0..3).for_each(|k| sum[k] += f64::from(value[k]));
             }
         }
-        (sums.iter().map(|sum| sum.map(|s| (s / f64::from(samples)) as f32)).collect(), nonfinite)
+        let parts = sums.iter().map(|sum| sum.map(|s| (s / f64::from(samples)) as f32)).collect();
+        Texel { parts, albedo: albedo.to_array(), nonfinite }
     }
 
     /// One where a direction in proportion to its cosine meets nothing, else zero.
