@@ -60,6 +60,9 @@ pub struct LightArgs {
     /// Length of the rays of ao, scene units; default: no end
     #[arg(long, value_name = "D", value_parser = values::radius, allow_hyphen_values = true)]
     pub distance: Option<f32>,
+    /// Remove noise, chart by chart
+    #[arg(long)]
+    pub denoise: bool,
     /// Random seed
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
@@ -114,6 +117,7 @@ pub fn run(args: &LightArgs, terminal: Terminal) -> Outcome {
             hide_emitters: false,
         },
         distance: args.distance.unwrap_or(f32::INFINITY),
+        denoise: args.denoise,
     };
     let baked = lightmap::bake(&scene, &settings).map_err(|e| refused(args, &e))?;
     if baked.nonfinite > 0 {
@@ -163,7 +167,7 @@ fn check(args: &LightArgs, kind: Option<FileKind>) -> Result<(), Failure> {
         return Err(Failure::bad_input(format!("--resolution is at most {MOST} texels a side")));
     }
     let side = args.resolution;
-    let needed = u64::from(side).pow(2) * lightmap::bytes_per_texel(args.parts.len());
+    let needed = u64::from(side).pow(2) * lightmap::bytes_per_texel(args.parts.len(), args.denoise);
     match memory::available() {
         Some(available) if needed > available => Err(Failure::bad_input(format!(
             "a lightmap of {side} x {side} texels needs about {} of memory, and {} are there; lower --resolution",

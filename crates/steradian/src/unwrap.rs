@@ -11,6 +11,8 @@ pub use steradian_unwrap::{Atlas, MOST_TRIANGLES, Metrics, Options};
 
 /// Name of the attribute with a second set of texture coordinates.
 pub(crate) const SECOND: &str = "uv1";
+/// Name of the attribute of triangles with the number of their chart, beside a second set.
+pub(crate) const CHART: &str = "atlas_chart";
 
 /// Origin of the seams.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -168,9 +170,12 @@ impl Part {
         let keeps = settings.is_second && !mesh.uvs.is_empty();
         let mut attributes: Vec<Attribute> = mesh.attributes.iter().map(|a| gathered(a, &used, source)).collect();
         if settings.is_second {
-            attributes.retain(|a| a.name != SECOND);
+            attributes.retain(|a| a.name != SECOND && a.name != CHART);
             let data = uvs.iter().flatten().copied().collect();
             attributes.push(Attribute { name: SECOND.into(), domain: Domain::Vertex, channels: 2, data });
+            // Numbers are below 2²⁴, as those of triangles, so that they are exact.
+            let data = atlas.charts[self.triangles.clone()].iter().map(|chart| *chart as f32).collect();
+            attributes.push(Attribute { name: CHART.into(), domain: Domain::Face, channels: 1, data });
         }
         let of = |values: &[[f32; 3]]| {
             let values: Vec<[f32; 3]> =

@@ -116,10 +116,7 @@ fn a_small_lamp_gives_its_closed_form() {
 #[test]
 fn a_box_has_the_light_of_the_meter() {
     let place = Place::new();
-    let walls = ["", "<rotate x='1' angle='-90'/>", "<rotate x='1' angle='90'/>", "<rotate y='1' angle='90'/>", DOWN];
-    let walls = walls.map(|turn| square(&format!("<translate z='-1'/>{turn}"), 0.5, "")).concat();
-    let lamp = square(&format!("<scale value='0.3'/>{DOWN}<translate z='0.9'/>"), 0.0, &lamp(10.0));
-    place.file("box.xml", &scene(&(walls + &lamp)));
+    place.file("box.xml", &scene(&room()));
     let parts = ["--spp", "64", "--parts", "all,direct,indirect", "--threads"];
     let one = bake(&place, "box.xml", &[&parts[..], &["1"]].concat());
     assert_eq!(one, bake(&place, "box.xml", &[&parts[..], &["2"]].concat()));
@@ -143,6 +140,53 @@ fn a_box_has_the_light_of_the_meter() {
         assert!((mean - read.value).abs() <= 3.0 * error, "{k} {p}: {mean} {read:?} {error}");
         assert!(error < 0.02 * read.value, "{k} {p}: {error}");
     }
+}
+
+/// Five walls of a box and a lamp.
+fn room() -> String {
+    let walls = ["", "<rotate x='1' angle='-90'/>", "<rotate x='1' angle='90'/>", "<rotate y='1' angle='90'/>", DOWN];
+    let walls = walls.map(|turn| square(&format!("<translate z='-1'/>{turn}"), 0.5, "")).concat();
+    walls + &square(&format!("<scale value='0.3'/>{DOWN}<translate z='0.9'/>"), 0.0, &lamp(10.0))
+}
+
+/// The error of a map of few samples against one of many falls by half at least, the light in all by no more than a
+/// hundredth, and one thread gives the bits of two.
+#[test]
+fn denoising_halves_the_error() {
+    let place = Place::new();
+    place.file("box.xml", &scene(&room()));
+    let baked = |more: &str| {
+        let line = format!("bake light box.xml -o map.exr --resolution 96 --padding 2 --max-depth 2 {more}");
+        place.succeed(&line.split(' ').collect::<Vec<_>>());
+        place.picture("map.exr").to_rgb().unwrap()
+    };
+    let reference = baked("--spp 128 --seed 1");
+    let noisy = baked("--spp 2");
+    let denoised = baked("--spp 2 --denoise --threads 1");
+    assert_eq!(denoised, baked("--spp 2 --denoise --threads 2"));
+    let error =
+        |map: &[[f32; 3]]| map.iter().zip(&reference).map(|(a, b)| f64::from(a[1] - b[1]).powi(2)).sum::<f64>().sqrt();
+    let light = |map: &[[f32; 3]]| map.iter().map(|texel| f64::from(texel[1])).sum::<f64>();
+    let (before, after) = (error(&noisy), error(&denoised));
+    assert!(after < 0.5 * before, "{before} {after}");
+    assert!((light(&denoised) / light(&noisy) - 1.0).abs() < 0.01, "{} {}", light(&denoised), light(&noisy));
+}
+
+/// Two instances of a square have the maps of two squares.
+#[test]
+fn instances_have_their_own_places() {
+    let place = Place::new();
+    let sky = "<emitter type='constant'><rgb name='radiance' value='1'/></emitter>";
+    let places = ["<rotate x='1' angle='90'/>", "<translate z='-1'/>"];
+    let apart = places.map(|at| square(at, 0.5, "")).concat();
+    let instance =
+        |at| format!("<shape type='instance'><transform name='to_world'>{at}</transform><ref id='group'/></shape>");
+    let group = format!("<shape type='shapegroup' id='group'>{}</shape>", square("", 0.5, ""));
+    place.file("apart.xml", &scene(&(apart + sky)));
+    place.file("instances.xml", &scene(&(group + &places.map(instance).concat() + sky)));
+    let [apart, instances] = ["apart.xml", "instances.xml"].map(|name| bake(&place, name, &["--spp", "4"]));
+    assert!(apart.iter().any(|texel| texel[0] > 0.0));
+    assert_eq!(apart, instances);
 }
 
 /// A sphere of eight times 8² triangles with normals, as an OBJ file.
@@ -181,7 +225,7 @@ fn look_up(map: &[[f32; 3]], side: usize, texel: DVec2) -> f64 {
 }
 
 /// A sphere under a sun, which has no noise: filtered lookups on both sides of a seam find the light of the same point
-/// to within what it changes by over a texel.
+/// to within what it changes by over a texel, denoised or not.
 #[test]
 fn seams_do_not_show() {
     const SIDE: u32 = 256;
@@ -190,20 +234,11 @@ fn seams_do_not_show() {
                <rgb name='irradiance' value='1'/></emitter>";
     let ball_of_file = "<shape type='obj'><string name='filename' value='ball.obj'/></shape>";
     place.file("ball.obj", &ball()).file("sun.xml", &scene(&format!("{ball_of_file}{sun}")));
-    place.succeed(&[
-        "bake",
-        "light",
-        "sun.xml",
-        "-o",
-        "map.exr",
-        "--resolution",
-        "256",
-        "--spp",
-        "1",
-        "--max-depth",
-        "0",
-    ]);
-    let map = place.picture("map.exr").to_rgb().unwrap();
+    let line = "bake light sun.xml -o map.exr --resolution 256 --max-depth 0 --spp";
+    let maps = [" 1", " 2 --denoise"].map(|more| {
+        place.succeed(&format!("{line}{more}").split(' ').collect::<Vec<_>>());
+        place.picture("map.exr").to_rgb().unwrap()
+    });
     let desc = steradian::load(place.path("sun.xml"), &Options::default()).desc;
     let atlas = unwrap::Options { resolution: SIDE, ..unwrap::Options::default() };
     let desc = lightmap::laid_out(&desc, atlas).unwrap().0;
@@ -223,11 +258,14 @@ fn seams_do_not_show() {
             continue;
         }
         seams += 1;
-        let [here, there] = [[*a, *b], *other].map(|[i, j]| look_up(&map, SIDE as usize, (texel(i) + texel(j)) * 0.5));
         let length = (texel(*a) - texel(*b)).length();
         let change = (position(*a) - position(*b)).length() / length;
-        assert!((here - there).abs() < change, "{middle}: {here} {there}, {change} over a texel");
-        assert!((here - middle.z.max(0.0)).abs() < change, "{middle}: {here}");
+        for map in &maps {
+            let value = |[i, j]: [u32; 2]| look_up(map, SIDE as usize, (texel(i) + texel(j)) * 0.5);
+            let [here, there] = [value([*a, *b]), value(*other)];
+            assert!((here - there).abs() < change, "{middle}: {here} {there}, {change} over a texel");
+            assert!((here - middle.z.max(0.0)).abs() < change, "{middle}: {here}");
+        }
     }
     assert!(seams > 20, "{seams}");
 }
@@ -240,6 +278,7 @@ fn faults_are_told() {
     refuse(&["sphere.xml", "-o", "a.exr"], &["sphere.xml", "no mesh"]);
     refuse(&["none.xml", "-o", "a.exr"], &["none.xml"]);
     refuse(&["square.xml", "-o", "a.png", "--parts", "all,ao"], &["a.png", ".exr"]);
+    refuse(&["square.xml", "-o", "a.exr", "--spp", "1", "--denoise"], &["square.xml", "two or more"]);
     refuse(&["square.xml", "-o", "a.glb", "--parts", "all,ao"], &["a.glb", ".exr"]);
     refuse(&["square.xml", "-o", "a.exr", "--parts", "all,all"], &["twice"]);
     refuse(&["square.xml", "-o", "a.exr", "--resolution", "30000"], &["16384"]);

@@ -2,10 +2,14 @@
 //!
 //! The [atlas](crate::unwrap) is a second set of texture coordinates. At the centre of each texel that lies in a
 //! triangle a light meter ([`crate::meter`]) takes the irradiance of the surface by path tracing. Texels about the charts
-//! take the value of the nearest one, so that filters find light beyond their edges. A [lit] scene shows the map
+//! take the value of the nearest one, so that filters find light beyond their edges. A [lit](lit()) scene shows the map
 //! without lights.
 
+mod denoise;
+mod instances;
 mod lit;
+#[cfg(test)]
+mod tests;
 
 pub use lit::lit;
 
@@ -58,6 +62,8 @@ pub struct Settings {
     pub depth: Depth,
     /// Length of the rays of [`Part::Ao`], scene units.
     pub distance: f32,
+    /// Removes noise, chart by chart, by non-local means; of two samples or more, which tell the noise.
+    pub denoise: bool,
 }
 
 /// Pictures over the atlas, rows from the top.
@@ -76,21 +82,18 @@ pub struct Lightmap {
 /// Most samples of a lightmap: at a million in a second they take twelve days.
 pub const MOST_SAMPLES: u64 = 1 << 40;
 
-/// Bytes that baking takes for each texel, by the number of parts.
-pub fn bytes_per_texel(parts: usize) -> u64 {
-    96 + 48 * parts as u64
+/// Bytes that baking takes for each texel, by the number of parts, and whether noise is removed.
+pub fn bytes_per_texel(parts: usize, denoise: bool) -> u64 {
+    120 + 72 * parts as u64 + if denoise { 300 } else { 0 }
 }
 
 /// A scene whose meshes have the coordinates of one atlas as their second set, and the number of shapes that are no
 /// meshes and have no place in it.
 ///
 /// # Errors
-/// [`Error::CannotUnwrap`], and [`Error::CannotBake`] for instances.
+/// [`Error::CannotUnwrap`], and [`Error::CannotBake`] for instances that move or are too many.
 pub fn laid_out(desc: &SceneDesc, options: Options) -> Result<(SceneDesc, usize), Error> {
-    if !desc.instances.is_empty() {
-        let why = "instances cannot have a lightmap: what is at several places would have one place in the atlas";
-        return Err(Error::CannotBake(why.into()));
-    }
+    let desc = &instances::placed(desc)?;
     let settings = unwrap::Settings { options, seams: Seams::Angle, is_second: true, from_top: true };
     let mut unwrapped = unwrap::unwrap(desc, &settings)?;
     // Meshes without coordinates stay so: their textures are not to change.
@@ -111,13 +114,18 @@ struct Place {
     id: PrimId,
     u: f32,
     v: f32,
+    chart: u32,
 }
 
 /// Bakes the lightmap of a scene that was [laid out](laid_out) for the resolution.
 ///
 /// # Errors
-/// [`Error::CannotBake`] where no texel lies in a triangle, or samples would take too long.
+/// [`Error::CannotBake`] where no texel lies in a triangle, samples would take too long, or one sample is to be
+/// denoised.
 pub fn bake(scene: &Scene, settings: &Settings) -> Result<Lightmap, Error> {
+    if settings.denoise && settings.samples < 2 {
+        return Err(Error::CannotBake("one sample does not tell its noise: denoising takes two or more".into()));
+    }
     let side = settings.resolution as usize;
     let places = places(scene, side);
     let measured: Vec<usize> = (0..places.len()).filter(|k| places[*k].is_some()).collect();
@@ -133,11 +141,14 @@ pub fn bake(scene: &Scene, settings: &Settings) -> Result<Lightmap, Error> {
         )));
     }
     let baker = Baker { scene, settings, side };
-    let texels: Vec<Texel> =
+    let mut texels: Vec<Texel> =
         measured.par_iter().map(|&k| places[k].map_or_else(Default::default, |place| baker.texel(k, place))).collect();
+    if settings.denoise {
+        denoise::charts(&mut texels, side)?;
+    }
     let mut numbers = vec![NONE; places.len()];
     measured.iter().zip(0..).for_each(|(k, number)| numbers[*k] = number);
-    let numbers = spread(numbers, side, settings.padding);
+    let numbers = spread(numbers, [side; 2], settings.padding);
     let over = |value: &dyn Fn(&Texel) -> [f32; 3]| -> Vec<[f32; 3]> {
         numbers.iter().map(|number| texels.get(*number as usize).map_or([0.0; 3], value)).collect()
     };
@@ -157,10 +168,12 @@ fn places(scene: &Scene, side: usize) -> Vec<Option<Place>> {
     for (geom, geometry) in (0..scene.world_count()).zip(scene.geometries()) {
         let Shape::Mesh(mesh) = &geometry.shape else { continue };
         let Some(uvs) = mesh.attributes.iter().find(|a| a.name == unwrap::SECOND && a.channels == 2) else { continue };
+        let charts = mesh.attributes.iter().find(|a| a.name == unwrap::CHART);
         let texel =
             |i: u32| DVec2::new(uvs.data[2 * i as usize].into(), uvs.data[2 * i as usize + 1].into()) * side as f64;
         for (prim, triangle) in (0..).zip(mesh.triangles.iter()) {
             let id = PrimId { instance: WORLD, geom, prim };
+            let chart = charts.map_or(0, |charts| charts.data[prim as usize] as u32);
             let [a, b, c] = triangle.map(texel);
             let area = (b - a).perp_dot(c - a);
             if area == 0.0 {
@@ -171,17 +184,16 @@ fn places(scene: &Scene, side: usize) -> Vec<Option<Place>> {
                 is_small = false;
                 let p = DVec2::new(x as f64 + 0.5, y as f64 + 0.5) - a;
                 let (u, v) = (p.perp_dot(c - a) / area, (b - a).perp_dot(p) / area);
-                places[y * side + x].get_or_insert(Place { id, u: u as f32, v: v as f32 });
+                places[y * side + x].get_or_insert(Place { id, u: u as f32, v: v as f32, chart });
             });
             if is_small {
-                small.push(((a + b + c) / 3.0, id));
+                small.push(((a + b + c) / 3.0, Place { id, u: 1.0 / 3.0, v: 1.0 / 3.0, chart }));
             }
         }
     }
     let texel = |x: f64| (x as usize).min(side - 1);
-    for (middle, id) in small {
-        let third = 1.0 / 3.0;
-        places[texel(middle.y) * side + texel(middle.x)].get_or_insert(Place { id, u: third, v: third });
+    for (middle, place) in small {
+        places[texel(middle.y) * side + texel(middle.x)].get_or_insert(place);
     }
     places
 }
@@ -189,7 +201,13 @@ fn places(scene: &Scene, side: usize) -> Vec<Option<Place>> {
 /// Measurement at a texel.
 #[derive(Clone, Debug, Default)]
 struct Texel {
+    /// Its number, row by row.
+    number: usize,
+    chart: u32,
+    normal: Vec3,
     parts: Vec<[f32; 3]>,
+    /// Variances of the means that the parts are; empty where noise is not removed.
+    variances: Vec<[f32; 3]>,
     albedo: [f32; 3],
     nonfinite: u64,
 }
@@ -216,7 +234,9 @@ impl Baker<'_> {
         let receiver = meter::off_surface(self.scene, &Receiver::Plane(at.surface.p, n));
         let sampler = Sampler { kind: SamplerKind::Sobol, spp: samples, seed };
         let (x, y) = ((texel % self.side) as u32, (texel / self.side) as u32);
-        let mut sums = vec![[0.0_f64; 3]; self.settings.parts.len()];
+        // Of both halves of the samples.
+        let mut sums = vec![[[0.0_f64; 2]; 3]; self.settings.parts.len()];
+        let first = samples / 2;
         let mut nonfinite = 0;
         for index in 0..samples {
             let sampler = sampler.pixel(x, y, index);
@@ -239,11 +259,24 @@ impl Baker<'_> {
                     Part::Indirect => all - direct,
                     Part::Ao => self.openness(&receiver, &sampler),
                 };
-                (0..3).for_each(|k| sum[k] += f64::from(value[k]));
+                (0..3).for_each(|k| sum[k][usize::from(index >= first)] += f64::from(value[k]));
             }
         }
-        let parts = sums.iter().map(|sum| sum.map(|s| (s / f64::from(samples)) as f32)).collect();
-        Texel { parts, albedo: albedo.to_array(), nonfinite }
+        let mean = |[a, b]: [f64; 2]| ((a + b) / f64::from(samples)) as f32;
+        // By the halves' difference: samples that fill their domain evenly err far less than they scatter.
+        let variance =
+            |[a, b]: [f64; 2]| (0.25 * (a / f64::from(first) - b / f64::from(samples - first)).powi(2)) as f32;
+        let variances =
+            if self.settings.denoise { sums.iter().map(|sum| sum.map(variance)).collect() } else { Vec::new() };
+        Texel {
+            number: texel,
+            chart: place.chart,
+            normal: n,
+            parts: sums.iter().map(|sum| sum.map(mean)).collect(),
+            variances,
+            albedo: albedo.to_array(),
+            nonfinite,
+        }
     }
 
     /// One where a direction in proportion to its cosine meets nothing, else zero.
@@ -261,14 +294,14 @@ const NONE: u32 = u32::MAX;
 
 /// Numbers that go on beyond charts, ring by ring: texels without one take that of a neighbour, those beside before
 /// those at corners.
-fn spread(mut numbers: Vec<u32>, side: usize, rings: u32) -> Vec<u32> {
+fn spread(mut numbers: Vec<u32>, [width, height]: [usize; 2], rings: u32) -> Vec<u32> {
     const AROUND: [[isize; 2]; 8] = [[0, -1], [-1, 0], [1, 0], [0, 1], [-1, -1], [1, -1], [-1, 1], [1, 1]];
     for _ in 0..rings {
         let near = |k: usize| {
-            let (x, y) = ((k % side) as isize, (k / side) as isize);
+            let (x, y) = ((k % width) as isize, (k / width) as isize);
             let inside = |[dx, dy]: [isize; 2]| {
                 let (x, y) = (usize::try_from(x + dx).ok()?, usize::try_from(y + dy).ok()?);
-                (x < side && y < side).then(|| numbers[y * side + x])
+                (x < width && y < height).then(|| numbers[y * width + x])
             };
             AROUND.into_iter().filter_map(inside).find(|number| *number != NONE).unwrap_or(NONE)
         };
