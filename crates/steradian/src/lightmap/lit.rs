@@ -22,7 +22,7 @@ impl Lightmap {
 
 /// A scene that was [laid out](super::laid_out), lit by `radiance`, a picture of `side` rows over its atlas: lights are
 /// gone, and meshes that emit keep their emission in place of the picture's. Values are held by 16 bits, encoded as
-/// sRGB: to 1.2·10⁻⁶ of the largest near black, and to 5·10⁻⁵ of themselves above a hundredth of it.
+/// sRGB: to 1.2·10⁻⁶ of the largest near black, and to 2·10⁻⁴ of themselves above a hundredth of it.
 ///
 /// # Errors
 /// [`Error::Failed`] where the picture cannot be encoded.
