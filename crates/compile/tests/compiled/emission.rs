@@ -18,7 +18,8 @@ fn white(v: f64) -> Value {
     Value::Spectrum(SpectrumValue::Rgb([v; 3], ColorSpace::Srgb))
 }
 
-/// A scene of a black unit sphere about the origin, which tells how large the scene is, and one light.
+/// A scene of a black unit sphere about the origin, which tells how large the scene is, a small glass ball where a
+/// name says so, and one light.
 fn scenes() -> Vec<(&'static str, Scene)> {
     let light = |kind: &str| Node::new(Family::Light, kind, None);
     let shape = |kind: &str| Node::new(Family::Shape, kind, None);
@@ -38,6 +39,11 @@ fn scenes() -> Vec<(&'static str, Scene)> {
         desc.cameras = vec![desc.add(Node::new(Family::Camera, "perspective", None))];
         let sphere = desc.add(shape("sphere"));
         desc.shapes.push(Shape::new(sphere));
+        if str::contains(name, "glass") {
+            let ball = desc.add(shape("sphere").with("center", [0.2, 0.1, 0.7]).with("radius", 0.25));
+            let glass = desc.add(Node::new(Family::Material, "dielectric", None));
+            desc.shapes.push(Shape { material: Some(glass), ..Shape::new(ball) });
+        }
         if let Some(node) = of {
             let node = desc.add(node);
             desc.lights.push(node);
@@ -61,6 +67,14 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     add("triangle", None, Some((Some(triangle()), shape("mesh"), area(false))));
     add("two-sided", None, Some((Some(quad()), shape("mesh"), area(true))));
     add("sphere", None, Some((None, shape("sphere").with("center", [0.0, 0.0, 3.0]).with("radius", 0.5), area(false))));
+    // Rays of these are aimed: at the scene, and at glass.
+    let far = || shape("sphere").with("center", [0.0, 20.0, 40.0]).with("radius", 0.5);
+    add("far sphere", None, Some((None, far(), area(false))));
+    add("far sphere over glass", None, Some((None, far(), area(false))));
+    add("rectangle over glass", None, Some((Some(quad()), shape("mesh"), area(false))));
+    add("point over glass", Some(light("point").with("intensity", white(3.0)).with("position", [0.0, 2.0, 2.0])), None);
+    add("distant over glass", Some(light("distant").with("radiance", white(3.0))), None);
+    add("sky over glass", Some(light("environment").with("radiance", white(0.5))), None);
     add("disk", None, Some((None, shape("disk").with("radius", 0.5), area(false))));
     let cylinder = shape("cylinder").with("radius", 0.1).with("z_min", -1.0).with("z_max", 0.0);
     add("cylinder", None, Some((None, cylinder, area(false))));
@@ -78,7 +92,8 @@ fn emitted_flux_is_that_of_the_light() {
         let emission = Emission::new(&scene).expect("a light that emits");
         // Emission of infinite lights comes through a disk a little wider than the scene.
         let r = scene.bounds().bounding_sphere().1 * 1.001;
-        let expected = f64::from(match name {
+        let kind = name.trim_end_matches(" over glass");
+        let expected = f64::from(match kind {
             "point" => 3.0 * 4.0 * PI,
             "spot" => {
                 let Light::Punctual(Punctual::Spot(s)) = &scene.lights().lights[0] else { panic!() };
@@ -97,7 +112,7 @@ fn emitted_flux_is_that_of_the_light() {
             "rectangle" => 2.0 * PI * 0.125,
             "triangle" => 2.0 * PI * 0.0625,
             "two-sided" => 4.0 * PI * 0.125,
-            "sphere" => 2.0 * PI * 4.0 * PI * 0.25,
+            "sphere" | "far sphere" => 2.0 * PI * 4.0 * PI * 0.25,
             "disk" => 2.0 * PI * PI * 0.25,
             "cylinder" => {
                 let Light::Area(a) = &scene.lights().lights[0] else { panic!() };
@@ -111,7 +126,7 @@ fn emitted_flux_is_that_of_the_light() {
         for _ in 0..n {
             let (u, a, b) = (rng.next_f32(), [rng.next_f32(), rng.next_f32()], [rng.next_f32(), rng.next_f32()]);
             let Some(e) = emission.sample(&scene, u, a.into(), b.into(), &lambda) else { continue };
-            let pdf = emission.pdf(&scene, e.light, e.n, e.ray.direction, lambda.time);
+            let pdf = emission.pdf(&scene, e.light, (e.ray.origin, e.n), e.ray.direction, lambda.time);
             assert!((pdf / e.pdf - 1.0).abs() < 2e-3, "{name}: density {pdf} for {}", e.pdf);
             assert!(
                 (e.ray.direction.length() - 1.0).abs() < 1e-4 && (e.cos - e.n.dot(e.ray.direction).abs()).abs() < 1e-3
@@ -187,7 +202,7 @@ fn only_light_is_emitted() {
     let scene = scene
         .changed(|parts| parts.lights.lights.push(Isotropic { position: Vec3::ZERO, intensity: Color::BLACK }.into()));
     let emission = Emission::new(&scene).expect("a light that emits");
-    assert_eq!(emission.pdf(&scene, 1, Vec3::Z, Vec3::Z, 0.0), 0.0);
+    assert_eq!(emission.pdf(&scene, 1, (Vec3::ZERO, Vec3::Z), Vec3::Z, 0.0), 0.0);
     let scene = scene.changed(|parts| _ = parts.lights.lights.remove(0));
     assert!(Emission::new(&scene).is_none());
 }

@@ -1,14 +1,15 @@
 //! Lights that emit: rays from lights, with their densities (Veach 1997, chapter 8; PBR 4th ed., 12.1.2).
 //!
 //! A light is chosen in proportion to its flux, a place on it uniformly over its area (of infinite lights, over a disk
-//! that covers the scene), a direction by the cosine, over a cone, or as the light is bright. What is a delta
+//! that covers the scene), a direction by the cosine, over a cone, or as the light is bright; a part of the rays is
+//! [aimed](super::aims) at what matters. What is a delta
 //! distribution (the place of a point light, the direction of parallel light) is left out of densities, here and in
 //! next-event estimation, so that their ratios are right.
 //!
 //! Tests hold emission to three laws: the emitted flux has its closed form, emission and light samples give the same
 //! light, and the importance of cameras (`camera::importance`) integrates to the number of pixels.
 
-use super::{AreaLight, AreaShape, Environment, Light, Lights};
+use super::{AreaLight, AreaShape, Environment, Light, Lights, Punctual, aims::Aims};
 use crate::Scene;
 use std::f32::consts::{FRAC_1_PI, PI};
 use steradian_math::{
@@ -27,6 +28,7 @@ pub struct Emission {
     /// A sphere around all that light can reach.
     center: Vec3,
     radius: f32,
+    aims: Aims,
 }
 
 /// A ray that leaves a light.
@@ -77,11 +79,12 @@ impl Emission {
         let radius = (radius * 1.001).max(f32::MIN_POSITIVE);
         let lights = scene.lights();
         let is_sent = |l: &Light| scene.planes().is_empty() || !matches!(l, Light::Distant(..) | Light::Environment(_));
-        let flux = |l: &Light| if is_sent(l) { lights.flux(l, radius) } else { 0.0 };
-        // Choose lights in proportion to their flux.
+        let aims = Aims::new(scene);
+        let flux = |l: &Light| if is_sent(l) { lights.flux(l, radius) * l.reached(&aims) } else { 0.0 };
+        // Choose lights in proportion to the flux that may meet something.
         let weights: Vec<f32> = lights.lights.iter().map(flux).map(|f| if f.is_finite() { f } else { 0.0 }).collect();
         let is_any = weights.iter().any(|w| *w > 0.0);
-        is_any.then(|| Self { choice: AliasTable::new(&weights), center, radius })
+        is_any.then(|| Self { choice: AliasTable::new(&weights), center, radius, aims })
     }
 
     /// A ray from a light: `u` chooses the light, `place` where on it, `direction` where to.
@@ -94,44 +97,46 @@ impl Emission {
         lambda: &Wavelengths,
     ) -> Option<EmittedRay> {
         // The alias table draws a light in constant time (Vose 1991).
-        let (light, choice, _) = self.choice.sample(u);
-        let mut emitted = self.sample_light(scene, light as u32, place, direction, lambda)?;
+        let (light, choice, u) = self.choice.sample(u);
+        let mut emitted = self.sample_light(scene, light as u32, (u, place, direction), lambda)?;
         emitted.pdf *= choice;
         let is_sound = emitted.pdf > 0.0 && emitted.pdf.is_finite() && emitted.ray.is_valid();
         (is_sound && !emitted.radiance.is_black()).then_some(emitted)
     }
 
-    /// A ray from the light `light`; the density leaves the choice of the light out.
-    pub fn sample_light(
+    /// A ray from the light `light`, whose aim `u` chooses; the density leaves the choice of the light out.
+    fn sample_light(
         &self,
         scene: &Scene,
         light: u32,
-        place: Vec2,
-        direction: Vec2,
+        (u, place, direction): (f32, Vec2, Vec2),
         lambda: &Wavelengths,
     ) -> Option<EmittedRay> {
         let lights = scene.lights();
-        // Parallel light through a disk across it.
+        // Parallel light through a disk across it, from outside of everything.
         let through_disk = |w: Vec3| {
-            let d = warp::concentric_disk(place) * self.radius;
+            let (center, radius) = self.aims.disk(u).unwrap_or((self.center, self.radius));
+            let d = warp::concentric_disk(place) * radius;
             let frame = Frame::from_z(w);
-            Ray::new(self.center + frame.x * d.x + frame.y * d.y - w * self.radius, w)
+            let back = self.radius + (center - self.center).dot(w);
+            let ray = Ray::new(center + frame.x * d.x + frame.y * d.y - w * back, w);
+            (ray, self.disk_pdf(ray.origin, w))
         };
-        let disk = 1.0 / (PI * self.radius * self.radius);
         Some(match &lights.lights[light as usize] {
             Light::Punctual(at) => {
-                let (p, (w, pdf)) = (at.position(), at.draw(direction)?);
+                let p = at.position();
+                let w = match self.aims.direction(p, u, direction) {
+                    Some(w) => w,
+                    None => at.draw(direction)?.0,
+                };
+                let pdf = self.aims.pdf(p, w, at.pdf(w));
                 let radiance = at.intensity(p + w, lambda, scene.textures(), lights.mode());
                 EmittedRay { light, ray: Ray::new(p, w), n: w, cos: 1.0, radiance, pdf }
             }
-            Light::Distant(to, irradiance) => EmittedRay {
-                light,
-                ray: through_disk(-*to),
-                n: -*to,
-                cos: 1.0,
-                radiance: irradiance.eval(lambda),
-                pdf: disk,
-            },
+            Light::Distant(to, irradiance) => {
+                let (ray, pdf) = through_disk(-*to);
+                EmittedRay { light, ray, n: -*to, cos: 1.0, radiance: irradiance.eval(lambda), pdf }
+            }
             Light::Environment(e) => {
                 if let Some([corner, ex, ey]) = e.portal {
                     // A portal emits as its area does: a uniform place, and a cosine-distributed direction on either
@@ -157,8 +162,8 @@ impl Emission {
                     false => warp::uniform_sphere(direction),
                 };
                 let radiance = e.beyond(to, lambda);
-                let pdf = self.sky_pdf(e, to) * disk;
-                EmittedRay { light, ray: through_disk(-to), n: -to, cos: 1.0, radiance, pdf }
+                let (ray, disk) = through_disk(-to);
+                EmittedRay { light, ray, n: -to, cos: 1.0, radiance, pdf: self.sky_pdf(e, to) * disk }
             }
             Light::Area(a) => {
                 let a = &*a.at(lambda.time);
@@ -171,11 +176,12 @@ impl Emission {
                     local = warp::cosine_hemisphere(u);
                     local.z *= if direction.x < 0.5 { 1.0 } else { -1.0 };
                 }
-                let cos = local.z.abs();
-                let w = Frame::from_z(n).to_world(local);
+                let own = || Frame::from_z(n).to_world(local);
+                let w = self.aims.direction(p, u, direction).unwrap_or_else(own);
+                let cos = n.dot(w).abs();
                 let radiance = emitter.drawn(n, w, || at, lambda, scene.textures());
-                // p = p(place)·p(direction), with p(direction) = cos θ/π on one side.
-                let pdf = lobe(cos, emitter.two_sided) / a.area_at(n);
+                // p = p(place)·p(direction), with the light's own p(direction) = cos θ/π on one side.
+                let pdf = self.aims.pdf(p, w, lobe(n.dot(w), emitter.two_sided)) / a.area_at(n);
                 EmittedRay { light, ray: Ray::new(a.leave(p, n, w), w), n, cos, radiance, pdf }
             }
             Light::DirectionalArea(a) => {
@@ -188,26 +194,28 @@ impl Emission {
         })
     }
 
-    /// The density with which a ray leaves a light in direction `w` from a place with oriented normal `n`, choice
-    /// included, as in [`EmittedRay::pdf`], at a moment of the exposure.
-    pub fn pdf(&self, scene: &Scene, light: u32, n: Vec3, w: Vec3, time: f32) -> f32 {
-        let disk = 1.0 / (PI * self.radius * self.radius);
+    /// The density with which a ray leaves a light in direction `w` from the place `p` with oriented normal `n`, choice
+    /// included, as in [`EmittedRay::pdf`], at a moment of the exposure. Of parallel light `p` is any point of the ray.
+    pub fn pdf(&self, scene: &Scene, light: u32, (p, n): (Vec3, Vec3), w: Vec3, time: f32) -> f32 {
         let pdf = match &scene.lights().lights[light as usize] {
-            Light::Punctual(light) => light.pdf(w),
-            Light::Distant(..) => disk,
+            Light::Punctual(light) => self.aims.pdf(light.position(), w, light.pdf(w)),
+            Light::Distant(..) => self.disk_pdf(p, w),
             Light::Environment(e) => match e.portal {
                 Some([_, ex, ey]) => 0.5 * FRAC_1_PI / ex.cross(ey).length(),
-                None => self.sky_pdf(e, -w) * disk,
+                None => self.sky_pdf(e, -w) * self.disk_pdf(p, w),
             },
             Light::Area(a) => {
                 let two_sided = scene.lights().emitters[a.emitter as usize].two_sided;
-                // Cosine lobe about the normal, on both sides where the surface shines to both.
-                let cos = if two_sided { n.dot(w).abs() } else { n.dot(w).max(0.0) };
-                lobe(cos, two_sided) / a.at(time).area_at(n)
+                self.aims.pdf(p, w, lobe(n.dot(w), two_sided)) / a.at(time).area_at(n)
             }
             Light::DirectionalArea(a) => 1.0 / a.at(time).area_at(n),
         };
         pdf * self.choice.pmf(light as usize)
+    }
+
+    /// Density across a direction of parallel rays through a point.
+    fn disk_pdf(&self, p: Vec3, w: Vec3) -> f32 {
+        self.aims.disk_pdf(p, w, 1.0 / (PI * self.radius * self.radius))
     }
 
     /// The density of directions to an environment without a portal.
@@ -228,9 +236,20 @@ fn reach(scene: &Scene) -> Bounds3 {
     fields.fold(scene.bounds(), |bounds, field| bounds.union(field.world_bounds()))
 }
 
-/// The cosine density, on one side or both.
+/// The cosine density about the normal, on both sides where the surface shines to both.
 fn lobe(cos: f32, two_sided: bool) -> f32 {
-    cos * FRAC_1_PI * if two_sided { 0.5 } else { 1.0 }
+    FRAC_1_PI * if two_sided { 0.5 * cos.abs() } else { cos.max(0.0) }
+}
+
+impl Light {
+    /// The share of its flux that may meet what does not shine, about: lamps far away send most of it past the scene.
+    fn reached(&self, aims: &Aims) -> f32 {
+        match self {
+            Self::Area(a) => aims.reached(a.at(0.0).sample_place(Vec2::splat(0.5)).0),
+            Self::Punctual(Punctual::Isotropic(light)) => aims.reached(light.position),
+            _ => 1.0,
+        }
+    }
 }
 
 impl Lights {

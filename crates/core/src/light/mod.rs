@@ -16,6 +16,7 @@
 //!   the time for which matter held the light back (`Wavelengths::delay`). Scenes of that kind are followed path by
 //!   path (`Scene::needs_scalar_path_tracer`).
 
+pub mod aims;
 pub mod area;
 pub mod cube;
 pub mod emission;

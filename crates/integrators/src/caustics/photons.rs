@@ -5,14 +5,16 @@ use rayon::prelude::*;
 use steradian_bsdf::{Bsdf, Diffuse, TransportMode};
 use steradian_core::{
     Scene,
-    light::LightContext,
-    material::{Material, Model, Roughness, Scattering},
+    light::{
+        LightContext,
+        aims::{self, BROAD},
+    },
+    material::Scattering,
     sampler::{PixelSampler, Sampler, SamplerKind},
     scene::{Interaction, SHADOW_END},
 };
 use steradian_engine::PathContext;
 use steradian_math::{Bounds3, Frame, Ray, Spectrum, Vec3, spectra::Wavelengths, warp};
-use steradian_texture::FloatTexture;
 use steradian_transport::Vertex;
 
 /// Pixels for each photon that is sent. One for a pixel costs more and guides no better.
@@ -23,8 +25,6 @@ const PHOTONS: (u32, u32) = (1 << 12, 1 << 16);
 const EVENTS: u32 = 12;
 /// Scattering focuses where directions are drawn with a greater density than this (sr⁻¹).
 const FOCUSED: f32 = 2.0;
-/// Roughness α above which metals and glass do not focus.
-const BROAD: f32 = 0.25;
 /// Most landings of one photon path.
 const LANDINGS: usize = 3;
 /// Weights of indirect light and of light samples against focused light, for the share. Indirect light is noise that
@@ -92,26 +92,7 @@ pub(super) fn is_receiver(bsdf: &Bsdf) -> bool {
 
 /// Everything that may focus light, by its share of the cross-sections.
 fn targets(scene: &Scene) -> Vec<Target> {
-    let focuses = focusing(scene.materials());
-    let boxes: Vec<Option<Bounds3>> = scene
-        .geometries()
-        .iter()
-        .map(|g| (focuses[g.material as usize] && !g.is_interface).then(|| g.shape.bounds()))
-        .collect();
-    // Where the geometry of the world and of each group begins.
-    let mut starts: Vec<u32> = scene.placements().iter().map(|p| p.base).collect();
-    starts.push(scene.geometries().len() as u32);
-    starts.sort_unstable();
-    starts.dedup();
-    let within = |from: u32, to: u32| boxes[from as usize..to as usize].iter().flatten();
-    let mut bounds: Vec<Bounds3> = within(0, starts[0]).copied().collect();
-    for place in scene.placements() {
-        // Nothing comes after a group without geometry at the end.
-        let end = starts.get(starts.partition_point(|s| *s <= place.base)).copied().unwrap_or(place.base);
-        let placed = |b: &Bounds3| Bounds3::from_points((0..8).map(|i| place.world_from_group.point(b.corner(i))));
-        bounds.extend(within(place.base, end).map(placed));
-    }
-    bounds.retain(|b| !b.is_empty() && b.diagonal().is_finite() && b.area() > 0.0);
+    let bounds = aims::focusing(scene);
     let total: f32 = bounds.iter().map(Bounds3::area).sum();
     let mut sum = 0.0;
     let even = 1.0 / bounds.len().max(1) as f32;
@@ -123,31 +104,6 @@ fn targets(scene: &Scene) -> Vec<Target> {
             Target { bounds, sum, probability }
         })
         .collect()
-}
-
-/// Flags for the materials that may send light on in narrow bundles.
-fn focusing(materials: &[Material]) -> Vec<bool> {
-    let is_narrow = |r: &Roughness| match (r.u, r.v) {
-        (FloatTexture::Constant(u), FloatTexture::Constant(v)) => {
-            let alpha = (u * v).max(0.0).sqrt();
-            (if r.remap { alpha.sqrt() } else { alpha }) <= BROAD
-        }
-        _ => true,
-    };
-    let mut focuses: Vec<bool> = Vec::with_capacity(materials.len());
-    for material in materials {
-        focuses.push(match &material.model {
-            Model::Conductor { roughness, .. }
-            | Model::ConductorReflectance(_, roughness)
-            | Model::Mirror(_, roughness)
-            | Model::Dielectric { roughness, .. } => is_narrow(roughness),
-            Model::ThinDielectric { .. } | Model::Pbr(_) | Model::Principled(_) => true,
-            // Wrappers refer to materials with smaller indices.
-            Model::Mix(a, b, _) | Model::TwoSided(a, b) => focuses[*a as usize] || focuses[*b as usize],
-            _ => false,
-        });
-    }
-    focuses
 }
 
 /// The dimensions of a photon's random numbers.
@@ -260,29 +216,4 @@ fn irradiance(i: &Interaction, frame: &Frame, event: u32, context: &mut PathCont
         }
     };
     (indirect * OTHER.0 + direct * OTHER.1) * std::f32::consts::PI
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use steradian_core::material::Eta;
-    use steradian_math::spectra::role::Color;
-    use steradian_texture::SpectrumTexture;
-
-    /// Mixtures of mixtures are looked at once each.
-    #[test]
-    fn mixtures_focus_as_their_parts_do() {
-        let material = |model| Material::new(model, false);
-        for focuses in [false, true] {
-            let white = SpectrumTexture::Constant(Color::constant(1.0));
-            let first = if focuses {
-                Model::ThinDielectric { eta: Eta::Constant(1.5), reflectance: white.clone(), transmittance: white }
-            } else {
-                Model::Diffuse(white)
-            };
-            let mut materials = vec![material(first)];
-            materials.extend((0..100).map(|i| material(Model::Mix(i, i, FloatTexture::Constant(0.5)))));
-            assert_eq!(focusing(&materials), vec![focuses; 101]);
-        }
-    }
 }

@@ -161,7 +161,7 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
         let time = path.lambda.time;
         let density = |ctx| scene.lights().area_pdf(index, &ctx, (-wo, distance), n, time);
         let asked = path.context.map_or(0.0, |ctx| density(ctx) * by_area);
-        light * self.met((index, time), asked, n, wo, sums)
+        light * self.met((index, time), asked, (i.surface.p, n), wo, sums)
     }
 
     /// Light of the environments in whose direction the camera subpath left the scene.
@@ -181,15 +181,16 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
                 continue;
             }
             let asked = path.context.map_or(0.0, |ctx| scene.lights().environment_pdf(index, &ctx, w));
-            sum += light * self.met((index, path.lambda.time), asked, -w, -w, path.sums());
+            sum += light * self.met((index, path.lambda.time), asked, (p, -w), -w, path.sums());
         }
         sum
     }
 
-    /// The weight of light that the camera subpath met at a moment, against the light sample and paths from the light.
-    fn met(&self, (light, time): (u32, f32), asked: f32, n: Vec3, w: Vec3, sums: Sums) -> f32 {
+    /// The weight of light that the camera subpath met at a moment, at a point with a normal, against the light sample
+    /// and paths from the light.
+    fn met(&self, (light, time): (u32, f32), asked: f32, at: (Vec3, Vec3), w: Vec3, sums: Sums) -> f32 {
         // w = 1 / (1 + p_sample² dVCM + p_emit² dVC).
-        let emitted = self.tracer.emission.as_ref().map_or(0.0, |e| e.pdf(self.scene(), light, n, w, time));
+        let emitted = self.tracer.emission.as_ref().map_or(0.0, |e| e.pdf(self.scene(), light, at, w, time));
         (1.0 / (1.0 + squared(asked) * sums.vcm + squared(emitted) * sums.vc)) as f32
     }
 
@@ -211,7 +212,8 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
         // The light sample's density in the measure of emission: by area at the light, but for parallel light.
         let cos_at_light = if kind.is_delta || kind.is_parallel { 1.0 } else { n.dot(s.wi).abs() };
         let asked = if kind.is_delta && !kind.is_parallel { pdf * s.distance * s.distance } else { pdf * cos_at_light };
-        let emitted = self.tracer.emission.as_ref().map_or(0.0, |e| e.pdf(scene, light, n, -s.wi, v.lambda.time));
+        let at = (if kind.is_parallel { v.p() } else { at_light }, n);
+        let emitted = self.tracer.emission.as_ref().map_or(0.0, |e| e.pdf(scene, light, at, -s.wi, v.lambda.time));
         // Ratios of the other techniques: met by scattering, and found by paths from the light.
         let by_scattering = if kind.is_delta { 0.0 } else { squared(e.pdf / pdf) };
         let by_light = squared(emitted * v.cos(s.wi) / asked)
