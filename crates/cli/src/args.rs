@@ -86,8 +86,8 @@ pub struct RenderArgs {
     /// current folder
     #[arg(short, long = "output", alias = "outfile", value_name = "OUT")]
     pub output: Vec<PathBuf>,
-    /// Override the scene's integrator (`steradian list integrators`)
-    #[arg(long, value_name = "NAME[:key=value,…]", value_parser = values::integrator, help_heading = "Quality")]
+    /// Override the scene's integrator (`steradian list integrators`); auto: the best of some by a trial
+    #[arg(long, value_name = "NAME[:key=value,…]", value_parser = values::integrator_or_auto, help_heading = "Quality")]
     pub integrator: Option<String>,
     /// Samples per pixel; 1k is 1000
     #[arg(long, value_name = "N", value_parser = values::spp, allow_hyphen_values = true, help_heading = "Quality")]

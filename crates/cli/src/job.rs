@@ -154,6 +154,9 @@ impl<'a> Job<'a> {
         }
         check_memory(scene, render.film_bytes(scene, quality.layers.len()))?;
         let integrator = render.name;
+        if let Some(choice) = &render.choice {
+            terminal.say(&format!("chose '{integrator}'; {choice}"));
+        }
         if let Some((own, why)) = &render.replaced {
             terminal
                 .warn(&format!("the scene's integrator '{own}' is not used, since {why}; '{integrator}' renders it"));

@@ -4,6 +4,7 @@ use std::{str::FromStr, time::Duration};
 pub use steradian::quality::MAX_SPP;
 use steradian::{
     Layer, MethodRequest, Viewpoint,
+    auto::AUTO,
     image::{FalseColor, Sensor, tone::Tone},
     math::DVec3,
     scene::{Family, names},
@@ -179,6 +180,11 @@ pub fn roughness(text: &str) -> Result<f32, String> {
 /// An integrator with its options, checked before a long load.
 pub fn integrator(text: &str) -> Result<String, String> {
     MethodRequest::parse(text).map(|_| text.to_owned()).map_err(|e| e.to_string())
+}
+
+/// An integrator, or [`AUTO`].
+pub fn integrator_or_auto(text: &str) -> Result<String, String> {
+    if text == AUTO { Ok(text.to_owned()) } else { integrator(text) }
 }
 
 /// Samples per pixel: a whole number from 1 to [`MAX_SPP`], perhaps with a `k` for thousands.

@@ -12,6 +12,7 @@
 //! # Ok::<(), steradian::Error>(())
 //! ```
 
+pub mod auto;
 pub mod bake;
 pub mod bench;
 pub mod cornell;

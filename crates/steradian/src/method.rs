@@ -1,7 +1,7 @@
 //! A request for a scene: the method that answers it, and its plan.
 
 use crate::{Error, Plan, Scene, Session};
-use std::sync::Arc;
+use std::{fmt, sync::Arc};
 use steradian_core::{
     ColorMode,
     sampler::{Sampler, SamplerKind},
@@ -25,6 +25,26 @@ pub struct Render {
     pub plan: Plan,
     /// Name of the scene's own method where a path tracer takes its place, and why in a sentence.
     pub replaced: Option<(&'static str, String)>,
+    /// The trial that chose the method, where one was asked for.
+    pub choice: Option<Choice>,
+}
+
+/// Trial that chose a method (`auto`).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choice {
+    /// Methods with the expected squared relative errors of their pictures, at equal cost; those that do not render the
+    /// scene as it is asked for are left out. No errors where there is nothing to choose between.
+    pub tried: Vec<(&'static str, f64)>,
+}
+
+impl fmt::Display for Choice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.tried.is_empty() {
+            return f.write_str("no other candidate does all that is asked for");
+        }
+        let told: Vec<String> = self.tried.iter().map(|(name, error)| format!("{name} {error:.1e}")).collect();
+        write!(f, "expected relMSE at equal cost: {}", told.join(", "))
+    }
 }
 
 /// Something of a scene that a method does not render.
@@ -117,7 +137,7 @@ impl Render {
             };
         }
         let plan = plan(&asked, &*method);
-        let render = Self { name: options.name(), method, plan, replaced: None };
+        let render = Self { name: options.name(), method, plan, replaced: None, choice: None };
         render.check(scene)?;
         Ok(render)
     }

@@ -1,6 +1,10 @@
 //! A render request in words, as command lines, pages and Python have it.
 
-use crate::{Error, Layer, Render, method::check_options};
+use crate::{
+    Error, Layer, Render,
+    auto::{AUTO, choose},
+    method::check_options,
+};
 use steradian_core::Scene;
 use steradian_request::{MethodRequest, Request, SamplerRequest};
 use steradian_scene::{Family, names::did_you_mean};
@@ -13,7 +17,8 @@ pub const MAX_THREADS: usize = 1024;
 /// A [`Request`] in words: names of integrator and sampler are text. Fields that are `None` follow the scene.
 #[derive(Clone, Debug, Default)]
 pub struct Quality {
-    /// `NAME` or `NAME:key=value,…`, with the options of `docs/integrators.md`.
+    /// `NAME` or `NAME:key=value,…`, with the options of `docs/integrators.md`, or [`AUTO`] for one that a trial
+    /// chooses.
     pub integrator: Option<String>,
     /// Samples per pixel, up to [`MAX_SPP`]; their mean with `adaptive`.
     pub spp: Option<u32>,
@@ -49,14 +54,15 @@ impl Quality {
         Self { spp: Some(spp), ..self }
     }
 
-    /// The typed request, checked by the schema.
+    /// The typed request, checked by the schema; without a method where a trial is to choose it.
     ///
     /// # Errors
     /// [`Error`] for unknown names and options, values outside their range, and numbers that no render can have.
     pub fn request(&self) -> Result<Request, Error> {
         within("samples per pixel", 1, MAX_SPP as usize, self.spp.unwrap_or(1) as usize)?;
         within("threads", 0, MAX_THREADS, self.threads)?;
-        let method = self.integrator.as_deref().map(MethodRequest::parse).transpose()?;
+        let named = self.integrator.as_deref().filter(|name| *name != AUTO);
+        let method = named.map(MethodRequest::parse).transpose()?;
         method.as_ref().map(check_options).transpose()?;
         Ok(Request {
             method,
@@ -78,7 +84,10 @@ impl Quality {
     /// # Errors
     /// Errors of [`Self::request`] and [`Render::new`].
     pub fn render(&self, scene: &Scene) -> Result<Render, Error> {
-        Render::new(&self.request()?, scene)
+        match self.integrator.as_deref() {
+            Some(AUTO) => choose(&self.request()?, scene),
+            _ => Render::new(&self.request()?, scene),
+        }
     }
 }
 

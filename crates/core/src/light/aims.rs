@@ -28,7 +28,7 @@ const SHARES: [f32; 3] = [0.3, 0.3, 0.3];
 const MOST: usize = 8;
 /// Edge of the grid of camera rays.
 const EDGE: u32 = 24;
-/// What the camera sees is no aim where its outline is a larger part of the scene's.
+/// The largest part of the scene's outline at which the visible part is an aim.
 const SEEN: f32 = 0.25;
 
 /// A sphere and its share of the rays.

@@ -1,6 +1,7 @@
 //! Whole scenes through the library, one program: each file is about one thing that its head names.
 
 mod ambient;
+mod auto;
 mod clusters;
 mod colours;
 mod cube_maps;
