@@ -60,6 +60,7 @@ pub const METHODS: &[MethodKind] = &[
     passes::SPPM,
     passes::PHOTON,
     passes::PSSMLT,
+    passes::MMLT,
     transient::TRANSIENT,
     stokes::STOKES[0],
     stokes::STOKES[1],

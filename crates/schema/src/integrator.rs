@@ -90,6 +90,15 @@ const RADIOSITY: &[Parameter] = &[
     HIDE_EMITTERS,
 ];
 
+const METROPOLIS: &[Parameter] = &[
+    MAX_DEPTH,
+    RR_DEPTH,
+    HIDE_EMITTERS,
+    number("large_step", (f64::MIN_POSITIVE, 1.0), "0.3", "probability of a path that is independent of the last one")
+        .refused(),
+    integer("samples", (1.0, 16_777_216.0), "none", "mutations per pixel, instead of the sampler's samples").refused(),
+];
+
 const TRANSIENT: &[Parameter] = &[
     number("from", ANY, "0", "the optical length where the first interval begins").unit("m").refused(),
     number("to", ANY, "10", "the optical length where the last interval ends; more than from").unit("m").refused(),
@@ -299,21 +308,14 @@ pub const INTEGRATORS: &[Model] = &[
     method(
         "pssmlt",
         "Metropolis light transport in primary sample space",
-        &[
-            MAX_DEPTH,
-            RR_DEPTH,
-            HIDE_EMITTERS,
-            number(
-                "large_step",
-                (f64::MIN_POSITIVE, 1.0),
-                "0.3",
-                "probability of a path that is independent of the last one",
-            )
-            .refused(),
-            integer("samples", (1.0, 16_777_216.0), "none", "mutations per pixel, instead of the sampler's samples")
-                .refused(),
-        ],
+        METROPOLIS,
         "Kelemen and others, A simple and robust mutation strategy for the Metropolis light transport algorithm (2002)",
+    ),
+    method(
+        "mmlt",
+        "multiplexed Metropolis light transport: chains choose how their paths are found",
+        METROPOLIS,
+        "Hachisuka, Kaplanyan, Dachsbacher, Multiplexed Metropolis light transport (2014)",
     ),
     method(
         "transient",

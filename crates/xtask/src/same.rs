@@ -66,6 +66,7 @@ const INTEGRATORS: [&str; 29] = [
     "photon:photons=2000",
     "photon:photons=2000,nearest=20",
     "pssmlt",
+    "mmlt",
     "stokes",
     "stokes-s1",
     "raster",

@@ -78,7 +78,7 @@ fn kind_of(given: &str) -> Option<(&'static str, Others)> {
         "randomwalk" => ("path", &[]),
         "lightpath" => ("light", &[]),
         "bdpt" => ("bdpt", &[("visualizestrategies", Type::Bool), ("visualizeweights", Type::Bool)]),
-        "mlt" => ("pssmlt", &[("bootstrapsamples", Type::Integer), ("chains", Type::Integer), ("sigma", Type::Float)]),
+        "mlt" => ("mmlt", &[("bootstrapsamples", Type::Integer), ("chains", Type::Integer), ("sigma", Type::Float)]),
         "sppm" => ("sppm", &[("seed", Type::Integer)]),
         "ambientocclusion" => ("ao", &[("cossample", Type::Bool)]),
         "function" => (
@@ -141,7 +141,7 @@ fn settings(b: &mut Build, kind: &str) {
             }
             b.positive("radius", "radius", 1.0);
         }
-        "pssmlt" => {
+        "mmlt" => {
             b.int("mutationsperpixel", "samples", 100);
             if b.node.int("samples").is_some_and(|n| n <= 0) {
                 b.error("mutationsperpixel", "the number of mutations must be above 0");

@@ -3,18 +3,14 @@
 //! Simulation with Vertex Connection and Merging").
 
 use super::{
-    pair::{Found, Pair},
+    pair::{Found, Joins, Pair},
     photons::{Grid, Photon},
     radius::{self, Radius},
     subpath::{Numbers, Ways},
 };
 use crate::{Counters, Depth, support};
 use std::sync::Arc;
-use steradian_core::{
-    Scene,
-    film::{PassFilm, Splat},
-    light::emission::Emission,
-};
+use steradian_core::{Scene, film::PassFilm, light::emission::Emission};
 use steradian_engine::{
     Asked, CameraSample, Feature, Method, MethodKind, Pass, Passes, Plan, Refusal, Run, Session,
     Support::{self, LeavesOut, Refuses},
@@ -125,19 +121,30 @@ impl Tracer {
 }
 
 impl Tracer {
-    /// One sample of the camera with a light subpath of its own: what connections bring.
-    pub(super) fn connect(
+    /// One sample of the camera with a light subpath of its own, joined by techniques.
+    pub(super) fn connect<'s>(
         &self,
-        run: &Run<'_>,
+        run: &Run<'s>,
         sample: &CameraSample,
         numbers: &impl Numbers,
+        joins: Joins,
         counters: &mut Counters,
-    ) -> (Vec3, Vec<Splat>) {
-        let pair = Pair { tracer: self, run, ways: self.ways(run.scene, 0), numbers, photons: None };
+    ) -> Found<'s> {
+        let pair = Pair { tracer: self, run, ways: self.ways(run.scene, 0), numbers, photons: None, joins };
         let mut found = Found::default();
-        pair.light(sample.lambda, true, &mut found, counters);
-        pair.camera(sample, &mut found, counters);
-        (found.own, found.splats)
+        // A single technique needs the light subpath if it has two vertices of it, and the camera's unless it joins a
+        // light vertex to the lens itself.
+        let (to_light, to_camera) = match joins {
+            Joins::One(t) => (t.light >= 2, t.light <= t.events),
+            _ => (true, true),
+        };
+        if to_light {
+            pair.light(sample.lambda, true, &mut found, counters);
+        }
+        if to_camera {
+            pair.camera(sample, &mut found, counters);
+        }
+        found
     }
 
     /// The wavelengths of all paths of a pass, which merging needs to be the same.
@@ -172,7 +179,7 @@ impl Pass for Tracer {
                     let (x, y) = place(k);
                     let sample = run.camera_sample(x, y, number);
                     let numbers = &sample.sampler;
-                    let pair = Pair { tracer: self, run, ways, numbers, photons: None };
+                    let pair = Pair { tracer: self, run, ways, numbers, photons: None, joins: Joins::All };
                     let mut found = Found::default();
                     pair.light(shared.unwrap_or(sample.lambda), is_kept, &mut found, counters);
                     photons
@@ -204,7 +211,7 @@ impl Pass for Tracer {
                         sample.lambda = lambda;
                     }
                     let photons = grid.as_ref().map(|g| (g, radius));
-                    let pair = Pair { tracer: self, run, ways, numbers: &sample.sampler, photons };
+                    let pair = Pair { tracer: self, run, ways, numbers: &sample.sampler, photons, joins: Joins::All };
                     found.vertices.clear();
                     found.own = Vec3::ZERO;
                     // The light subpath of the pixel: kept from the photons, or followed again with the same random

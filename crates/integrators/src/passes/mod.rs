@@ -6,7 +6,7 @@
 //!
 //! `subpath` traces subpaths from the camera or from lights, `vertex` scatters at their vertices, on a `surface` or in a
 //! medium, and `passage` is the way between two of them. `pair` connects subpaths for the methods of `bidirectional`:
-//! `light`, `bdpt` and `vcm`; `mlt` drives the same code with Markov chains; `sppm` and
+//! `light`, `bdpt` and `vcm`; `mlt` (`pssmlt`, `mmlt`) drives the same code with Markov chains; `sppm` and
 //! `photon_map` gather photons. `missed` estimates the caustics that no path from the camera finds. The emission of
 //! lights is in `steradian_core::light::emission`, the importance of cameras in `steradian_core::camera::importance`.
 
@@ -25,7 +25,7 @@ mod vertex;
 
 pub use bidirectional::{BDPT, Bidirectional, LIGHT, Strategy, VCM};
 pub use missed::missed_caustics;
-pub use mlt::{Metropolis, PSSMLT};
+pub use mlt::{MMLT, PSSMLT};
 pub use photon_map::{PHOTON, PhotonMap};
 pub use radius::Radius;
 pub use sppm::{SPPM, Sppm};

@@ -12,7 +12,36 @@ use crate::{Counters, dimension, nee};
 use steradian_bsdf::TransportMode::{Importance, Radiance};
 use steradian_core::{Scene, film::Splat, light::Light, scene::Interaction};
 use steradian_engine::{CameraSample, Run};
-use steradian_math::{Spectrum, Vec3, spectra::Wavelengths};
+use steradian_math::{Spectrum, Vec3, color::luminance, spectra::Wavelengths};
+
+/// One of the ways to find paths with some number of scattering events. With n events there are n + 2: the camera
+/// subpath meets a light (0 vertices of the light's side), a light sample (1), connections (2 to n), and a light vertex
+/// that the camera sees (n + 1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Technique {
+    /// Scattering events of the whole path.
+    pub events: u32,
+    /// Vertices of the light's side: s of Veach 1997.
+    pub light: u32,
+}
+
+impl Technique {
+    /// True if a light vertex is joined to the camera itself.
+    pub fn is_to_camera(self) -> bool {
+        self.light > self.events
+    }
+}
+
+/// Techniques by which a pair is joined.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Joins {
+    /// All, up to the depth.
+    All,
+    /// All, with a list of what each brings.
+    Listed,
+    /// One alone. Subpaths end where it needs no more of them.
+    One(Technique),
+}
 
 /// Contributions of a pair of subpaths.
 #[derive(Debug, Default)]
@@ -23,6 +52,8 @@ pub(super) struct Found<'s> {
     pub splats: Vec<Splat>,
     /// The light subpath.
     pub vertices: Vec<Vertex<'s>>,
+    /// Luminance that techniques bring, of [`Joins::Listed`]; a technique may be there several times.
+    pub parts: Vec<(Technique, f32)>,
 }
 
 /// A pair of subpaths in the making.
@@ -32,6 +63,7 @@ pub(super) struct Pair<'a, 's, N> {
     pub ways: Ways,
     pub numbers: &'a N,
     pub photons: Option<(&'a Grid, f32)>,
+    pub joins: Joins,
 }
 
 impl<'s, N: Numbers> Pair<'_, 's, N> {
@@ -41,6 +73,34 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
 
     fn most_events(&self) -> u32 {
         self.tracer.settings.depth.max
+    }
+
+    /// True if paths with so many events and vertices of the light's side are made.
+    fn makes(&self, events: u32, light: u32) -> bool {
+        match self.joins {
+            Joins::One(technique) => technique == Technique { events, light },
+            _ => events <= self.most_events(),
+        }
+    }
+
+    /// The most events of a camera vertex and of a light vertex that a join needs.
+    fn last_events(&self) -> (u32, u32) {
+        match self.joins {
+            Joins::One(t) => (t.events.saturating_sub(t.light), t.light.saturating_sub(2)),
+            _ => (u32::MAX, u32::MAX),
+        }
+    }
+
+    /// Adds a technique's light to the camera ray's place.
+    fn add(&self, found: &mut Found<'_>, (events, light): (u32, u32), rgb: Vec3) {
+        found.own += rgb;
+        self.list(found, (events, light), rgb);
+    }
+
+    fn list(&self, found: &mut Found<'_>, (events, light): (u32, u32), rgb: Vec3) {
+        if matches!(self.joins, Joins::Listed) && rgb != Vec3::ZERO {
+            found.parts.push((Technique { events, light }, luminance(rgb.abs())));
+        }
     }
 
     /// Follows the light subpath: keeps its vertices, and connects each to the camera.
@@ -56,12 +116,12 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
                 return;
             }
             if !v.is_specular() {
-                if to_camera && self.ways.to_camera {
+                if to_camera && self.ways.to_camera && self.makes(v.events + 1, v.events + 2) {
                     self.to_camera(&v, found, counters);
                 }
                 found.vertices.push(v);
             }
-            if !path.scatter(scene, &v, self.numbers, &self.ways, depth) {
+            if !path.scatter(scene, &v, self.numbers, &self.ways, depth) || path.events > self.last_events().1 {
                 return;
             }
         }
@@ -90,7 +150,9 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
         }
         // β f Tr We / n, splatted where the camera sees the vertex.
         let light = v.beta * e.value * passed * (seen.density / self.ways.light_paths * weight as f32);
-        found.splats.push(Splat { at: seen.at, rgb: self.run.developed(light, &v.lambda) });
+        let rgb = self.run.developed(light, &v.lambda);
+        self.list(found, (v.events + 1, v.events + 2), rgb);
+        found.splats.push(Splat { at: seen.at, rgb });
     }
 
     /// Follows the camera subpath, and joins it to the light subpath in every way.
@@ -100,18 +162,22 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
         let mut path = Subpath::from_camera(scene, sample.ray, sample.lambda, &self.ways, &settings.depth);
         // One turn for each camera vertex: emission (s = 0), light sample (s = 1), connections (s ≥ 2), merging.
         loop {
-            let mut emitted = Spectrum::ZERO;
+            let (mut emitted, meets) = (Spectrum::ZERO, self.makes(path.events, 0));
             let arrival = path.arrive(scene, self.numbers, counters, |path, i, distance, sums| {
-                emitted += self.emission(path, i, distance, sums);
+                if meets {
+                    emitted += self.emission(path, i, distance, sums);
+                }
             });
-            emitted += std::mem::take(&mut path.glow);
-            found.own += self.run.developed(emitted, &path.lambda);
+            let glow = std::mem::take(&mut path.glow);
+            if meets {
+                self.add(found, (path.events, 0), self.run.developed(emitted + glow, &path.lambda));
+            }
             let v = match arrival {
                 Arrival::Vertex(v) => v,
-                Arrival::Escaped => {
-                    found.own += self.run.developed(self.sky(&path), &path.lambda);
-                    return;
+                Arrival::Escaped if meets => {
+                    return self.add(found, (path.events, 0), self.run.developed(self.sky(&path), &path.lambda));
                 }
+                Arrival::Escaped => return,
                 Arrival::Ended => return,
             };
             // At the end of the subpath emission alone counts, also behind panes.
@@ -122,17 +188,24 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
                 }
             }
             if !v.is_specular() {
-                found.own += self.run.developed(self.light_sample(&v, counters), &v.lambda);
-                for y in &found.vertices {
-                    if y.events + v.events + 2 <= self.most_events() {
-                        found.own += self.connection(&v, y, counters);
+                if self.makes(v.events + 1, 1) {
+                    let light = self.light_sample(&v, counters);
+                    self.add(found, (v.events + 1, 1), self.run.developed(light, &v.lambda));
+                }
+                for k in 0..found.vertices.len() {
+                    let y = &found.vertices[k];
+                    let technique = (v.events + y.events + 2, y.events + 2);
+                    if self.makes(technique.0, technique.1) {
+                        let rgb = self.connection(&v, y, counters);
+                        self.add(found, technique, rgb);
                     }
                 }
                 if let Some((photons, radius)) = self.photons {
                     found.own += self.merged(&v, photons, radius);
                 }
             }
-            if !path.scatter(scene, &v, self.numbers, &self.ways, &settings.depth) {
+            if !path.scatter(scene, &v, self.numbers, &self.ways, &settings.depth) || path.events > self.last_events().0
+            {
                 return;
             }
         }

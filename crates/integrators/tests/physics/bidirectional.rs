@@ -313,7 +313,7 @@ fn threads_and_steps_do_not_change_a_bit() {
     furnish(&mut stage, material("dielectric"));
     for mode in [ColorMode::Rgb, ColorMode::Spectral] {
         let scene = stage.scene_in(mode);
-        for method in ["light", "bdpt", "vcm", "sppm", "photon", "pssmlt"] {
+        for method in ["light", "bdpt", "vcm", "sppm", "photon", "pssmlt", "mmlt"] {
             // A pass of Metropolis has 16 samples; one of photon mapping sends many photons.
             let spp = if method == "photon" { 2 } else { 32 };
             let shot = Shot::of(method, spp).depth(5);
@@ -354,7 +354,7 @@ fn crops_are_parts_of_the_whole() {
     let whole = stage.scene();
     let crop = steradian_core::film::Crop { x0: 3, y0: 5, x1: 9, y1: 11 };
     let part = whole.clone().changed(|parts| parts.film.crop = crop);
-    for method in ["light", "bdpt", "vcm", "sppm", "pssmlt"] {
+    for method in ["light", "bdpt", "vcm", "sppm", "pssmlt", "mmlt"] {
         let (a, b) = (Shot::of(method, 16).depth(4).take(&whole), Shot::of(method, 16).depth(4).take(&part));
         for (k, p) in b.pixels.iter().enumerate() {
             assert_eq!(p.sum, a.pixels[(5 + k / 6) * 12 + 3 + k % 6].sum, "{method}, pixel {k}");

@@ -246,7 +246,7 @@ fn threads_do_not_change_a_bit_in_media() {
     lamp(&mut stage, 0.6, 6.0);
     filled(&mut stage, lumps());
     let scene = stage.scene();
-    for method in ["light", "bdpt", "vcm", "pssmlt", "sppm", "photon"] {
+    for method in ["light", "bdpt", "vcm", "pssmlt", "mmlt", "sppm", "photon"] {
         let shot = Shot::of(method, 16).depth(5);
         same_bits(&shot.take(&scene), &Shot { threads: 2, ..shot }.take(&scene), method);
     }

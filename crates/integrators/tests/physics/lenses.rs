@@ -59,7 +59,7 @@ fn what_needs_an_inverse_refuses() {
     stage.sky(1.0).film(4, 4).camera(camera(0.0).with("to_world", look_at([0.0, 1.0, 0.0], [0.0, 0.5, 1.0])));
     stage.solid(plane([0.0, 1.0, 0.0], 0.0), diffuse(0.5));
     let scene = stage.scene();
-    for name in ["light", "bdpt", "vcm", "sppm", "photon", "pssmlt"] {
+    for name in ["light", "bdpt", "vcm", "sppm", "photon", "pssmlt", "mmlt"] {
         let refusal = Shot::of(name, 1).limit(&scene).expect("a refusal");
         assert!(refusal.contains("lens of several elements"), "{name}: {refusal}");
     }

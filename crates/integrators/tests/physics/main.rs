@@ -25,6 +25,7 @@ mod lights;
 mod masks;
 mod materials;
 mod media;
+mod metropolis;
 mod motion;
 mod occlusion;
 mod polarization;

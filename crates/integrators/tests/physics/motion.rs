@@ -157,7 +157,7 @@ fn integrators_agree_on_moving_things() {
     let scene = stage.scene();
     let shot = |name| mean(&Shot::of(name, 4096).depth(4).take(&scene));
     let path = shot("path");
-    for name in ["volpath", "bdpt", "light", "vcm", "sppm", "photon", "pssmlt"] {
+    for name in ["volpath", "bdpt", "light", "vcm", "sppm", "photon", "pssmlt", "mmlt"] {
         shot(name).agrees(name, path, 0.03);
     }
     mean(&Shot::of("path", 4096).depth(4).reuse(16).take(&scene)).agrees("sharing", path, 0.03);

@@ -5,9 +5,10 @@ use std::sync::Arc;
 use steradian::{ColorMode, CompileOptions, Quality, Scene, compile, formats::Options, load, render, scene::Family};
 
 /// Methods that compute other things than all light, by their definition; `direct` and `whitted` do with one bounce.
-/// `pssmlt` brings what `bdpt` does, with means too skewed for so few samples, and
+/// `pssmlt` and `mmlt` bring what `bdpt` does, with means too skewed for so few samples, and
 /// `gather` what `path` does without lights asked, with more noise.
-const OTHERS: &[&str] = &["ao", "gather", "raycast", "structure", "stokes-s1", "stokes-s2", "stokes-s3", "pssmlt"];
+const OTHERS: &[&str] =
+    &["ao", "gather", "raycast", "structure", "stokes-s1", "stokes-s2", "stokes-s3", "pssmlt", "mmlt"];
 const SEEDS: u64 = 3;
 
 /// A floor before the camera, with what is asked for; paths of so many bounces.

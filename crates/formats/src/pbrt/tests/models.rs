@@ -191,7 +191,7 @@ fn samplers_and_integrators() {
         ("volpath", "volpath", false),
         ("simplevolpath", "volpath", false),
         ("bdpt", "bdpt", false),
-        ("mlt", "pssmlt", false),
+        ("mlt", "mmlt", false),
         ("sppm", "sppm", false),
         ("lightpath", "light", false),
         ("randomwalk", "path", true),
@@ -209,7 +209,7 @@ fn samplers_and_integrators() {
     let i = load(
         "Integrator \"mlt\" \"integer mutationsperpixel\" 200 \"float largestepprobability\" 0.5 \"integer chains\" 7 WorldBegin",
     );
-    check(i.desc.node(i.desc.integrator.unwrap()), "pssmlt", &[("samples", some(200)), ("large_step", some(0.5))]);
+    check(i.desc.node(i.desc.integrator.unwrap()), "mmlt", &[("samples", some(200)), ("large_step", some(0.5))]);
     assert!(i.diagnostics.iter().any(|d| d.message.contains("'chains'")), "what has no effect is told");
     let i = load("Integrator \"ambientocclusion\" \"bool cossample\" false \"float maxdistance\" 2 WorldBegin");
     check(i.desc.node(i.desc.integrator.unwrap()), "ao", &[("distance", some(2.0))]);

@@ -15,7 +15,7 @@ impl Writer<'_> {
         let kind = match given {
             "path" | "volpath" | "bdpt" | "sppm" => given,
             "light" => "lightpath",
-            "pssmlt" => "mlt",
+            "mmlt" | "pssmlt" => "mlt",
             "ao" => return self.ambient_occlusion(node),
             _ => usual,
         };
@@ -40,6 +40,13 @@ impl Writer<'_> {
             if let Some(r) = node.float("radius").filter(|_| kind == "sppm") {
                 out.float("radius", r);
             }
+            if kind == "mlt" {
+                // pbrt's chains do not count the samples of the sampler.
+                out.integers("mutationsperpixel", [node.int("samples").unwrap_or(self.samples())]);
+                if let Some(p) = node.float("large_step") {
+                    out.float("largestepprobability", p);
+                }
+            }
         }
         self.put(&out);
     }
@@ -52,9 +59,15 @@ impl Writer<'_> {
         self.put(&out);
     }
 
+    /// Samples per pixel of the sampler.
+    fn samples(&self) -> i64 {
+        let node = self.x.desc.sampler.map(|s| self.x.node(s));
+        node.and_then(|n| n.int("samples")).unwrap_or(16).clamp(1, 1 << 30)
+    }
+
     pub(super) fn sampler(&mut self) {
         let node = self.x.desc.sampler.map(|s| self.x.node(s));
-        let samples = node.and_then(|n| n.int("samples")).unwrap_or(16).clamp(1, 1 << 30);
+        let samples = self.samples();
         let kind = match node.map_or("zsobol", |n| n.kind.as_str()) {
             known @ ("sobol" | "halton" | "independent" | "stratified") => known,
             "pmj02" => "pmj02bn",

@@ -82,7 +82,7 @@ fn methods_agree_on_dense_media() {
 #[test]
 fn other_methods_say_that_they_do_not_follow_it() {
     let scene = ball(&below("photon_beam", "reflectance: 0.6, mfp: 0.01"));
-    for name in ["bdpt", "light", "vcm", "sppm", "photon", "pssmlt", "whitted", "stokes"] {
+    for name in ["bdpt", "light", "vcm", "sppm", "photon", "pssmlt", "mmlt", "whitted", "stokes"] {
         let quality = Quality { integrator: Some(name.into()), spp: Some(1), ..Quality::default() };
         let refusal = render(&scene, &quality).expect_err("it is refused").to_string();
         assert!(refusal.contains("below surfaces") && refusal.contains(name), "{refusal}");
