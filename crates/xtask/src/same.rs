@@ -43,7 +43,7 @@ const SCENES: [&str; 12] = [
     "textured.pbrt",
 ];
 /// Integrators and their options, in forms that take little time.
-const INTEGRATORS: [&str; 29] = [
+const INTEGRATORS: [&str; 30] = [
     "path",
     "path:reuse=4",
     "path:caustics=true,reuse=1",

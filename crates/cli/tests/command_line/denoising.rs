@@ -173,7 +173,7 @@ fn what_is_not_open_image_denoise_is_refused() {
 #[test]
 fn what_cannot_be_denoised_is_refused() {
     let place = Place::new();
-    let methods = ["light", "vcm", "sppm", "photon", "pssmlt", "radiosity", "raster", "stokes", "transient"];
+    let methods = ["light", "vcm", "sppm", "photon", "pssmlt", "mmlt", "radiosity", "raster", "stokes", "transient"];
     for method in methods {
         let line = ["render", "--denoise", "--size", "8x8", "--spp", "1", "--integrator", method, "-o", "n.exr"];
         place.refuse(2, &line, &["--denoise", &format!("'{method}'")]);
