@@ -18,9 +18,9 @@ const SAMPLES: u32 = 4;
 /// Chains whose beginnings are chosen together, and whose findings wait to be added to the film.
 const WAVE: usize = 256;
 
-/// What chains move through: a target function of the numbers.
+/// A space for chains: a target function of the numbers.
 pub(super) trait Space: Debug + Send + Sync {
-    /// What a chain keeps from its beginning on.
+    /// Kept by a chain from its beginning on.
     type Kind: Copy + Debug + Ord + Send + Sync;
 
     /// Makes ready for a scene.
@@ -41,7 +41,7 @@ pub(super) trait Space: Debug + Send + Sync {
 #[derive(Clone, Copy, Debug)]
 struct Beginning<K> {
     kind: K,
-    /// That of its numbers.
+    /// Seed of its numbers.
     seed: u64,
     /// The chance to be chosen, in proportion to which it is.
     weight: f64,

@@ -1,7 +1,7 @@
-//! `mmlt`: multiplexed Metropolis light transport (Hachisuka, Kaplanyan, Dachsbacher 2014, "Multiplexed Metropolis Light
-//! Transport"). A chain stays with paths of one number of scattering events; which of the techniques finds them is one
-//! more coordinate of its space. So a chain joins a single pair of vertices for each mutation, and spends its time with
-//! the techniques that bring most: those with a large MIS weight.
+//! `mmlt`: multiplexed Metropolis light transport (Hachisuka, Kaplanyan, Dachsbacher 2014, "Multiplexed Metropolis
+//! Light Transport"). A chain stays with paths of one number of scattering events; which of the techniques finds them
+//! is one more coordinate of its space. So a chain joins a single pair of vertices for each mutation, and spends its
+//! time with the techniques that bring most: those with a large MIS weight.
 //!
 //! A sample is `m w F`: the contribution F of the technique with its MIS weight w (section 4, equation 9), times the
 //! number m of techniques that the coordinate chooses from. Where the source estimates the light of each path length by

@@ -19,7 +19,7 @@ use steradian_math::{Vec2, color::luminance};
 pub(super) struct Sample {
     pub splats: Vec<Splat>,
     pub importance: f32,
-    /// What single techniques bring to the target function, of [`Joins::Listed`].
+    /// Contributions of single techniques to the target function, of [`Joins::Listed`].
     pub parts: Vec<(Technique, f32)>,
 }
 
