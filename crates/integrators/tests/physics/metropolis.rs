@@ -32,7 +32,7 @@ fn paths_of_each_length_agree_with_path_tracing() {
         let depths = if mode == ColorMode::Rgb { 1..=6 } else { 6..=6 };
         for depth in depths {
             let (right, a) = repeated(Shot::of("path", 8).depth(depth), &scene, 8);
-            let (found, b) = repeated(Shot::of("mmlt", 16).depth(depth), &scene, 16);
+            let (found, b) = repeated(Shot::of("mmlt", 32).depth(depth), &scene, 8);
             let sigma = a.hypot(b);
             assert!(sigma < 0.05 * right, "{what} {depth} events: {right} ± {sigma} tells nothing");
             assert!((found - right).abs() < 4.0 * sigma, "{what} {depth} events: {found} for {right} ± {sigma}");
