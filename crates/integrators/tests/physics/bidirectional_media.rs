@@ -134,7 +134,7 @@ fn joined_subpaths_agree_with_volumetric_path_tracing() {
     for (name, scene) in scenes() {
         let is_held_at_each = ["lamp in fog", "pane", "lumps"].contains(&name);
         for depth in if is_held_at_each { 1..=6 } else { 3..=3 } {
-            let paths = Shot::of("volpath", 800).depth(depth).seed(7).take(&scene);
+            let paths = Shot::of("volpath", 400).depth(depth).seed(7).take(&scene);
             let mut hold = |shot: Shot, precision| {
                 let what = format!("{}, {name}, {depth} events", shot.integrator);
                 wrong.extend(disagreement(&what, &shot.depth(depth).take(&scene), &paths, precision));
@@ -158,7 +158,7 @@ fn joined_subpaths_agree_with_volumetric_path_tracing() {
 fn merging_leaves_media_to_connections() {
     let mut wrong = Vec::new();
     for (name, scene) in scenes() {
-        let paths = Shot::of("volpath", 1200).depth(6).seed(7).take(&scene);
+        let paths = Shot::of("volpath", 400).depth(6).seed(7).take(&scene);
         let shot = Shot::of("vcm", 120).depth(6);
         let mut session = shot.session_of(&scene, &*shot.method(&scene, "radius=0.02"));
         session.step(u32::MAX, &Control::default());

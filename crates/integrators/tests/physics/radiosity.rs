@@ -218,7 +218,7 @@ fn a_closed_sphere_of_a_scene_is_ten() {
         (Method::GaussSeidel, FormFactors::Hemicube(32)),
         (Method::Stochastic, FormFactors::Analytic),
     ] {
-        let solution = solved(&scene, &Settings { factors, tolerance: 1e-9, ..settings(method, 300) });
+        let solution = solved(&scene, &Settings { factors, tolerance: 1e-9, rays: 100, ..settings(method, 300) });
         let (mut sum, mut area) = (0.0, 0.0);
         // Nine of the ten are reflected inside; outside there is nothing to reflect.
         for (a, _, reflected) in solution.patches().filter(|p| p.2[0][0] > 1.0) {
@@ -418,7 +418,7 @@ fn a_limit_on_bounces_is_followed() {
     glowing.look([0.1, 0.2, -0.3], [0.3, 0.1, 1.0], 80.0);
     glowing.film(8, 8);
     let pointed = lab_box(false);
-    for (scene, precision) in [(glowing.scene(), 0.01), (pointed.scene(), 0.03)] {
+    for (scene, patches, precision) in [(glowing.scene(), 300, 0.01), (pointed.scene(), 600, 0.03)] {
         for depth in [0_u32, 1, 3] {
             let expected = mean(&Shot::of("path", 512).depth(depth).take(&scene)).mean;
             for gather in [0, 1] {
@@ -426,7 +426,7 @@ fn a_limit_on_bounces_is_followed() {
                 // The gather is the same whichever method solved.
                 let methods = [Method::GaussSeidel, Method::Jacobi, Method::Stochastic];
                 for method in methods.into_iter().take(if gather == 0 { 3 } else { 1 }) {
-                    let solution = solved(&scene, &Settings { bounces, ..settings(method, 600) });
+                    let solution = solved(&scene, &Settings { bounces, ..settings(method, patches) });
                     let seen = picture_to(depth, &scene, solution, gather, 16);
                     let off = seen.iter().zip(expected).all(|(a, b)| (a - b).abs() <= precision * b);
                     assert!(off, "{method:?}, {depth} bounces, {gather} rays of a gather: {seen:?}, {expected:?}");
@@ -434,7 +434,8 @@ fn a_limit_on_bounces_is_followed() {
             }
         }
         let expected = mean(&Shot::of("path", 512).depth(2).take(&scene)).mean;
-        let solution = solved(&scene, &Settings { bounces: Some(2), ..settings(Method::Hierarchical, 4000) });
+        let links = Settings { bounces: Some(2), tolerance: 1e-4, ..settings(Method::Hierarchical, 1500) };
+        let solution = solved(&scene, &links);
         let seen = picture_to(2, &scene, solution, 0, 16);
         assert!(relative(seen, expected) < precision, "the hierarchy: {seen:?}, {expected:?}");
         for method in [Method::Direct, Method::Shooting] {
