@@ -8,8 +8,12 @@ use crate::case::{
 use std::path::{Path, PathBuf};
 use steradian::math::hash::HashRng;
 
-/// Mutants of each seed. A sweep with many more is a matter of changing this number.
+/// Mutants of each seed but those that are [`SLOW`]. A sweep with many more is a matter of changing this number.
 const MUTANTS: usize = 120;
+
+/// Scenes that load twenty times longer than others, by many curves and large pictures: a quarter of the mutants.
+const SLOW: [&str; 2] =
+    ["pbrt/hair-curl/scene-v4.pbrt", "mitsuba/tests/scenes/various_emitters/test_various_emitters_ptracer.xml"];
 
 /// Replacements of a number in a text.
 const NUMBERS: [&str; 16] = [
@@ -113,7 +117,8 @@ pub fn table() -> impl Iterator<Item = Case> {
     SEEDS.iter().zip(1..).flat_map(|(seed, number)| {
         let path = Path::new(ASSETS).join(seed.file);
         let bytes = std::fs::read(&path).unwrap_or_default();
-        let count = if bytes.is_empty() { 0 } else { MUTANTS };
+        let mutants = if SLOW.contains(&seed.file) { MUTANTS / 4 } else { MUTANTS };
+        let count = if bytes.is_empty() { 0 } else { mutants };
         let mut rng = HashRng::new(number);
         (0..count).map(move |i| {
             // The first one is sound.
