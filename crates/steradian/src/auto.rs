@@ -6,7 +6,7 @@
 //! So each candidate that renders the scene as it is asked for renders small pictures, twice with other numbers, at
 //! equal cost: a cost is a number of rays by what a ray of that method costs. What the two differ by is noise. What the
 //! mean of both differs by from the candidates that find all light is light that was missed, or bias. The score is the
-//! expected error of a picture of [`SAMPLES`] samples, the geometric mean over single pixels and squares of four; the
+//! expected error of a picture of 128 samples, the geometric mean over single pixels and squares of four; the
 //! least one wins, and path tracing where another one is not much better. The choice depends on the scene and the
 //! request alone, not on time, threads, or the seed.
 
