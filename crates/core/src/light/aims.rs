@@ -39,7 +39,7 @@ struct Aim {
     share: f32,
 }
 
-/// Spheres at which rays from lights are aimed.
+/// Spheres at which rays from lights are aimed; the last one is that around all that does not shine.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Aims(Vec<Aim>);
 
@@ -163,18 +163,11 @@ pub fn focusing(scene: &Scene) -> Vec<Bounds3> {
 fn bounds(scene: &Scene, is_meant: impl Fn(&crate::scene::Geometry) -> bool) -> Vec<Bounds3> {
     let boxes: Vec<Option<Bounds3>> =
         scene.geometries().iter().map(|g| is_meant(g).then(|| g.shape.bounds())).collect();
-    // Where the geometry of the world and of each group begins.
-    let mut starts: Vec<u32> = scene.placements().iter().map(|p| p.base).collect();
-    starts.push(scene.geometries().len() as u32);
-    starts.sort_unstable();
-    starts.dedup();
-    let within = |from: u32, to: u32| boxes[from as usize..to as usize].iter().flatten();
-    let mut bounds: Vec<Bounds3> = within(0, starts[0]).copied().collect();
+    let of = |first: u32, count: u32| boxes[first as usize..][..count as usize].iter().flatten();
+    let mut bounds: Vec<Bounds3> = of(0, scene.world_count()).copied().collect();
     for place in scene.placements() {
-        // Nothing comes after a group without geometry at the end.
-        let end = starts.get(starts.partition_point(|s| *s <= place.base)).copied().unwrap_or(place.base);
         let placed = |b: &Bounds3| Bounds3::from_points((0..8).map(|i| place.world_from_group.point(b.corner(i))));
-        bounds.extend(within(place.base, end).map(placed));
+        bounds.extend(of(place.base, place.count).map(placed));
     }
     bounds.retain(|b| !b.is_empty() && b.diagonal().is_finite() && b.area() > 0.0);
     bounds
@@ -254,26 +247,30 @@ mod tests {
         Aims(vec![aim(2.0, 0.5, 0.3), aim(-1.0, 0.8, 0.25), aim(0.0, 1e-3, 0.15)])
     }
 
-    /// Densities of directions from points outside and within integrate to one, and drawn directions have the density
-    /// of their aim at least.
+    /// Directions are aimed as often as the spheres that do not contain the point have shares, and their density is that
+    /// of all aims: the mean of its reciprocal is the solid angle of these spheres, which hide no part of each other.
     #[test]
-    fn directions_have_their_density() {
+    fn directions_are_drawn_by_their_density() {
         let aims = aims();
-        for p in [Vec3::new(0.2, 1.5, 0.4), Vec3::new(1.9, 0.2, 0.0), Vec3::new(40.0, 3.0, 1.0)] {
+        for p in [Vec3::new(0.2, 1.5, 0.4), Vec3::new(-1.0, 0.9, -0.2), Vec3::new(0.0, 40.0, 1.0)] {
             let mut rng = steradian_math::hash::HashRng::new(7);
-            let (mut aimed, n) = (0.0_f64, 20_000);
+            let (mut aimed, mut solid_angle, n) = (0.0_f64, 0.0_f64, 20_000);
             for _ in 0..n {
                 let (u, u2) = (rng.next_f32(), Vec2::new(rng.next_f32(), rng.next_f32()));
                 let Some(w) = aims.direction(p, u, u2) else { continue };
-                // ∫ of the aimed part = Σ cₖ of the spheres that do not contain p, by its own samples.
                 let pdf = aims.pdf(p, w, 0.0);
                 assert!(pdf > 0.0 && (w.length() - 1.0).abs() < 1e-5);
                 aimed += 1.0 / f64::from(n);
+                solid_angle += 1.0 / f64::from(pdf) / f64::from(n);
             }
-            let shares: f32 = aims.0.iter().filter(|aim| aim.cone(p).is_some()).map(|aim| aim.share).sum();
+            let cones: Vec<(f32, f32)> =
+                aims.0.iter().filter_map(|aim| Some((aim.share, 2.0 * PI * aim.cone(p)?.1))).collect();
+            let shares: f32 = cones.iter().map(|cone| cone.0).sum();
+            let expected: f32 = cones.iter().map(|cone| cone.1).sum();
             assert!((aimed - f64::from(shares)).abs() < 0.015, "{p}: {aimed} {shares}");
-            // Far from all spheres only the light's own density is left: that of the sphere plus nothing.
-            assert!((aims.pdf(p, Vec3::Y, 2.0) - 2.0 * (1.0 - shares)).abs() < 1e-5 || p.x == 0.2);
+            assert!((solid_angle / f64::from(expected) - 1.0).abs() < 0.03, "{p}: {solid_angle} {expected}");
+            // Away from all spheres the light's own density is left.
+            assert!((aims.pdf(p, Vec3::Y, 2.0) - 2.0 * (1.0 - shares)).abs() < 1e-5, "{p}");
         }
     }
 

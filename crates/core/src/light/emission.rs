@@ -2,9 +2,8 @@
 //!
 //! A light is chosen in proportion to its flux, a place on it uniformly over its area (of infinite lights, over a disk
 //! that covers the scene), a direction by the cosine, over a cone, or as the light is bright; a part of the rays is
-//! [aimed](super::aims) at what matters. What is a delta
-//! distribution (the place of a point light, the direction of parallel light) is left out of densities, here and in
-//! next-event estimation, so that their ratios are right.
+//! [aimed](super::aims) at what matters. What is a delta distribution (the place of a point light, the direction of
+//! parallel light) is left out of densities, here and in next-event estimation, so that their ratios are right.
 //!
 //! Tests hold emission to three laws: the emitted flux has its closed form, emission and light samples give the same
 //! light, and the importance of cameras (`camera::importance`) integrates to the number of pixels.
