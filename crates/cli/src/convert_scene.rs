@@ -10,7 +10,7 @@ use crate::{
 use std::{
     collections::{BTreeMap, HashSet},
     fmt::Write,
-    path::{Path, PathBuf},
+    path::Path,
     sync::Arc,
 };
 use steradian::{
@@ -54,11 +54,7 @@ pub fn run(args: &ConvertArgs, terminal: Terminal) -> Outcome {
     let (desc, diagnostics) = (&desc, told(&diagnostics, args, terminal)?);
     let written = write::write(desc, &args.output).map_err(Failure::failed)?;
     let losses = told(&written.diagnostics, args, terminal)?;
-    // What lies beside the document is named by what it holds: to write it again changes nothing.
-    let folder = args.output.parent().unwrap_or(Path::new(""));
-    let beside: Vec<PathBuf> = written.files.iter().map(|(name, _)| folder.join(name)).collect();
-    output::claim(outputs(), &Inputs::of(desc.files().chain(beside.iter().map(PathBuf::as_path))))?;
-    image::write_together(&args.output, &written.bytes, &written.files).map_err(|e| Failure::failed(e.to_string()))?;
+    output::save_scene(&args.output, &written, outputs(), Inputs::of(desc.files()))?;
     let beside = match written.files.len() {
         0 => String::new(),
         n => format!(" and {n} file{} beside it", if n == 1 { "" } else { "s" }),

@@ -19,7 +19,7 @@ const DIGITS: usize = 4;
 /// Renders each frame as if its moment were given by `-D at=…`. Methods and denoisers that go on from the frame before
 /// do so.
 pub fn run(args: &RenderArgs, frames: Frames, terminal: Terminal) -> Outcome {
-    let Some(scene) = args.scene.as_deref().filter(|scene| is_gltf(scene)) else {
+    let Some(scene) = args.scene.as_deref().filter(|scene| open::is_gltf(scene)) else {
         return Err(Failure::bad_input("--frames takes a scene with animations, which .gltf and .glb files have"));
     };
     if args.resume.is_some() {
@@ -58,10 +58,6 @@ fn framing(scene: &Path, args: &RenderArgs, frames: Frames) -> Option<[DVec3; 2]
     };
     let moments: Vec<f64> = (0..=steps).map(moment).collect();
     steradian::load::framing(scene, &open::reading(&args.scene_options.define, None), &moments)
-}
-
-fn is_gltf(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf") || e.eq_ignore_ascii_case("glb"))
 }
 
 /// `walk.exr` becomes `walk.0012.exr`.

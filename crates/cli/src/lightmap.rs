@@ -10,7 +10,7 @@ use crate::{
     values,
 };
 use clap::{Args, ValueEnum};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use steradian::{
     Inputs,
     formats::write,
@@ -85,7 +85,7 @@ const MOST: u32 = 16384;
 pub fn run(args: &LightArgs, terminal: Terminal) -> Outcome {
     let scene_options = &args.scene_options;
     open::limit_threads(scene_options.threads);
-    let kind = if is_scene(&args.output) { None } else { Some(output::kind(&args.output)?) };
+    let kind = if open::is_gltf(&args.output) { None } else { Some(output::kind(&args.output)?) };
     check(args, kind)?;
     let options = args.files.write_options().map_err(Failure::bad_input)?;
     output::claim([args.output.as_path()], &Inputs::of([args.scene.as_path()]))?;
@@ -131,11 +131,6 @@ pub fn run(args: &LightArgs, terminal: Terminal) -> Outcome {
     Ok(failure::DONE)
 }
 
-/// True for files of scenes.
-fn is_scene(path: &Path) -> bool {
-    path.extension().is_some_and(|e| ["gltf", "glb"].iter().any(|known| e.eq_ignore_ascii_case(known)))
-}
-
 /// Writes the scene that shows the light without lights; the files that were written.
 fn save_scene(
     args: &LightArgs,
@@ -147,10 +142,7 @@ fn save_scene(
     let lit = lightmap::lit(desc, &radiance, args.resolution as usize).map_err(|e| Failure::failed(e.to_string()))?;
     let written = write::write(&lit, &args.output).map_err(Failure::failed)?;
     diagnostics::tell(&written.diagnostics, terminal);
-    let folder = args.output.parent().unwrap_or(Path::new(""));
-    let beside: Vec<PathBuf> = written.files.iter().map(|(name, _)| folder.join(name)).collect();
-    output::claim([args.output.as_path()], &Inputs::of(beside.iter().map(PathBuf::as_path)))?;
-    image::write_together(&args.output, &written.bytes, &written.files).map_err(|e| Failure::failed(e.to_string()))?;
+    output::save_scene(&args.output, &written, [args.output.as_path()], Inputs::of(desc.files()))?;
     Ok(vec![args.output.clone()])
 }
 

@@ -81,6 +81,11 @@ pub fn opened(mut loaded: Loaded, options: &SceneOptions, spp: Option<u32>) -> L
     loaded.compile(&compile_options(options, spp))
 }
 
+/// True for names of glTF files.
+pub fn is_gltf(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf") || e.eq_ignore_ascii_case("glb"))
+}
+
 /// Name of a scene in messages and files.
 pub fn shown(name: &Path) -> Cow<'_, str> {
     if is_stdin(name) { STDIN.into() } else { name.to_string_lossy() }

@@ -7,6 +7,7 @@ use std::{
 };
 use steradian::{
     Inputs, Scene,
+    formats::write::Written,
     image::{self, FileKind, Image, Value, Window, WriteOptions},
     integrators::Doubt,
     scene::names,
@@ -108,6 +109,25 @@ pub fn claim<'a>(outputs: impl IntoIterator<Item = &'a Path>, inputs: &Inputs) -
         check_writable(output)?;
     }
     Ok(())
+}
+
+/// Writes a scene with the files beside it, where these are no outputs, nor these inputs.
+///
+/// # Errors
+/// [`Failure`] naming the file.
+pub fn save_scene<'a>(
+    path: &Path,
+    written: &Written,
+    outputs: impl IntoIterator<Item = &'a Path>,
+    mut inputs: Inputs,
+) -> Result<(), Failure> {
+    // Files beside the document are named by their content: to write them again changes nothing.
+    let folder = path.parent().unwrap_or(Path::new(""));
+    for (name, _) in &written.files {
+        inputs.add(&folder.join(name));
+    }
+    claim(outputs, &inputs)?;
+    image::write_together(path, &written.bytes, &written.files).map_err(|e| Failure::failed(e.to_string()))
 }
 
 /// Finds out now, not after hours, that a file cannot be written.

@@ -13,7 +13,6 @@ use std::path::{Path, PathBuf};
 use steradian::{
     Inputs,
     formats::write::{self, MESH_EXTENSIONS, Written},
-    image,
     scene::{Format, SceneDesc},
     unwrap::{self, Metrics, Options, Settings, Unwrapped},
 };
@@ -106,12 +105,9 @@ pub fn run(args: &UnwrapArgs, terminal: Terminal) -> Outcome {
         let what = "shapes are no meshes and have no place in the atlas";
         terminal.warn(&format!("{} {what}", unwrapped.left_out));
     }
-    let Written { bytes, files, diagnostics } = document(&unwrapped, args, &extension).map_err(refused)?;
-    diagnostics::tell(&diagnostics, terminal);
-    let folder = args.output.parent().unwrap_or(Path::new(""));
-    let beside: Vec<PathBuf> = files.iter().map(|(name, _)| folder.join(name)).collect();
-    output::claim(outputs(), &Inputs::of(desc.files().chain(beside.iter().map(PathBuf::as_path))))?;
-    image::write_together(&args.output, &bytes, &files).map_err(|e| Failure::failed(e.to_string()))?;
+    let document = document(&unwrapped, args, &extension).map_err(refused)?;
+    diagnostics::tell(&document.diagnostics, terminal);
+    output::save_scene(&args.output, &document, outputs(), Inputs::of(desc.files()))?;
     let mut written = vec![args.output.clone()];
     if let Some(path) = &args.picture {
         let size = args.resolution.min(MOST_OF_PICTURE) as usize;

@@ -247,8 +247,9 @@ mod tests {
         Aims(vec![aim(2.0, 0.5, 0.3), aim(-1.0, 0.8, 0.25), aim(0.0, 1e-3, 0.15)])
     }
 
-    /// Directions are aimed as often as the spheres that do not contain the point have shares, and their density is that
-    /// of all aims: the mean of its reciprocal is the solid angle of these spheres, which hide no part of each other.
+    /// Directions are aimed as often as the spheres that do not contain the point have shares, and their density is
+    /// that of all aims: the mean of its reciprocal is the solid angle of these spheres, which hide no part of each
+    /// other.
     #[test]
     fn directions_are_drawn_by_their_density() {
         let aims = aims();
