@@ -78,7 +78,7 @@ impl Bvh {
     }
 
     /// The nearest hit in `(0, ray.t_max)`; `None` for a ray that is not valid.
-    #[inline]
+    #[inline(always)]
     pub fn intersect<U: UserPrimitives>(&self, ray: &Ray, user: &U) -> Option<Hit> {
         let leaves = Leaves { tree: &self.tree, instance: WORLD, user };
         nearest_hit(self.isa, &self.tree, ray, &leaves).map(|nearest| leaves.hit(nearest))
@@ -169,6 +169,7 @@ pub(crate) struct Leaves<'a, U> {
 impl<U: UserPrimitives> UserLeaves for Leaves<'_, U> {
     type Extra = ();
 
+    #[inline(always)]
     fn triangle(&self) {}
 
     fn intersect(&self, index: u32, ray: &Ray) -> Option<(UserHit, ())> {
@@ -179,8 +180,9 @@ impl<U: UserPrimitives> UserLeaves for Leaves<'_, U> {
         self.user.occluded(self.tree.id(self.instance, index), ray)
     }
 
+    #[inline]
     fn accept(&self, index: u32, UserHit { t, u, v }: UserHit, ray: &Ray) -> bool {
-        self.user.accept(&Hit { t, u, v, id: self.tree.id(self.instance, index) }, ray)
+        !U::FILTERS || self.user.accept(&Hit { t, u, v, id: self.tree.id(self.instance, index) }, ray)
     }
 
     #[inline(always)]

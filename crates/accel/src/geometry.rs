@@ -125,6 +125,9 @@ pub struct UserHit {
 /// Rays given to these functions are in the space of the hierarchy that holds the primitive, with unnormalised
 /// directions, so that `t` means the same in every space.
 pub trait UserPrimitives {
+    /// False if [`accept`](Self::accept) is true for all hits: it is not called then.
+    const FILTERS: bool = true;
+
     /// The nearest hit in `(0, ray.t_max)` on a user primitive. Hits outside of the interval, and NaN, are ignored.
     fn intersect(&self, id: PrimId, ray: &Ray) -> Option<UserHit>;
 
@@ -142,6 +145,8 @@ pub trait UserPrimitives {
 
 /// No user primitives, and no filter.
 impl UserPrimitives for () {
+    const FILTERS: bool = false;
+
     fn intersect(&self, _: PrimId, _: &Ray) -> Option<UserHit> {
         None
     }

@@ -279,6 +279,7 @@ impl<U: UserPrimitives> UserLeaves for Leaves<'_, U> {
     /// The index of the primitive within the instance's object.
     type Extra = u32;
 
+    #[inline(always)]
     fn triangle(&self) -> u32 {
         0
     }
@@ -301,8 +302,9 @@ impl<U: UserPrimitives> UserLeaves for Leaves<'_, U> {
         }
     }
 
+    #[inline]
     fn accept(&self, index: u32, UserHit { t, u, v }: UserHit, ray: &Ray) -> bool {
-        self.user.accept(&Hit { t, u, v, id: self.scene.tree.id(WORLD, index) }, ray)
+        !U::FILTERS || self.user.accept(&Hit { t, u, v, id: self.scene.tree.id(WORLD, index) }, ray)
     }
 
     fn every(&self, index: u32, ray: &Ray, hits: &mut Vec<Hit>) {

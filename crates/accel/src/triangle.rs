@@ -53,7 +53,7 @@ impl<S: Simd> Shear<S> {
         let inverse = constants.inverse;
         Self {
             axes: constants.axes,
-            origin: [x, y, z].map(|axis| s.splat(at(&ray.origin, axis))),
+            origin: [s.splat(at(&ray.origin, x)), s.splat(at(&ray.origin, y)), s.splat(at(&ray.origin, z))],
             shear: [s.splat(constants.shear[0]), s.splat(constants.shear[1]), s.splat(constants.shear[2])],
             inverse: [s.splat(at(&inverse, x)), s.splat(at(&inverse, y))],
         }

@@ -44,6 +44,13 @@ impl<'s> TraceRay<'s> {
             ray,
         }
     }
+
+    /// What shaders can read of the ray; `t_current` is its end now, or where its hit is.
+    #[inline]
+    pub(crate) fn values(&self, t_current: f32) -> RayValues {
+        let RayDesc { origin, direction, t_min, .. } = self.ray;
+        RayValues { origin, direction, t_min, t_current, flags: self.flags }
+    }
 }
 
 /// Launch values that shaders can read (DXR, "Ray dispatch system values").
@@ -57,8 +64,8 @@ pub struct LaunchValues {
 
 /// Executor of shaders: a pipeline with its tables.
 pub(crate) trait Machine<I: Interface> {
-    fn trace(&self, frame: Frame<I>, call: &TraceRay, payload: &mut I::Payload) -> Result<(), Fault>;
-    fn call(&self, frame: Frame<I>, index: u32, parameter: &mut I::Parameter) -> Result<(), Fault>;
+    fn trace(&self, frame: &Frame<I>, call: &TraceRay, payload: &mut I::Payload) -> Result<(), Fault>;
+    fn call(&self, frame: &Frame<I>, index: u32, parameter: &mut I::Parameter) -> Result<(), Fault>;
 }
 
 /// State of a launch id while it runs.
@@ -67,16 +74,17 @@ pub(crate) struct Thread {
     /// Memory for candidates, lent to one search at a time.
     pub waiting: Cell<Vec<Candidate>>,
     /// The first fault, also where a shader has passed over it.
-    pub fault: Cell<Option<Fault>>,
+    pub fault: Cell<Option<Box<Fault>>>,
     /// Journal of events, where the launch id is inspected.
     pub journal: Option<Journal>,
 }
 
 impl Thread {
     /// Remembers a fault unless there is an earlier one.
+    #[cold]
     pub fn note(&self, fault: &Fault) {
         let earlier = self.fault.take();
-        self.fault.set(earlier.or_else(|| Some(fault.clone())));
+        self.fault.set(earlier.or_else(|| Some(Box::new(fault.clone()))));
     }
 }
 
@@ -84,7 +92,7 @@ impl Thread {
 pub(crate) struct Frame<'a, I: Interface> {
     pub machine: &'a dyn Machine<I>,
     pub thread: &'a Thread,
-    pub launch: LaunchValues,
+    pub launch: &'a LaunchValues,
     /// Recursion depth of rays: zero in a ray-generation shader.
     pub depth: u32,
     /// Number of callable shaders in the chain.
@@ -111,17 +119,19 @@ impl<I: Interface> Frame<'_, I> {
     }
 
     /// Remembers a fault.
+    #[cold]
     fn failed(&self, fault: &Fault) {
         self.note(1, || Event::Fault { message: fault.to_string() });
         self.thread.note(fault);
     }
 
+    #[inline]
     fn trace(&self, call: &TraceRay, payload: &mut I::Payload) -> Result<(), Fault> {
-        self.machine.trace(*self, call, payload).inspect_err(|fault| self.failed(fault))
+        self.machine.trace(self, call, payload).inspect_err(|fault| self.failed(fault))
     }
 
     fn call(&self, index: u32, parameter: &mut I::Parameter) -> Result<(), Fault> {
-        self.machine.call(*self, index, parameter).inspect_err(|fault| self.failed(fault))
+        self.machine.call(self, index, parameter).inspect_err(|fault| self.failed(fault))
     }
 }
 
@@ -137,11 +147,13 @@ macro_rules! contexts {
 
         impl<I: Interface> $name<'_, I> {
             /// Launch id and size.
+            #[inline]
             pub fn launch(&self) -> LaunchValues {
-                self.frame.launch
+                *self.frame.launch
             }
 
             /// The local data of the record that the shader runs for.
+            #[inline]
             pub fn local(&self) -> &I::Local {
                 self.local
             }
@@ -186,7 +198,7 @@ contexts! {
     ///     let _ = context.call(0, parameter);
     /// }
     /// ```
-    AnyHitContext { ray: RayValues, primitive: Primitive<'a>, kind: Option<HitKind>, }
+    AnyHitContext { call: &'a TraceRay<'a>, t: f32, primitive: Primitive<'a>, kind: Option<HitKind>, }
     /// Context of a closest-hit shader: it may trace and call. The hit is decided:
     ///
     /// ```compile_fail,E0599
@@ -200,14 +212,14 @@ contexts! {
     ///     let _ = context.report_hit(1.0, HitKind::procedural(0).unwrap(), attributes);
     /// }
     /// ```
-    ClosestHitContext { ray: RayValues, primitive: Primitive<'a>, kind: Option<HitKind>, }
+    ClosestHitContext { call: &'a TraceRay<'a>, t: f32, primitive: Primitive<'a>, kind: Option<HitKind>, }
     /// Context of a miss shader: it may trace and call. Nothing was hit:
     ///
     /// ```compile_fail,E0599
     /// # use steradian_rt::{*, context::*};
     /// fn shader<I: Interface>(context: &MissContext<I>) { context.primitive(); }
     /// ```
-    MissContext { ray: RayValues, }
+    MissContext { call: &'a TraceRay<'a>, t: f32, }
     /// Context of a callable shader: it may call. It cannot trace:
     ///
     /// ```compile_fail,E0599
@@ -228,6 +240,7 @@ macro_rules! may {
             /// # Errors
             /// A ray or flags that break a rule, an index beyond a table, a hit group of the wrong kind, recursion
             /// deeper than declared, a stack that is too small. The launch fails even where the shader goes on.
+            #[inline]
             pub fn trace(&mut self, call: &TraceRay, payload: &mut I::Payload) -> Result<(), Fault> {
                 self.frame.trace(call, payload)
             }
@@ -248,14 +261,16 @@ macro_rules! may {
     (ray: $($name:ident)*) => {$(
         impl<I: Interface> $name<'_, I> {
             /// The ray in world space.
+            #[inline]
             pub fn ray(&self) -> RayValues {
-                self.ray
+                self.call.values(self.t)
             }
         }
     )*};
     (primitive: $($name:ident)*) => {$(
         impl<'a, I: Interface> $name<'a, I> {
             /// The primitive, its instance, and the ray in object space.
+            #[inline]
             pub fn primitive(&self) -> &Primitive<'a> {
                 &self.primitive
             }
@@ -264,6 +279,7 @@ macro_rules! may {
     (kind: $($name:ident)*) => {$(
         impl<I: Interface> $name<'_, I> {
             /// Which face of a triangle, or what the intersection shader said.
+            #[inline]
             pub fn hit_kind(&self) -> HitKind {
                 self.kind.unwrap_or_else(|| self.primitive.face())
             }
@@ -300,16 +316,19 @@ impl<I: Interface> IntersectionContext<'_, I> {
 
 impl<I: Interface> AnyHitContext<'_, I> {
     /// The hit counts. The API has no name for it: it is what happens where the shader just ends.
+    #[inline]
     pub fn accept_hit(&self) -> Decision {
         Decision(Verdict::Accept)
     }
 
     /// The hit does not count (`IgnoreHit`, `ignoreIntersectionEXT`).
+    #[inline]
     pub fn ignore_hit(&self) -> Decision {
         Decision(Verdict::Ignore)
     }
 
     /// The hit counts, and no other is looked for (`AcceptHitAndEndSearch`, `terminateRayEXT`).
+    #[inline]
     pub fn accept_hit_and_end_search(&self) -> Decision {
         Decision(Verdict::AcceptAndEndSearch)
     }

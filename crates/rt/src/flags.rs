@@ -18,6 +18,7 @@ macro_rules! flags {
             pub const ALL: &[(Self, &str)] = &[$((Self::$flag, stringify!($flag)),)*];
 
             /// The flags as bits.
+            #[inline]
             pub const fn bits(self) -> $int {
                 self.0
             }
@@ -29,16 +30,19 @@ macro_rules! flags {
             }
 
             /// True if all flags of `other` are among these.
+            #[inline]
             pub const fn contains(self, other: Self) -> bool {
                 self.0 & other.0 == other.0
             }
 
             /// True if any flag of `other` is among these.
+            #[inline]
             pub const fn intersects(self, other: Self) -> bool {
                 self.0 & other.0 != 0
             }
 
             /// The flags of both.
+            #[inline]
             pub const fn union(self, other: Self) -> Self {
                 Self(self.0 | other.0)
             }
@@ -47,6 +51,7 @@ macro_rules! flags {
         impl BitOr for $name {
             type Output = Self;
 
+            #[inline]
             fn bitor(self, other: Self) -> Self {
                 self.union(other)
             }
@@ -113,6 +118,11 @@ impl RayFlags {
         if self.0 & !0xc == 0 {
             return Ok(self);
         }
+        self.validated_each()
+    }
+
+    #[cold]
+    fn validated_each(self) -> Result<Self, ExclusiveRayFlags> {
         for set in Self::EXCLUSIVE {
             let mut present = set.iter().filter(|flag| self.contains(**flag));
             if let (Some(first), Some(second)) = (present.next(), present.next()) {

@@ -73,22 +73,27 @@ pub struct ProceduralGroup<X, H, C> {
 }
 
 impl<I: Interface, H: AnyHit<I, Barycentrics>, C: ClosestHit<I, Barycentrics>> HitGroup<I> for TriangleGroup<H, C> {
+    #[inline]
     fn is_procedural(&self) -> bool {
         false
     }
 
+    #[inline]
     fn has_any_hit(&self) -> bool {
         self.any_hit.is_present()
     }
 
+    #[inline]
     fn has_closest_hit(&self) -> bool {
         self.closest_hit.is_present()
     }
 
+    #[inline]
     fn intersection(&self, _: &mut IntersectionContext<I>) -> ControlFlow<EndSearch> {
         ControlFlow::Continue(())
     }
 
+    #[inline]
     fn any_hit(
         &self,
         context: &AnyHitContext<I>,
@@ -101,6 +106,7 @@ impl<I: Interface, H: AnyHit<I, Barycentrics>, C: ClosestHit<I, Barycentrics>> H
         }
     }
 
+    #[inline]
     fn closest_hit(
         &self,
         context: &mut ClosestHitContext<I>,
@@ -121,22 +127,27 @@ where
     H: AnyHit<I, I::Attributes>,
     C: ClosestHit<I, I::Attributes>,
 {
+    #[inline]
     fn is_procedural(&self) -> bool {
         true
     }
 
+    #[inline]
     fn has_any_hit(&self) -> bool {
         self.any_hit.is_present()
     }
 
+    #[inline]
     fn has_closest_hit(&self) -> bool {
         self.closest_hit.is_present()
     }
 
+    #[inline]
     fn intersection(&self, context: &mut IntersectionContext<I>) -> ControlFlow<EndSearch> {
         self.intersection.run(context)
     }
 
+    #[inline]
     fn any_hit(
         &self,
         context: &AnyHitContext<I>,
@@ -149,6 +160,7 @@ where
         }
     }
 
+    #[inline]
     fn closest_hit(
         &self,
         context: &mut ClosestHitContext<I>,
@@ -164,22 +176,27 @@ where
 
 /// Groups of several types in one pipeline.
 impl<I: Interface, G: HitGroup<I> + ?Sized> HitGroup<I> for Box<G> {
+    #[inline]
     fn is_procedural(&self) -> bool {
         (**self).is_procedural()
     }
 
+    #[inline]
     fn has_any_hit(&self) -> bool {
         (**self).has_any_hit()
     }
 
+    #[inline]
     fn has_closest_hit(&self) -> bool {
         (**self).has_closest_hit()
     }
 
+    #[inline]
     fn intersection(&self, context: &mut IntersectionContext<I>) -> ControlFlow<EndSearch> {
         (**self).intersection(context)
     }
 
+    #[inline]
     fn any_hit(
         &self,
         context: &AnyHitContext<I>,
@@ -189,6 +206,7 @@ impl<I: Interface, G: HitGroup<I> + ?Sized> HitGroup<I> for Box<G> {
         (**self).any_hit(context, payload, attributes)
     }
 
+    #[inline]
     fn closest_hit(
         &self,
         context: &mut ClosestHitContext<I>,

@@ -65,7 +65,7 @@ impl<I: Interface, R: RayGeneration<I>, H: HitGroup<I>, M: Miss<I>, C: Callable<
         let running = Running { pipeline: self, tables };
         let handle = tables.ray_generation.handle;
         let output = match handle.and_then(|handle| self.library.ray_generation.get(handle.index as usize)) {
-            Some(export) => running.launch_id(export, &thread, LaunchValues { id: launch_id, size }),
+            Some(export) => running.launch_id(export, &thread, &LaunchValues { id: launch_id, size }),
             None => Ok(I::Output::default()),
         };
         let events = thread.journal.map(Journal::into_entries).unwrap_or_default();

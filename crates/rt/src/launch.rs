@@ -80,16 +80,17 @@ where
     C: Callable<I>,
 {
     /// Runs the shader for one launch id.
-    pub fn launch_id(&self, export: &Export<R>, thread: &Thread, launch: LaunchValues) -> Result<I::Output, Fault> {
+    #[inline]
+    pub fn launch_id(&self, export: &Export<R>, thread: &Thread, launch: &LaunchValues) -> Result<I::Output, Fault> {
         let frame = Frame { machine: self, thread, launch, depth: 0, calls: 0, stack: 0 };
-        let made = self.deeper(frame, export.stack).and_then(|frame| {
+        let made = self.deeper(&frame, export.stack).and_then(|frame| {
             if let Some(journal) = &thread.journal {
                 journal.note(0, Event::Shader { stage: Stage::RayGeneration, name: export.name.clone() });
             }
             let local = &self.tables.ray_generation.local;
             export.shader.run(&mut RayGenerationContext { frame, local })
         });
-        thread.fault.take().map_or(made, Err)
+        thread.fault.replace(None).map_or(made, |fault| Err(*fault))
     }
 
     /// Runs the shader for some rows of a layer, tile by tile.
@@ -104,10 +105,11 @@ where
         let width = size[0] as usize;
         let mut first: Option<([u32; 3], Fault)> = None;
         for left in (0..width).step_by(TILE) {
+            let columns = left..width.min(left + TILE);
             for (y, row) in rows.chunks_mut(width).enumerate() {
-                for (x, output) in row.iter_mut().enumerate().skip(left).take(TILE) {
+                for (x, output) in columns.clone().zip(&mut row[columns.clone()]) {
                     let id = [x as u32, (first_row + y) as u32, z as u32];
-                    match self.launch_id(export, &thread, LaunchValues { id, size }) {
+                    match self.launch_id(export, &thread, &LaunchValues { id, size }) {
                         Ok(made) => *output = made,
                         Err(fault) if first.as_ref().is_none_or(|([a, b, _], _)| (id[1], id[0]) < (*b, *a)) => {
                             first = Some((id, fault));

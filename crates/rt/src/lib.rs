@@ -105,10 +105,12 @@
 mod bottom_level;
 mod bytes;
 mod capture;
+mod certain;
 mod compaction;
 pub mod context;
 mod decision;
 mod deferred;
+mod entered;
 pub mod error;
 mod event;
 mod flags;

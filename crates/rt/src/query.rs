@@ -1,5 +1,6 @@
 //! Ray queries: tracing in the middle of any code, without shaders (DXR, "Inline raytracing"; Vulkan, `rayQueryEXT`).
 
+use crate::context::TraceRay;
 use crate::error::RayError;
 use crate::flags::RayFlags;
 use crate::queue::Candidate;
@@ -84,20 +85,24 @@ impl<'a> RayQuery<'a> {
     /// # Errors
     /// A ray with a NaN or an interval that is none, flags that exclude each other, or
     /// [`RayFlags::SKIP_CLOSEST_HIT_SHADER`].
+    #[inline]
     pub fn new(scene: Option<&'a TopLevel>, flags: RayFlags, mask: u32, ray: RayDesc) -> Result<Self, RayError> {
         if flags.contains(RayFlags::SKIP_CLOSEST_HIT_SHADER) {
             return Err(RayError::SkipClosestHitInQuery);
         }
-        let (flags, ray) = (flags.validated()?, ray.validated()?);
-        Ok(Self { search: Search::new(scene, flags, mask as u8, ray, Vec::new()) })
+        let flags = flags.validated()?;
+        ray.check()?;
+        let call = TraceRay { scene, flags, mask, ray_contribution: 0, geometry_multiplier: 0, miss_index: 0, ray };
+        Ok(Self { search: Search::new(call, Vec::new()) })
     }
 
     /// Goes on to what must be asked about next (`Proceed`, `rayQueryProceedEXT`); `None` when the search is over.
     /// Candidates come from near to far; of those at equal distance, the one with the smaller
     /// [`PrimitiveId`](crate::PrimitiveId) first. A procedural primitive has the distance where the ray enters its box.
+    #[inline]
     pub fn proceed(&mut self) -> Option<QueryCandidate<'_, 'a>> {
         let candidate = self.search.proceed()?;
-        let primitive = Primitive::new(self.search.scene?, candidate.id, &self.search.ray)?;
+        let primitive = Primitive::new(self.search.call.scene?, candidate.id, &self.search.call.ray)?;
         Some(match candidate.triangle {
             Some(barycentrics) => {
                 QueryCandidate::Triangle(TriangleCandidate { query: self, candidate, primitive, barycentrics })
@@ -112,27 +117,29 @@ impl<'a> RayQuery<'a> {
     }
 
     /// The nearest hit that has been committed up to now.
+    #[inline]
     pub fn committed(&self) -> Option<CommittedHit<'a>> {
         let Committed { t, id, kind, barycentrics } = self.search.committed?;
-        let primitive = Primitive::new(self.search.scene?, id, &self.search.ray)?;
+        let primitive = Primitive::new(self.search.call.scene?, id, &self.search.call.ray)?;
         let kind = kind.unwrap_or_else(|| primitive.face());
         Some(CommittedHit { t, primitive, kind, barycentrics })
     }
 
     /// The ray; `t_current` is where its interval ends now.
     pub fn ray(&self) -> RayValues {
-        let RayDesc { origin, direction, t_min, .. } = self.search.ray;
-        RayValues { origin, direction, t_min, t_current: self.search.t_current(), flags: self.search.flags }
+        self.search.call.values(self.search.t_current())
     }
 }
 
 impl<'a> TriangleCandidate<'_, 'a> {
     /// Ray parameter (`CandidateTriangleRayT`).
+    #[inline]
     pub fn t(&self) -> f32 {
         self.candidate.t
     }
 
     /// Position in the triangle.
+    #[inline]
     pub fn barycentrics(&self) -> Barycentrics {
         self.barycentrics
     }
@@ -149,6 +156,7 @@ impl<'a> TriangleCandidate<'_, 'a> {
 
     /// The hit counts (`CommitNonOpaqueTriangleHit`, `rayQueryConfirmIntersectionEXT`). To confirm it again changes
     /// nothing.
+    #[inline]
     pub fn confirm(&mut self) {
         self.query.search.commit_triangle(&self.candidate);
     }
@@ -181,7 +189,7 @@ impl<'a> ProceduralCandidate<'_, 'a> {
     /// does not. May be called several times.
     pub fn generate(&mut self, t: f32, kind: HitKind) -> bool {
         let search = &mut self.query.search;
-        let counts = !search.is_done() && t >= search.ray.t_min && t <= search.t_current() && !kind.is_triangle();
+        let counts = !search.is_done() && t >= search.call.ray.t_min && t <= search.t_current() && !kind.is_triangle();
         if counts {
             let id = self.candidate.id;
             search.commit(Committed { t, id, kind: Some(kind), barycentrics: Barycentrics::default() });

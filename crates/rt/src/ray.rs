@@ -35,20 +35,30 @@ impl RayDesc {
         Self { t_min, t_max, ..self }
     }
 
-    /// It, where it keeps the rules.
+    /// Checks that it keeps the rules.
     #[inline]
-    pub(crate) fn validated(self) -> Result<Self, RayError> {
-        let Self { t_min, t_max, .. } = self;
+    pub(crate) fn check(&self) -> Result<(), RayError> {
+        // Where the sum is finite there is no NaN.
+        let (o, d) = (self.origin, self.direction);
+        let sum = (o.x + o.y + o.z) + (d.x + d.y + d.z);
+        let is_common = sum.is_finite() && 0.0 <= self.t_min && self.t_min <= self.t_max;
+        if is_common { Ok(()) } else { self.check_each() }
+    }
+
+    #[cold]
+    fn check_each(&self) -> Result<(), RayError> {
+        let Self { t_min, t_max, .. } = *self;
         if self.origin.is_nan() || self.direction.is_nan() || t_min.is_nan() || t_max.is_nan() {
             return Err(RayError::NotANumber);
         }
         if !(0.0 <= t_min && t_min <= t_max) {
             return Err(RayError::Extents { t_min, t_max });
         }
-        Ok(self)
+        Ok(())
     }
 
     /// Ray for the hierarchy, with this end of its interval.
+    #[inline]
     pub(crate) fn with_end(&self, t_max: f32) -> Ray {
         Ray { t_max, ..Ray::new(self.origin, self.direction) }
     }
@@ -110,36 +120,43 @@ impl<'a> Primitive<'a> {
     }
 
     /// `InstanceIndex`, `gl_InstanceID`: the index of the instance in its top-level structure.
+    #[inline]
     pub fn instance_index(&self) -> u32 {
         self.id.instance
     }
 
     /// `InstanceID`, `gl_InstanceCustomIndexEXT`: the caller's number of the instance, 24 bits.
+    #[inline]
     pub fn custom_index(&self) -> u32 {
         self.placed.custom_index
     }
 
     /// Contribution of the instance to the index of hit-group records, 24 bits.
+    #[inline]
     pub fn hit_group_offset(&self) -> u32 {
         self.placed.hit_group_offset
     }
 
     /// `GeometryIndex`, `gl_GeometryIndexEXT`.
+    #[inline]
     pub fn geometry_index(&self) -> u32 {
         self.id.geometry
     }
 
     /// `PrimitiveIndex`, `gl_PrimitiveID`.
+    #[inline]
     pub fn primitive_index(&self) -> u32 {
         self.id.primitive
     }
 
     /// `ObjectRayOrigin`, `gl_ObjectRayOriginEXT`.
+    #[inline]
     pub fn object_ray_origin(&self) -> Vec3 {
         self.placed.place.inv.transform_point3(self.origin)
     }
 
     /// `ObjectRayDirection`, `gl_ObjectRayDirectionEXT`: of any length, so that `t` means the same in both spaces.
+    #[inline]
     pub fn object_ray_direction(&self) -> Vec3 {
         self.placed.place.inv.transform_vector3(self.direction)
     }
@@ -197,11 +214,13 @@ impl HitKind {
     }
 
     /// The number: up to 127 for procedural hits, 254 and 255 for triangles.
+    #[inline]
     pub const fn get(self) -> u8 {
         self.0
     }
 
     /// True for a hit on a triangle.
+    #[inline]
     pub const fn is_triangle(self) -> bool {
         self.0 >= 254
     }
@@ -219,6 +238,7 @@ pub struct Barycentrics {
 
 impl Barycentrics {
     /// The sum of three values at the vertices by their weights.
+    #[inline]
     pub fn interpolate(&self, [a, b, c]: [Vec3; 3]) -> Vec3 {
         a * (1.0 - self.u - self.v) + b * self.u + c * self.v
     }

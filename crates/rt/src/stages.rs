@@ -20,6 +20,7 @@ pub trait RayGeneration<I: Interface>: Sync {
 /// Finds hits on a procedural primitive (DXR, "Intersection shaders").
 pub trait Intersection<I: Interface>: Sync {
     /// True if there is a shader; only `()` has none.
+    #[inline]
     fn is_present(&self) -> bool {
         true
     }
@@ -32,6 +33,7 @@ pub trait Intersection<I: Interface>: Sync {
 /// for triangles, else [`Interface::Attributes`].
 pub trait AnyHit<I: Interface, A>: Sync {
     /// True if there is a shader; only `()` has none.
+    #[inline]
     fn is_present(&self) -> bool {
         true
     }
@@ -43,6 +45,7 @@ pub trait AnyHit<I: Interface, A>: Sync {
 /// Runs on the closest hit (DXR, "Closest hit shaders").
 pub trait ClosestHit<I: Interface, A>: Sync {
     /// True if there is a shader; only `()` has none.
+    #[inline]
     fn is_present(&self) -> bool {
         true
     }
@@ -74,10 +77,12 @@ pub trait Callable<I: Interface>: Sync {
 
 /// No intersection shader.
 impl<I: Interface> Intersection<I> for () {
+    #[inline]
     fn is_present(&self) -> bool {
         false
     }
 
+    #[inline]
     fn run(&self, _: &mut IntersectionContext<I>) -> ControlFlow<EndSearch> {
         ControlFlow::Continue(())
     }
@@ -85,10 +90,12 @@ impl<I: Interface> Intersection<I> for () {
 
 /// No any-hit shader: all hits count.
 impl<I: Interface, A> AnyHit<I, A> for () {
+    #[inline]
     fn is_present(&self) -> bool {
         false
     }
 
+    #[inline]
     fn run(&self, _: &AnyHitContext<I>, _: &mut I::Payload, _: &A) -> Decision {
         Decision(Verdict::Accept)
     }
@@ -96,10 +103,12 @@ impl<I: Interface, A> AnyHit<I, A> for () {
 
 /// No closest-hit shader.
 impl<I: Interface, A> ClosestHit<I, A> for () {
+    #[inline]
     fn is_present(&self) -> bool {
         false
     }
 
+    #[inline]
     fn run(&self, _: &mut ClosestHitContext<I>, _: &mut I::Payload, _: &A) -> Result<(), Fault> {
         Ok(())
     }
@@ -107,6 +116,7 @@ impl<I: Interface, A> ClosestHit<I, A> for () {
 
 /// No miss shaders in the pipeline.
 impl<I: Interface> Miss<I> for () {
+    #[inline]
     fn run(&self, _: &mut MissContext<I>, _: &mut I::Payload) -> Result<(), Fault> {
         Ok(())
     }
@@ -114,6 +124,7 @@ impl<I: Interface> Miss<I> for () {
 
 /// No callable shaders in the pipeline.
 impl<I: Interface> Callable<I> for () {
+    #[inline]
     fn run(&self, _: &mut CallableContext<I>, _: &mut I::Parameter) -> Result<(), Fault> {
         Ok(())
     }
@@ -126,10 +137,12 @@ macro_rules! boxed {
         where
             I: Interface,
         {
-            $(fn $present(&self) -> bool {
+            $(#[inline]
+            fn $present(&self) -> bool {
                 (**self).$present()
             })?
 
+            #[inline]
             fn run(&self, $($arg: $ty),*) -> $out {
                 (**self).run($($arg),*)
             }

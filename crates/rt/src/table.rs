@@ -103,11 +103,13 @@ impl<K, L> ShaderTable<K, L> {
     }
 
     /// `base + stride · index`.
+    #[inline]
     fn place(&self, index: u64) -> u64 {
         u64::from(self.base) + u64::from(self.stride) * index
     }
 
     /// The record at an index, or the index of the place that does not exist.
+    #[inline]
     fn record(&self, index: u64) -> Result<&Record<K, L>, u64> {
         let place = self.place(index);
         usize::try_from(place).ok().and_then(|place| self.records.get(place)).ok_or(place)
@@ -125,6 +127,7 @@ pub(crate) struct HitIndex {
 
 impl HitIndex {
     /// `ray contribution + geometry multiplier · geometry index + instance offset`.
+    #[inline]
     fn index(&self) -> u64 {
         u64::from(self.ray_contribution & 0xf)
             + u64::from(self.geometry_multiplier & 0xf) * u64::from(self.geometry)
@@ -179,8 +182,14 @@ impl fmt::Display for Place {
 impl<K, L> ShaderTable<K, L> {
     /// `base + stride · (ray contribution + geometry multiplier · geometry index + instance offset)`; only the low 4
     /// bits of contribution and multiplier count.
+    #[inline]
     pub(crate) fn hit_group(&self, of: HitIndex) -> Result<&Record<K, L>, Fault> {
-        self.record(of.index()).map_err(|place| Fault::HitGroupRecord {
+        self.record(of.index()).map_err(|place| self.no_hit_group(of, place))
+    }
+
+    #[cold]
+    fn no_hit_group(&self, of: HitIndex, place: u64) -> Fault {
+        Fault::HitGroupRecord {
             base: self.base,
             stride: self.stride,
             ray_contribution: of.ray_contribution & 0xf,
@@ -189,15 +198,17 @@ impl<K, L> ShaderTable<K, L> {
             instance_offset: of.instance_offset,
             place,
             records: self.records.len(),
-        })
+        }
     }
 
     /// `base + stride · index`; only the low 16 bits of the index count.
+    #[inline]
     pub(crate) fn miss(&self, index: u32) -> Result<&Record<K, L>, Fault> {
         self.plain("miss", index & 0xffff)
     }
 
     /// `base + stride · index`.
+    #[inline]
     pub(crate) fn callable(&self, index: u32) -> Result<&Record<K, L>, Fault> {
         self.plain("callable", index)
     }
@@ -229,15 +240,15 @@ impl<K, L> ShaderTable<K, L> {
         Place::Callable { place: self.place(index.into()), base: self.base, stride: self.stride, index }
     }
 
+    #[inline]
     fn plain(&self, table: &'static str, index: u32) -> Result<&Record<K, L>, Fault> {
-        self.record(index.into()).map_err(|place| Fault::Record {
-            table,
-            base: self.base,
-            stride: self.stride,
-            index,
-            place,
-            records: self.records.len(),
-        })
+        self.record(index.into()).map_err(|place| self.no_record(table, index, place))
+    }
+
+    #[cold]
+    fn no_record(&self, table: &'static str, index: u32, place: u64) -> Fault {
+        let records = self.records.len();
+        Fault::Record { table, base: self.base, stride: self.stride, index, place, records }
     }
 }
 

@@ -1,12 +1,13 @@
 //! Top-level structures: where objects are.
 
-use crate::bottom_level::{BottomLevel, BuildOptions, MAX_GEOMETRIES, same_count, too_many, within};
+use crate::bottom_level::{BottomLevel, BuildOptions, Content, MAX_GEOMETRIES, same_count, too_many, within};
 use crate::error::BuildError;
 use crate::flags::InstanceFlags;
+use crate::ray::RayDesc;
 use crate::transform::Transform3x4;
 use std::sync::Arc;
 use steradian_accel::{Bvh, Geometry};
-use steradian_math::{Bounds3, Vec3, transform::Affine};
+use steradian_math::{Bounds3, Ray, Vec3, transform::Affine};
 
 /// A placement of a bottom-level structure (DXR, "D3D12_RAYTRACING_INSTANCE_DESC"; Vulkan,
 /// `VkAccelerationStructureInstanceKHR`).
@@ -106,6 +107,17 @@ pub(crate) struct Placed {
 }
 
 impl Placed {
+    /// A ray in object space, with this end of its interval.
+    #[inline]
+    pub fn enter(&self, ray: &RayDesc, t_max: f32) -> Ray {
+        let (mut origin, mut direction) = (ray.origin, ray.direction);
+        if !self.is_in_place {
+            origin = self.place.inv.transform_point3(origin);
+            direction = self.place.inv.transform_vector3(direction);
+        }
+        Ray { t_max, ..Ray::new(origin, direction) }
+    }
+
     /// A box in world space that contains every point where a ray that was moved to object space may meet it.
     fn bounds(&self) -> Bounds3 {
         let bounds = self.bottom_level.bounds();
@@ -127,6 +139,10 @@ impl Placed {
 pub struct TopLevel {
     pub(crate) bvh: Bvh,
     pub(crate) instances: Vec<Placed>,
+    /// True if there are only triangles,
+    pub(crate) only_triangles: bool,
+    /// and if all of them are opaque where the ray does not say otherwise.
+    pub(crate) only_opaque: bool,
     pub(crate) options: BuildOptions,
 }
 
@@ -140,7 +156,8 @@ impl TopLevel {
         let instances = placed(instances)?;
         let boxes: Vec<Bounds3> = instances.iter().map(Placed::bounds).collect();
         let bvh = Bvh::build_by(options.preference.builder(), &[Geometry::boxes(&boxes)]).map_err(too_many)?;
-        Ok(Self { bvh, instances, options })
+        let (only_triangles, only_opaque) = (only_triangles(&instances), only_opaque(&instances));
+        Ok(Self { bvh, instances, only_triangles, only_opaque, options })
     }
 
     /// Follows instances that have changed: everything about them may change but their number (DXR, "Top-level
@@ -156,6 +173,7 @@ impl TopLevel {
         let instances = placed(instances)?;
         let boxes: Vec<Bounds3> = instances.iter().map(Placed::bounds).collect();
         let kept = self.bvh.update(&[Geometry::boxes(&boxes)]).map_err(too_many)?;
+        (self.only_triangles, self.only_opaque) = (only_triangles(&instances), only_opaque(&instances));
         self.instances = instances;
         Ok(kept)
     }
@@ -174,6 +192,19 @@ impl TopLevel {
     pub fn instance_count(&self) -> usize {
         self.instances.len()
     }
+}
+
+fn only_triangles(instances: &[Placed]) -> bool {
+    instances.iter().all(|placed| matches!(placed.bottom_level.content, Content::Triangles(_)))
+}
+
+fn only_opaque(instances: &[Placed]) -> bool {
+    let is_opaque = |placed: &Placed| match placed.flags {
+        f if f.contains(InstanceFlags::FORCE_OPAQUE) => true,
+        f if f.contains(InstanceFlags::FORCE_NON_OPAQUE) => false,
+        _ => placed.bottom_level.is_opaque,
+    };
+    instances.iter().all(is_opaque)
 }
 
 fn placed(instances: &[Instance]) -> Result<Vec<Placed>, BuildError> {

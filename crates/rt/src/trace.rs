@@ -1,6 +1,7 @@
 //! Execution of traced rays and of calls of callable shaders (DXR, "TraceRay control flow").
 
 use crate::RayFlags;
+use crate::certain::{certain_hit, is_certain};
 use crate::context::{
     AnyHitContext, CallableContext, ClosestHitContext, Frame, IntersectionContext, Machine, MissContext, Report,
     TraceRay,
@@ -35,35 +36,35 @@ where
     M: Miss<I>,
     C: Callable<I>,
 {
-    fn trace(&self, frame: Frame<I>, call: &TraceRay, payload: &mut I::Payload) -> Result<(), Fault> {
+    fn trace(&self, frame: &Frame<I>, call: &TraceRay, payload: &mut I::Payload) -> Result<(), Fault> {
         let limit = self.pipeline.config.max_recursion_depth;
         if frame.depth >= limit {
             return Err(Fault::RecursionDepth { limit });
         }
-        let (flags, ray) = (call.flags.validated().map_err(crate::RayError::from)?, call.ray.validated()?);
+        call.flags.validated().map_err(crate::RayError::from)?;
+        call.ray.check()?;
         frame.note(1, || {
-            let RayDesc { origin, direction, t_min, t_max } = ray;
-            Event::Trace { origin, direction, t_min, t_max, flags, mask: call.mask as u8 }
+            let RayDesc { origin, direction, t_min, t_max } = call.ray;
+            Event::Trace { origin, direction, t_min, t_max, flags: call.flags, mask: call.mask as u8 }
         });
-        let mut search = Search::new(call.scene, flags, call.mask as u8, ray, frame.thread.waiting.take());
         let mut attributes = None;
-        let searched = self.search(frame, call, &mut search, payload, &mut attributes);
-        let committed = search.committed;
-        frame.thread.waiting.set(search.into_buffer());
-        searched?;
+        let committed = match call.scene {
+            None => None,
+            Some(scene) if is_certain(scene, call.flags) => certain_hit(scene, call),
+            Some(_) => self.asked(frame, call, payload, &mut attributes)?,
+        };
         frame.note(2, || match committed {
             Some(Committed { id, t, .. }) => Event::Hit { primitive: id, t },
             None => Event::NoHit,
         });
-        let values = values(&ray, flags, committed.map_or(ray.t_max, |hit| hit.t));
-        let frame = Frame { depth: frame.depth + 1, ..frame };
+        let frame = &Frame { depth: frame.depth + 1, ..*frame };
         match (committed, call.scene) {
-            (Some(hit), Some(scene)) => self.closest_hit(frame, (call, scene), values, &hit, payload, attributes),
-            _ => self.miss(frame, call, values, payload),
+            (Some(hit), Some(scene)) => self.closest_hit(frame, (call, scene), &hit, payload, attributes),
+            _ => self.miss(frame, call, payload),
         }
     }
 
-    fn call(&self, frame: Frame<I>, index: u32, parameter: &mut I::Parameter) -> Result<(), Fault> {
+    fn call(&self, frame: &Frame<I>, index: u32, parameter: &mut I::Parameter) -> Result<(), Fault> {
         if frame.calls >= MAX_CALL_DEPTH {
             return Err(Fault::CallDepth { limit: MAX_CALL_DEPTH });
         }
@@ -88,18 +89,21 @@ where
     C: Callable<I>,
 {
     /// The frame of a shader that is called from another one.
-    pub fn deeper<'f>(&self, frame: Frame<'f, I>, bytes: u32) -> Result<Frame<'f, I>, Fault> {
+    #[inline]
+    pub fn deeper<'f>(&self, frame: &Frame<'f, I>, bytes: u32) -> Result<Frame<'f, I>, Fault> {
         let (needed, limit) = (frame.stack + u64::from(bytes), self.pipeline.stack_size);
-        if needed > limit { Err(Fault::Stack { needed, limit }) } else { Ok(Frame { stack: needed, ..frame }) }
+        if needed > limit { Err(Fault::Stack { needed, limit }) } else { Ok(Frame { stack: needed, ..*frame }) }
     }
 
     /// Notes that a shader begins; `frame` is its own.
+    #[inline]
     fn begins(&self, frame: &Frame<I>, stage: Stage, name: &str) {
         let below = if matches!(stage, Stage::Intersection | Stage::AnyHit) { 2 } else { 0 };
         frame.note(below, || Event::Shader { stage, name: name.to_owned() });
     }
 
     /// The hit group for a primitive; `None` where the record is null.
+    #[inline]
     fn group(
         &self,
         frame: &Frame<I>,
@@ -129,35 +133,52 @@ where
         Ok(Some((export, &record.local)))
     }
 
+    /// The hit of a ray where shaders may have to be asked.
+    #[inline(never)]
+    fn asked(
+        &self,
+        frame: &Frame<I>,
+        call: &TraceRay,
+        payload: &mut I::Payload,
+        attributes: &mut Option<I::Attributes>,
+    ) -> Result<Option<Committed>, Fault> {
+        let mut search = Search::new(*call, frame.thread.waiting.take());
+        let searched = self.search(frame, call, &mut search, payload, attributes);
+        let committed = search.committed;
+        frame.thread.waiting.set(search.into_buffer());
+        searched.map(|()| committed)
+    }
+
     /// Asks shaders about all candidates.
     fn search(
         &self,
-        frame: Frame<I>,
+        frame: &Frame<I>,
         call: &TraceRay,
         search: &mut Search,
         payload: &mut I::Payload,
         attributes: &mut Option<I::Attributes>,
     ) -> Result<(), Fault> {
         while let Some(candidate) = search.proceed() {
-            let Some(scene) = search.scene else { break };
-            let Some(primitive) = Primitive::new(scene, candidate.id, &search.ray) else { continue };
+            let Some(scene) = search.call.scene else { break };
+            let Some(primitive) = Primitive::new(scene, candidate.id, &search.call.ray) else { continue };
             let is_procedural = candidate.triangle.is_none();
             frame.note(2, || {
                 let Candidate { id: primitive, t, is_opaque, .. } = candidate;
                 Event::Candidate { primitive, t, is_procedural, is_opaque }
             });
-            let group = self.group(&frame, 2, (call, scene), candidate.id, is_procedural)?;
+            let group = self.group(frame, 2, (call, scene), candidate.id, is_procedural)?;
             match (candidate.triangle, group) {
                 (Some(barycentrics), Some((export, local))) if export.shader.has_any_hit() => {
                     let context = AnyHitContext {
                         frame: self.deeper(frame, export.stack.any_hit)?,
                         local,
-                        ray: values(&search.ray, search.flags, candidate.t),
+                        call,
+                        t: candidate.t,
                         primitive,
                         kind: None,
                     };
                     let attributes = HitAttributes::Triangle(barycentrics);
-                    self.begins(&frame, Stage::AnyHit, &export.name);
+                    self.begins(frame, Stage::AnyHit, &export.name);
                     let verdict = export.shader.any_hit(&context, payload, &attributes).0;
                     frame.note(3, || Event::Decision { verdict: verdict.name() });
                     match verdict {
@@ -177,7 +198,7 @@ where
                     let any_hit = if candidate.is_opaque || !export.shader.has_any_hit() {
                         None
                     } else {
-                        Some(self.deeper(frame, export.stack.any_hit))
+                        Some(self.deeper(&frame, export.stack.any_hit))
                     };
                     self.begins(&frame, Stage::Intersection, &export.name);
                     let mut reporter = Reporter {
@@ -202,11 +223,11 @@ where
         Ok(())
     }
 
+    #[inline]
     fn closest_hit(
         &self,
-        frame: Frame<I>,
+        frame: &Frame<I>,
         (call, scene): (&TraceRay, &TopLevel),
-        ray: RayValues,
         hit: &Committed,
         payload: &mut I::Payload,
         attributes: Option<I::Attributes>,
@@ -215,7 +236,7 @@ where
             return Ok(());
         }
         let is_triangle = hit.kind.is_none();
-        let Some((export, local)) = self.group(&frame, 0, (call, scene), hit.id, !is_triangle)? else { return Ok(()) };
+        let Some((export, local)) = self.group(frame, 0, (call, scene), hit.id, !is_triangle)? else { return Ok(()) };
         let Some(primitive) = Primitive::new(scene, hit.id, &call.ray) else { return Ok(()) };
         let attributes = match attributes.filter(|_| !is_triangle) {
             None => HitAttributes::Triangle(hit.barycentrics),
@@ -226,11 +247,11 @@ where
         }
         let frame = self.deeper(frame, export.stack.closest_hit)?;
         self.begins(&frame, Stage::ClosestHit, &export.name);
-        let mut context = ClosestHitContext { frame, local, ray, primitive, kind: hit.kind };
+        let mut context = ClosestHitContext { frame, local, call, t: hit.t, primitive, kind: hit.kind };
         export.shader.closest_hit(&mut context, payload, &attributes)
     }
 
-    fn miss(&self, frame: Frame<I>, call: &TraceRay, ray: RayValues, payload: &mut I::Payload) -> Result<(), Fault> {
+    fn miss(&self, frame: &Frame<I>, call: &TraceRay, payload: &mut I::Payload) -> Result<(), Fault> {
         let table = &self.tables.miss;
         let record = table.miss(call.miss_index)?;
         let export = record.handle.and_then(|h| self.pipeline.library.miss.get(h.index as usize));
@@ -239,13 +260,8 @@ where
         let Some(export) = export else { return Ok(()) };
         let frame = self.deeper(frame, export.stack)?;
         self.begins(&frame, Stage::Miss, &export.name);
-        export.shader.run(&mut MissContext { frame, local: &record.local, ray }, payload)
+        export.shader.run(&mut MissContext { frame, local: &record.local, call, t: call.ray.t_max }, payload)
     }
-}
-
-fn values(ray: &RayDesc, flags: RayFlags, t_current: f32) -> RayValues {
-    let RayDesc { origin, direction, t_min, .. } = *ray;
-    RayValues { origin, direction, t_min, t_current, flags }
 }
 
 /// Hears of hits on one procedural primitive.
@@ -270,7 +286,8 @@ impl<I: Interface, H: HitGroup<I>> Reporter<'_, '_, '_, I, H> {
         let context = AnyHitContext {
             frame: *frame.as_ref().map_err(Fault::clone)?,
             local: self.local,
-            ray: values(&self.search.ray, self.search.flags, t),
+            call: &self.search.call,
+            t,
             primitive: self.primitive,
             kind: Some(kind),
         };
@@ -283,7 +300,7 @@ impl<I: Interface, H: HitGroup<I>> Reporter<'_, '_, '_, I, H> {
 
 impl<I: Interface, H: HitGroup<I>> Report<I> for Reporter<'_, '_, '_, I, H> {
     fn ray(&self) -> RayValues {
-        values(&self.search.ray, self.search.flags, self.search.t_current())
+        self.search.call.values(self.search.t_current())
     }
 
     fn report(&mut self, t: f32, kind: HitKind, attributes: I::Attributes) -> ControlFlow<EndSearch, bool> {
@@ -305,7 +322,7 @@ impl<I: Interface, H: HitGroup<I>> Report<I> for Reporter<'_, '_, '_, I, H> {
 impl<I: Interface, H: HitGroup<I>> Reporter<'_, '_, '_, I, H> {
     /// Commits a hit where it counts, and says whether it does.
     fn consider(&mut self, t: f32, kind: HitKind, attributes: I::Attributes) -> Result<bool, Fault> {
-        if !(t >= self.search.ray.t_min && t <= self.search.t_current()) {
+        if !(t >= self.search.call.ray.t_min && t <= self.search.t_current()) {
             return Ok(false);
         }
         if kind.is_triangle() {
