@@ -45,7 +45,7 @@ impl<'s> TraceRay<'s> {
         }
     }
 
-    /// What shaders can read of the ray; `t_current` is its end now, or where its hit is.
+    /// Values of the ray for shaders; `t_current` is its end now, or where its hit is.
     #[inline]
     pub(crate) fn values(&self, t_current: f32) -> RayValues {
         let RayDesc { origin, direction, t_min, .. } = self.ray;
