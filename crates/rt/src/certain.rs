@@ -1,11 +1,11 @@
 //! The search of a ray that meets nothing but opaque triangles: no shader is asked, and the hierarchy's own queries find
 //! the hit.
 
+use crate::committed::Committed;
 use crate::context::TraceRay;
-use crate::entered::{Entered, Instances};
+use crate::entered::{Entered, Instances, object_ray};
 use crate::flags::RayFlags;
 use crate::ray::{Barycentrics, PrimitiveId};
-use crate::search::Committed;
 use crate::top_level::TopLevel;
 use std::cell::Cell;
 use steradian_accel::Hit;
@@ -57,7 +57,7 @@ fn hit_in(scene: &TopLevel, call: &TraceRay, index: u32, end: f32) -> Option<Com
         if u32::from(placed.mask) & call.mask == 0 {
             return None;
         }
-        placed.bottom_level.bvh.intersect(&placed.enter(&call.ray, end), &())?
+        placed.bottom_level.bvh.intersect(&object_ray(placed, &call.ray, end), &())?
     } else {
         special_hit_in(scene, call, index, end)?
     };

@@ -5,7 +5,7 @@ use crate::context::TraceRay;
 use crate::flags::GeometryFlags;
 use crate::plan::{Class, Plan};
 use crate::queue::{Candidate, Queue};
-use crate::ray::{Barycentrics, PrimitiveId};
+use crate::ray::{Barycentrics, PrimitiveId, RayDesc};
 use crate::top_level::{Placed, TopLevel};
 use std::cell::{Cell, RefCell};
 use steradian_accel::{Hit, PrimId, UserHit, UserPrimitives};
@@ -20,6 +20,17 @@ impl<F: Fn(u32, f32) -> Option<f32>> UserPrimitives for Instances<F> {
     fn intersect(&self, id: PrimId, ray: &Ray) -> Option<UserHit> {
         (self.0)(id.prim, ray.t_max).map(|t| UserHit { t, u: 0.0, v: 0.0 })
     }
+}
+
+/// A ray in the object space of an instance, with this end of its interval.
+#[inline]
+pub(crate) fn object_ray(placed: &Placed, ray: &RayDesc, t_max: f32) -> Ray {
+    let (mut origin, mut direction) = (ray.origin, ray.direction);
+    if !placed.is_in_place {
+        origin = placed.place.inv.transform_point3(origin);
+        direction = placed.place.inv.transform_vector3(direction);
+    }
+    Ray { t_max, ..Ray::new(origin, direction) }
 }
 
 /// An instance that a ray has entered.
@@ -44,7 +55,7 @@ impl<'a> Entered<'a> {
         let is_triangles = matches!(bottom.content, Content::Triangles(_));
         let plan = Plan::new(call.flags, call.mask as u8, placed, is_triangles)?;
         // For triangles the end of the interval does not belong to it.
-        let ray = placed.enter(&call.ray, if is_triangles { end.min(t_current) } else { end });
+        let ray = object_ray(placed, &call.ray, if is_triangles { end.min(t_current) } else { end });
         let is_certain = is_triangles && plan.is_certain(bottom.is_opaque);
         Some(Self { plan, ray, instance: index, bottom, t_min: call.ray.t_min, is_certain })
     }

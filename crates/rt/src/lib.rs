@@ -106,6 +106,7 @@ mod bottom_level;
 mod bytes;
 mod capture;
 mod certain;
+mod committed;
 mod compaction;
 pub mod context;
 mod decision;

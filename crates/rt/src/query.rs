@@ -1,11 +1,12 @@
 //! Ray queries: tracing in the middle of any code, without shaders (DXR, "Inline raytracing"; Vulkan, `rayQueryEXT`).
 
+use crate::committed::Committed;
 use crate::context::TraceRay;
 use crate::error::RayError;
 use crate::flags::RayFlags;
 use crate::queue::Candidate;
 use crate::ray::{Barycentrics, HitKind, Primitive, RayDesc, RayValues};
-use crate::search::{Committed, Search};
+use crate::search::Search;
 use crate::top_level::TopLevel;
 
 /// A ray on its way through a structure.

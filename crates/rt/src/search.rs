@@ -9,24 +9,13 @@
 //!   again for the next few as long as all are refused.
 
 use crate::certain::{certain_hit, is_certain};
+use crate::committed::Committed;
 use crate::context::TraceRay;
 use crate::entered::{Entered, Instances};
 use crate::flags::RayFlags;
 use crate::queue::{Candidate, Queue};
-use crate::ray::{Barycentrics, HitKind, PrimitiveId};
 use crate::top_level::TopLevel;
 use std::cell::{Cell, RefCell};
-
-/// A hit that counts.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Committed {
-    pub t: f32,
-    pub id: PrimitiveId,
-    /// Reported kind of a procedural hit; `None` for a triangle, whose face is found when it is asked for.
-    pub kind: Option<HitKind>,
-    /// Position in a triangle.
-    pub barycentrics: Barycentrics,
-}
 
 /// State of a search.
 #[derive(Clone, Copy, Debug)]

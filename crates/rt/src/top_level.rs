@@ -3,11 +3,10 @@
 use crate::bottom_level::{BottomLevel, BuildOptions, Content, MAX_GEOMETRIES, same_count, too_many, within};
 use crate::error::BuildError;
 use crate::flags::InstanceFlags;
-use crate::ray::RayDesc;
 use crate::transform::Transform3x4;
 use std::sync::Arc;
 use steradian_accel::{Bvh, Geometry};
-use steradian_math::{Bounds3, Ray, Vec3, transform::Affine};
+use steradian_math::{Bounds3, Vec3, transform::Affine};
 
 /// A placement of a bottom-level structure (DXR, "D3D12_RAYTRACING_INSTANCE_DESC"; Vulkan,
 /// `VkAccelerationStructureInstanceKHR`).
@@ -107,17 +106,6 @@ pub(crate) struct Placed {
 }
 
 impl Placed {
-    /// A ray in object space, with this end of its interval.
-    #[inline]
-    pub fn enter(&self, ray: &RayDesc, t_max: f32) -> Ray {
-        let (mut origin, mut direction) = (ray.origin, ray.direction);
-        if !self.is_in_place {
-            origin = self.place.inv.transform_point3(origin);
-            direction = self.place.inv.transform_vector3(direction);
-        }
-        Ray { t_max, ..Ray::new(origin, direction) }
-    }
-
     /// A box in world space that contains every point where a ray that was moved to object space may meet it.
     fn bounds(&self) -> Bounds3 {
         let bounds = self.bottom_level.bounds();

@@ -2,6 +2,7 @@
 
 use crate::RayFlags;
 use crate::certain::{certain_hit, is_certain};
+use crate::committed::Committed;
 use crate::context::{
     AnyHitContext, CallableContext, ClosestHitContext, Frame, IntersectionContext, Machine, MissContext, Report,
     TraceRay,
@@ -14,7 +15,7 @@ use crate::interface::Interface;
 use crate::pipeline::{Export, HitGroupStack, MAX_CALL_DEPTH, Pipeline};
 use crate::queue::Candidate;
 use crate::ray::{Barycentrics, HitKind, Primitive, PrimitiveId, RayDesc, RayValues};
-use crate::search::{Committed, Search};
+use crate::search::Search;
 use crate::stages::{Callable, Miss, RayGeneration};
 use crate::table::{HitIndex, ShaderTables};
 use crate::top_level::TopLevel;
