@@ -1,5 +1,4 @@
-//! The search of a ray that meets nothing but opaque triangles: no shader is asked, and the hierarchy's own queries find
-//! the hit.
+//! The search of a ray that meets nothing but opaque triangles: no shader is asked, and the hierarchy finds the hit.
 
 use crate::committed::Committed;
 use crate::context::TraceRay;
