@@ -42,6 +42,12 @@ impl Regions {
         Self { cells: Cells::new(&self.nodes, bounds), ..self }
     }
 
+    /// The box of the grid.
+    #[inline]
+    pub fn bounds(&self) -> &Bounds3 {
+        &self.cells.bounds
+    }
+
     /// Number of the leaf about a point.
     #[inline]
     pub fn leaf(&self, p: Vec3) -> Option<usize> {

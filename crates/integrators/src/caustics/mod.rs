@@ -81,6 +81,12 @@ impl Caustics {
         Self { regions: regions.within(bounds), leaves }
     }
 
+    /// True if there may be photons about a point.
+    #[inline]
+    pub(crate) fn reaches(&self, p: Vec3) -> bool {
+        self.regions.bounds().contains(p)
+    }
+
     /// The photons about a point.
     #[inline]
     fn leaf(&self, p: Vec3) -> Option<&Leaf> {

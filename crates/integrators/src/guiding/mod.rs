@@ -47,6 +47,12 @@ impl Guides {
         training::train(scene, path, self, samples, stop)
     }
 
+    /// True if there may be a guide at a point, by whatever is there.
+    #[inline]
+    pub(crate) fn may_know(&self, p: Vec3) -> bool {
+        self.field.is_some() || self.caustics.as_ref().is_some_and(|caustics| caustics.reaches(p))
+    }
+
     /// True if nothing guides.
     pub fn is_empty(&self) -> bool {
         self.caustics.is_none() && self.field.is_none()

@@ -275,10 +275,11 @@ fn flat_light(b: &mut Block, k: usize, may_be_large: bool) {
 }
 
 kernel! {
-    /// Light and the sampled direction at Lambertian surfaces.
+    /// Light and the sampled direction at Lambertian surfaces, with the rays that leave.
     pub fn diffuse(b: &'a mut Block, depth: Depth) {
         for k in 0..WIDTH {
-            diffuse_at(b, k, &depth, false);
+            diffuse_at(b, k, false);
+            depart_from(b, k, &depth);
         }
     }
 }
@@ -287,14 +288,24 @@ kernel! {
     /// [`diffuse`] where some are in media.
     pub fn diffuse_in_media(b: &'a mut Block, depth: Depth) {
         for k in 0..WIDTH {
-            diffuse_at(b, k, &depth, true);
+            diffuse_at(b, k, true);
+            depart_from(b, k, &depth);
         }
     }
 }
 
-/// [`diffuse`] of a vertex.
+kernel! {
+    /// [`diffuse_in_media`] without the rays that leave.
+    pub fn diffuse_light(b: &'a mut Block) {
+        for k in 0..WIDTH {
+            diffuse_at(b, k, true);
+        }
+    }
+}
+
+/// Light and the sampled direction at a Lambertian vertex.
 #[inline(always)]
-fn diffuse_at(b: &mut Block, k: usize, depth: &Depth, in_media: bool) {
+fn diffuse_at(b: &mut Block, k: usize, in_media: bool) {
     let frame = Frame::from_z(get3(&b.light_n, k));
     let o = frame.to_local(-get3(&b.direction, k));
     let (reflectance, beta) = (get4(&b.reflectance, k), get4(&b.beta, k));
@@ -316,7 +327,6 @@ fn diffuse_at(b: &mut Block, k: usize, depth: &Depth, in_media: bool) {
     b.pdf[k] = w.z * FRAC_1_PI;
     set3(&mut b.wi, k, frame.to_world(w));
     set4(&mut b.beta, k, by_lane(|c| beta[c] * reflectance[c]));
-    depart_from(b, k, depth);
 }
 
 /// Attenuates the light of a light sample by the medium, `exp(−σt d)`.

@@ -28,7 +28,13 @@ impl<const MEDIA: bool> Walk<'_, '_, MEDIA> {
         materials(b, vertices, self.scene, pixel_samples);
         let numbers = vertices.iter().map(|(number, _)| *number);
         illuminate(self.lanes, b, numbers.clone(), self.scene, pixel_samples);
-        if MEDIA {
+        let are_guided = self.are_guided(b, vertices.len());
+        if are_guided.contains(&true) {
+            let arriving = b.beta;
+            block::diffuse_light(self.lanes, b);
+            self.draw_guided(b, (vertices, &are_guided), &arriving, walkers);
+            block::depart(self.lanes, b, self.path.depth);
+        } else if MEDIA {
             block::diffuse_in_media(self.lanes, b, self.path.depth);
         } else {
             block::diffuse(self.lanes, b, self.path.depth);
@@ -65,7 +71,7 @@ impl<const MEDIA: bool> Walk<'_, '_, MEDIA> {
             // The state after the event: ray, throughput, and the origin for the MIS weight of the next emission.
             if *goes_on {
                 state.ray = Ray { time, ..Ray::new(get3(&b.origin, k), get3(&b.wi, k)) };
-                state.beta = beta;
+                (state.beta, state.roulette_scale) = (beta, b.roulette_scale[k]);
                 state.origin = Some((LightContext { p: get3(&b.p, k), n: get3(&b.light_n, k) }, b.pdf[k]));
                 state.events += 1;
                 state.differential = None;

@@ -17,7 +17,7 @@
 //!
 //! Columns exist for camera rays, Sobol' numbers, points on triangles, the light tree, samples of flat lights,
 //! Lambertian reflection (`diffuse`), flights, attenuation and phase functions of homogeneous media (`media`), spawned
-//! rays and roulette. Other models, textures, media that vary or are seen through interfaces, and other lights are
+//! rays and roulette. Directions that a guide draws (`guided`), other models, textures, media that vary or are seen through interfaces, and other lights are
 //! computed vertex by vertex between kernels (`vertices`), so a new model or light touches no file of this module.
 //!
 //! A loop becomes vector instructions only if all functions that it calls are inlined, if all columns that it writes
@@ -29,6 +29,7 @@
 
 mod block;
 mod diffuse;
+mod guided;
 mod lights;
 mod media;
 mod vertices;
@@ -132,10 +133,9 @@ pub(crate) fn wave<'s, const MEDIA: bool>(
     }
     buffer.live.clear();
     buffer.live.extend(0..pixel_samples.len() as u32);
-    // Guides draw their numbers themselves, and the way to a light may lead through several media.
-    let has_columns = precomputed.guides.is_empty()
-        && !(MEDIA && scene.is_see_through())
-        && pixel_samples.first().is_some_and(|s| s.own.sobol().is_some());
+    // The way to a light may lead through several media.
+    let has_columns =
+        !(MEDIA && scene.is_see_through()) && pixel_samples.first().is_some_and(|s| s.own.sobol().is_some());
     let walk = Walk { path, scene, precomputed, has_columns, lanes: Lanes::best() };
     // One turn for each bounce, until no path is left.
     while !buffer.live.is_empty() {

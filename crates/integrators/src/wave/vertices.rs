@@ -5,13 +5,13 @@ use super::{
     block::{self, Block, GOES_ON, IS_NOT_FINITE},
     lights::illuminate,
 };
-use crate::Counters;
+use crate::{Counters, guiding::Guides};
 use steradian_accel::columns::{WIDTH, get3, get4, set3, set4};
 use steradian_bsdf::BsdfSample;
 use steradian_core::light::LightSample;
 use steradian_engine::{PathContext, PixelSample};
 use steradian_math::{Ray, Spectrum, Vec2};
-use steradian_transport::{Arrival, Vertex};
+use steradian_transport::{Arrival, Guide, GuidedDirection, Vertex};
 
 /// Vertices of any kind at which some paths arrived, up to a block of them.
 #[derive(Debug)]
@@ -69,7 +69,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
         if vertices.numbers.is_empty() {
             return;
         }
-        let scene = self.scene;
+        let (scene, guide) = (self.scene, self.precomputed.guide());
         for (k, (number, vertex, _)) in vertices.iter().enumerate() {
             let (state, sample) = (&walkers[number as usize].state, &pixel_samples[number as usize]);
             // What kernels need of the vertex: reference point, error bounds, normal, and random numbers.
@@ -108,12 +108,15 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
             }
             set4(&mut b.light, k, (state.beta * light).to_array());
             b.is_lit[k] = u32::from(!light.is_black());
-            // A direction by the model; throughput β f |cosθ| / p.
-            let drawn = vertex.draw(b.lobe_u[k], Vec2::new(b.bsdf_u[0][k], b.bsdf_u[1][k]));
+            // A direction by the model, or by the mixture with a guide; throughput β f |cosθ| / p.
+            let drawn = guide.and_then(|guide| guided(vertex, guide, b, k)).unwrap_or_else(|| {
+                let u2 = Vec2::new(b.bsdf_u[0][k], b.bsdf_u[1][k]);
+                vertex.draw(b.lobe_u[k], u2).map(GuidedDirection::by_surface)
+            });
             b.is_drawn[k] = drawn.is_some().into();
-            let Some(s) = drawn else { continue };
+            let Some(GuidedDirection { sample: s, ratio }) = drawn else { continue };
             set3(&mut b.wi, k, vertex.world(s.wi));
-            b.roulette_scale[k] = state.roulette_scale * (s.eta * s.eta);
+            b.roulette_scale[k] = state.roulette_scale * (s.eta * s.eta / ratio);
             b.is_single[k] = lambda.is_secondary_terminated().into();
             set4(&mut b.beta, k, (state.beta * s.weight).to_array());
             *draw = s;
@@ -139,4 +142,13 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
         }
         vertices.clear();
     }
+}
+
+/// A direction drawn at a vertex with the numbers of its place in a block: by the mixture with what a guide knows there;
+/// `None` where it knows nothing.
+#[inline]
+pub(super) fn guided(vertex: &Vertex<'_>, guide: &Guides, b: &Block, k: usize) -> Option<Option<GuidedDirection>> {
+    let directions = guide.at(vertex)?;
+    let u2 = Vec2::new(b.bsdf_u[0][k], b.bsdf_u[1][k]);
+    Some(GuidedDirection::by_mixture(vertex, &directions, b.lobe_u[k], u2))
 }
