@@ -16,7 +16,7 @@ const RR_DEPTH: Parameter =
 const HIDE_EMITTERS: Parameter =
     flag("hide_emitters", "false; the scene's", "whether camera rays pass lights, to what is behind them");
 const REUSE: Parameter =
-    word("reuse", "auto, 1, 4, 16", "auto", "neighbouring pixels that share what their paths find; auto: by a trial");
+    word("reuse", "auto, 1, 4, 16", "1", "neighbouring pixels that share what their paths find; auto: by a trial");
 const CAUSTICS: Parameter = word(
     "caustics",
     "auto, true, false",

@@ -1,9 +1,9 @@
 //! Trials: before a picture a few of its samples tell which means against noise pay.
 //!
 //! Trials run in the first step of a session, on its own threads. They can be cancelled, and their time counts. Renders
-//! of at least 2²⁰ samples spend about a thirtieth of them on effort: `effort` selects one to four light samples for
-//! each vertex and the roulette threshold, and `splitting` makes a sample in some cells of the picture the mean of two
-//! or four paths. `sharing` selects the size of groups, `caustics` decides about photons.
+//! of at least 2¹⁸ samples spend about a thirtieth of them on effort: `splitting` makes a sample in some cells of the
+//! picture the mean of two or four paths, and where paths share, `effort` selects one to four light samples for each
+//! vertex and the roulette threshold. `caustics` decides about photons; `sharing` selects the size of groups, if asked.
 
 pub(crate) mod caustics;
 mod effort;
@@ -21,10 +21,8 @@ use steradian_math::{Frame, Vec2, sobol, warp};
 /// those of the trial.
 const WORTH: f64 = 1.8;
 
-/// Pictures of fewer samples have no trials of effort and splitting, which take a thirtieth of so many each.
-const FEWEST: u64 = 1 << 20;
-/// Pictures of fewer samples share nothing: the trial of sharing would take a good part of the time.
-const FEWEST_SHARING: u64 = 1 << 18;
+/// Pictures of fewer samples have no trials of sharing, effort and splitting, which take a thirtieth of so many each.
+const FEWEST: u64 = 1 << 18;
 
 /// Runs the trials of a scene, for the paths and pictures of a plan.
 pub(crate) fn run<const MEDIA: bool>(
@@ -66,7 +64,7 @@ pub(crate) fn run<const MEDIA: bool>(
     precomputed.group = match variance_reduction.reuse {
         _ if varies => 1,
         Some(group) => group,
-        None if samples < FEWEST_SHARING => 1,
+        None if samples < FEWEST => 1,
         None => sharing::trial(path, scene, &Precomputed { is_open, ..precomputed.clone() }, samples),
     };
     precomputed.is_open = is_open && precomputed.group > 1;

@@ -1,4 +1,4 @@
-//! Samples of a group of pixels for trials, by their luminance and cost.
+//! Samples for trials, of groups of pixels or of pixels that share nothing, by their luminance and cost.
 
 use crate::{
     Counters,
@@ -6,6 +6,7 @@ use crate::{
     path::PathTracer,
     precomputed::Precomputed,
     sharing::{self, GroupBuffer},
+    wave::{WaveBuffer, wave},
 };
 use steradian_core::{
     Scene,
@@ -25,9 +26,12 @@ pub(crate) struct Probe<'a, 's> {
 impl<'a, 's> Probe<'a, 's> {
     /// A group of a partition.
     pub fn new(scene: &Scene, partition: &'a Partition, window: Window) -> Self {
-        let is_on_film = |p: &Place| p.x < scene.film().width && p.y < scene.film().height;
-        let places = partition.places(window).filter(is_on_film).collect();
-        Self { places, partition, pixel_samples: Vec::new(), buffer: GroupBuffer::default() }
+        Self {
+            places: on_film(scene, partition, window).collect(),
+            partition,
+            pixel_samples: Vec::new(),
+            buffer: GroupBuffer::default(),
+        }
     }
 
     /// One of the `of` samples of each pixel, spread over each other as those of a picture are: its luminance, zero
@@ -51,12 +55,43 @@ impl<'a, 's> Probe<'a, 's> {
         let mut counters = Counters::until(&precomputed.stop);
         sharing::group(path, scene, precomputed, &mut self.pixel_samples, &mut self.buffer, &mut counters);
         let mut light = [0.0; MAX_GROUP];
-        for (light, pixel_sample) in light.iter_mut().zip(&self.pixel_samples) {
-            let l = f64::from(
-                scene.mode().luminance(pixel_sample.radiance, &pixel_sample.lambda) * scene.film().imaging_ratio,
-            );
-            *light = if l.is_finite() { l } else { 0.0 };
-        }
+        light.iter_mut().zip(&self.pixel_samples).for_each(|(light, s)| *light = luminance(scene, s));
         (light, (self.pixel_samples.len() as u64 + counters.rays) as f64)
     }
+}
+
+/// The pixels of a window that are on the film.
+pub(crate) fn on_film<'a>(
+    scene: &Scene,
+    partition: &'a Partition,
+    window: Window,
+) -> impl Iterator<Item = Place> + use<'a> {
+    let (width, height) = (scene.film().width, scene.film().height);
+    partition.places(window).filter(move |p| p.x < width && p.y < height)
+}
+
+/// Two independent samples of each of some pixels, which share nothing: the luminances of the first ones, then those of
+/// the second ones, zero where not finite; and the rays of all, to which the start of a path adds one.
+pub(crate) fn alone<'s, const MEDIA: bool>(
+    path: &PathTracer<MEDIA>,
+    scene: &'s Scene,
+    precomputed: &Precomputed,
+    (partition, places): (&Partition, &[Place]),
+    buffer: &mut WaveBuffer<'s>,
+) -> (Vec<f64>, f64) {
+    let samplers = [0, 1].map(|seed| Sampler { kind: SamplerKind::Sobol, spp: 1, seed });
+    let all = samplers.iter().flat_map(|sampler| places.iter().map(move |place| (sampler, place)));
+    let mut samples: Vec<_> =
+        all.map(|(sampler, place)| PixelSample::at(scene, sampler, partition, 0, place).0).collect();
+    let mut counters = Counters::until(&precomputed.stop);
+    if !precomputed.stop.is_asked() {
+        wave(path, scene, precomputed, &mut samples, buffer, &mut counters);
+    }
+    (samples.iter().map(|s| luminance(scene, s)).collect(), (samples.len() as u64 + counters.rays) as f64)
+}
+
+/// Luminance of a sample, zero where it is not finite.
+fn luminance(scene: &Scene, s: &PixelSample) -> f64 {
+    let l = f64::from(scene.mode().luminance(s.radiance, &s.lambda) * scene.film().imaging_ratio);
+    if l.is_finite() { l } else { 0.0 }
 }

@@ -6,15 +6,16 @@
 //! samplers spread best. No part gets less than it would without.
 //!
 //! Whether that pays is asked of cells by what their neighbours found: a cell that by chance met something bright would
-//! otherwise promise what it cannot keep. What is promised has to be much, since twice the paths everywhere raise the
-//! efficiency too, with samplers that spread them well (by 1.0 to 1.2).
+//! otherwise promise what it cannot keep. Numbers of paths that cost much more than one each are not taken: who asks for
+//! samples expects about their time.
 
-use super::probe::Probe;
+use super::probe::{Probe, alone, on_film};
 use crate::{
     adaptive::{CELL, FLOOR, Need, around},
     partition::Partition,
     path::PathTracer,
     precomputed::{Precomputed, Splitting},
+    wave::WaveBuffer,
 };
 use rayon::prelude::*;
 use steradian_core::Scene;
@@ -22,10 +23,12 @@ use steradian_engine::MOST_PATHS;
 use steradian_math::hash::{combine32, mix32};
 
 /// Variance × cost has to become less by this factor.
-const WORTH: f64 = 1.35;
+const WORTH: f64 = 1.12;
+/// Cost of all samples over that of one path each, at most.
+const MOST_COST: f64 = 1.45;
 /// Factor by which a coarse pilot, of a quarter of the cells, has to lower variance × cost for the whole pilot to be
 /// run.
-const PROMISING: f64 = 1.2;
+const PROMISING: f64 = 1.05;
 /// Samples of the picture for each cell of the pilot, which has some 32 paths there, and most cells: those of larger
 /// pictures, or with fewer samples, stand for others beside them.
 const SAMPLES: u64 = 1024;
@@ -77,8 +80,8 @@ impl PilotStatistics {
         edge: u32,
     ) -> Self {
         let [columns, rows] = [scene.film().width, scene.film().height].map(|size| size.div_ceil(edge));
-        let need = |k| need(path, scene, precomputed, [k % columns, k / columns], edge);
-        Self { needs: (0..columns * rows).into_par_iter().map(need).collect(), columns, edge }
+        let need = |buffer: &mut _, k| need(path, scene, precomputed, ([k % columns, k / columns], edge), buffer);
+        Self { needs: (0..columns * rows).into_par_iter().map_init(Default::default, need).collect(), columns, edge }
     }
 
     /// The variance around each square.
@@ -90,7 +93,8 @@ impl PilotStatistics {
     fn best(&self) -> Best {
         // s ∝ √(v/c), with v of the neighbours.
         let demands: Vec<f64> = self.beside().iter().zip(&self.needs).map(|(v, need)| demand(*v, need)).collect();
-        // Σ v/s · Σ c s for the numbers of paths that belong to a unit.
+        // Σ v/s · Σ c s for the numbers of paths that belong to a unit; infinite where they cost too much.
+        let even: f64 = self.needs.iter().map(|need| f64::from(need.pixels) * need.rays).sum();
         let product = |unit: f64| {
             let (mut variance, mut cost) = (0.0, 0.0);
             for (need, demand) in self.needs.iter().zip(&demands) {
@@ -98,7 +102,7 @@ impl PilotStatistics {
                 variance += pixels * need.variance / s;
                 cost += pixels * need.rays * s;
             }
-            variance * cost
+            if cost > MOST_COST * even { f64::INFINITY } else { variance * cost }
         };
         // From where none has more than one path to where nearly all have the most.
         let greatest = demands.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
@@ -126,12 +130,12 @@ fn paths(demand: f64, unit: f64) -> u8 {
 }
 
 /// Variance and cost of a square, by one of its cells.
-fn need<const MEDIA: bool>(
+fn need<'s, const MEDIA: bool>(
     path: &PathTracer<MEDIA>,
-    scene: &Scene,
+    scene: &'s Scene,
     precomputed: &Precomputed,
-    square: [u32; 2],
-    edge: u32,
+    (square, edge): ([u32; 2], u32),
+    buffer: &mut WaveBuffer<'s>,
 ) -> Need {
     // A random cell of the square.
     let hash = combine32(mix32(square[0]), square[1]);
@@ -142,19 +146,30 @@ fn need<const MEDIA: bool>(
         let cells = (size[axis] - first).min(edge).div_ceil(CELL);
         first + (hash >> (16 * axis)) % cells * CELL
     });
-    // Larger groups reach far beyond the cell: small ones stand for them.
-    let partition = Partition::new(precomputed.reuse().min(4), 0);
+    // Two samples of each pixel: variance from their difference, brightness from their sum.
     let (mut variance, mut level, mut cost, mut count) = (0.0, 0.0, 0.0, 0);
-    for window in partition.about(at, hash) {
-        let mut probe = Probe::new(scene, &partition, window);
-        // Two samples of each pixel: variance from their difference, brightness from their sum.
-        let [a, b] = [0, 1].map(|seed| probe.sample(path, scene, precomputed, seed, (0, 1)));
-        count += probe.places.len() as u32;
-        cost += 0.5 * (a.1 + b.1);
-        for (a, b) in a.0.iter().zip(&b.0).take(probe.places.len()) {
+    let mut add = |[a, b]: [&[f64]; 2], rays: f64| {
+        count += a.len() as u32;
+        cost += 0.5 * rays;
+        for (a, b) in a.iter().zip(b) {
             variance += (a - b).powi(2) / 2.0;
             level += (a + b) / 2.0;
         }
+    };
+    // Larger groups reach far beyond the cell: small ones stand for them.
+    let partition = Partition::new(precomputed.reuse().min(4), 0);
+    if precomputed.reuse() > 1 {
+        for window in partition.about(at, hash) {
+            let mut probe = Probe::new(scene, &partition, window);
+            let [a, b] = [0, 1].map(|seed| probe.sample(path, scene, precomputed, seed, (0, 1)));
+            let count = probe.places.len();
+            add([&a.0[..count], &b.0[..count]], a.1 + b.1);
+        }
+    } else {
+        let places: Vec<_> = partition.about(at, hash).flat_map(|w| on_film(scene, &partition, w)).collect();
+        let (light, rays) = alone(path, scene, precomputed, (&partition, &places), buffer);
+        let (a, b) = light.split_at(places.len());
+        add([a, b], rays);
     }
     let n = f64::from(count.max(1));
     level /= n;
@@ -174,16 +189,20 @@ mod tests {
         PilotStatistics { needs: (0..1024).map(need).collect(), columns: 32, edge: CELL }
     }
 
-    /// A quarter of the picture with 200 times the variance: four paths there take 7/4 of the cost and leave 203/803 of
-    /// the variance, so the gain is 2.26; cells at its border, which go by those beside them, take a little away.
+    /// An eighth of the picture with 200 times the variance: four paths there take 11/8 of the cost and leave 57/207 of
+    /// the variance, so the gain is 2.64; cells at its border, which go by those beside them, take a little away. Where
+    /// it is a quarter, four would cost too much.
     #[test]
     fn what_errs_more_gets_more() {
-        let pilot = pilot(|x, y| x < 16 && y < 16, 200.0, 2.0);
-        let best = pilot.best();
-        assert!(best.gain > 2.1 && best.gain < 2.27, "{}", best.gain);
-        let splitting = pilot.splitting(best.unit);
-        let paths = |x, y| splitting.paths([x * CELL + 3, y * CELL + 7]);
-        assert_eq!([paths(3, 3), paths(14, 0), paths(20, 3), paths(31, 31)], [4, 4, 1, 1]);
+        let splitting = |rows: u32, gain: std::ops::Range<f64>| {
+            let pilot = pilot(|x, y| x < 16 && y < rows, 200.0, 2.0);
+            let best = pilot.best();
+            assert!(gain.contains(&best.gain), "{}", best.gain);
+            let splitting = pilot.splitting(best.unit);
+            [[3, 3], [14, 0], [20, 3], [31, 31]].map(|[x, y]| splitting.paths([x * CELL + 3, y * CELL + 7]))
+        };
+        assert_eq!(splitting(8, 2.3..2.65), [4, 4, 1, 1]);
+        assert_eq!(splitting(16, 1.4..1.58), [2, 2, 1, 1]);
     }
 
     /// Nothing is gained where all is alike, and nothing by what one cell met that its neighbours know nothing of, in a

@@ -51,7 +51,12 @@ fn waves_have_the_bits_of_single_paths() {
             let scene = compile(&loaded.desc, &options).scene;
             let scene = Arc::new(scene.unwrap_or_else(|| panic!("{}: no scene", path.display())));
             assert!(!scene.light_groups().names.is_empty());
-            for integrator in ["path:reuse=1,caustics=false,effort=even", "volpath:reuse=1,caustics=false"] {
+            for integrator in [
+                "path:caustics=false,effort=even",
+                "volpath:caustics=false",
+                "path:caustics=true",
+                "volpath:caustics=true,guiding=true",
+            ] {
                 let ((together, rays), (alone, rays_alone)) =
                     (film(&scene, integrator, vec![]), film(&scene, integrator, vec![Layer::LIGHT_GROUPS]));
                 assert!(!alone.layers.by_light.is_empty() && together.layers.by_light.is_empty());
@@ -63,5 +68,5 @@ fn waves_have_the_bits_of_single_paths() {
             }
         }
     }
-    assert!(count > 100);
+    assert!(count > 200);
 }
