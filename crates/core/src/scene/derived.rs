@@ -5,7 +5,9 @@ use crate::{
     camera::ViewFootprint,
     material::{self, Lambertian, Model, SurfaceDetail},
     medium::{EmissiveVolume, Medium, into_cube},
+    shape::mesh::TriMesh,
 };
+use std::sync::Arc;
 use steradian_math::Bounds3;
 
 /// Facts derived from the parts of a scene.
@@ -29,6 +31,8 @@ pub struct Facts {
     pub lambertian: Vec<Option<Lambertian>>,
     /// Scattering kind of each geometry.
     pub kinds: Vec<Kind>,
+    /// Mesh and reflectances of each geometry of the kind [`Kind::Lambertian`].
+    pub lambertian_meshes: Vec<Option<(Arc<TriMesh>, Lambertian)>>,
 }
 
 impl Facts {
@@ -60,6 +64,7 @@ impl Facts {
             constants: material::constants(materials, textures),
             lambertian: material::lambertian(materials),
             kinds: Vec::new(),
+            lambertian_meshes: Vec::new(),
         }
     }
 }
@@ -117,5 +122,12 @@ impl Facts {
             }
         };
         self.kinds = parts.geometries.iter().enumerate().map(kind).collect();
+        let mesh = |(kind, g): (&Kind, &Geometry)| match (kind, &g.shape) {
+            (Kind::Lambertian, Shape::Mesh(mesh)) => {
+                Some((Arc::clone(mesh), self.lambertian[g.material as usize].clone()?))
+            }
+            _ => None,
+        };
+        self.lambertian_meshes = self.kinds.iter().zip(&parts.geometries).map(mesh).collect();
     }
 }

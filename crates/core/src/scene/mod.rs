@@ -361,9 +361,8 @@ impl Scene {
     /// Mesh and reflectances of a primitive for which [`Scene::is_lambertian`] holds; `None` for others.
     #[inline]
     pub fn lambertian(&self, id: PrimId) -> Option<(&TriMesh, &Lambertian)> {
-        let geometry = self.parts.geometries.get(id.geom as usize).filter(|_| self.is_lambertian(id))?;
-        let Shape::Mesh(mesh) = &geometry.shape else { return None };
-        Some((mesh, self.facts.lambertian[geometry.material as usize].as_ref()?))
+        let (mesh, lambertian) = self.facts.lambertian_meshes.get(id.geom as usize)?.as_ref()?;
+        (id.instance == WORLD).then_some((mesh, lambertian))
     }
 
     /// True if a geometry scatters nothing, being black.

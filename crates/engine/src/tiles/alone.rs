@@ -28,6 +28,8 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
         };
         let at = self.origin();
         let at = [at[0] + column, at[1] + row];
+        scratch.of_tile.clear();
+        scratch.of_tile.extend(pixels(at).filter_map(|place| self.pixel(place)).filter(|m| m.kept.is_some()));
         while next < self.ticks.1 {
             let mut mine = Counters::until(&self.stop);
             mine.parts.resize(self.frame.parts, Spectrum::ZERO);
@@ -35,9 +37,7 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
             let begin = next;
             scratch.members.clear();
             while next < self.ticks.1 && (next == begin || scratch.members.len() < WAVE) {
-                scratch
-                    .members
-                    .extend(pixels(at).filter_map(|place| self.member(place, next)).filter(|m| m.kept.is_some()));
+                scratch.members.extend(scratch.of_tile.iter().filter_map(|m| self.in_tick(*m, next)));
                 next += 1;
             }
             self.waves(scratch, &mut mine);

@@ -64,6 +64,8 @@ struct Found {
 /// Buffers of a thread; kept, so that nothing is allocated per sample.
 pub(super) struct Scratch<B> {
     pub members: Vec<Member>,
+    /// The pixels of a tile.
+    pub of_tile: Vec<Member>,
     /// Members that take part in a path of the group, and the weights that the film gives them.
     pub taking: Vec<(usize, f32)>,
     /// The pixels of a wave, with samplers and numbers of samples, and which members they are of.
@@ -83,6 +85,7 @@ impl<B: Default> Default for Scratch<B> {
     fn default() -> Self {
         Self {
             members: Vec::new(),
+            of_tile: Vec::new(),
             taking: Vec::new(),
             pixels: Vec::new(),
             numbers: Vec::new(),
@@ -236,6 +239,11 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
 
     /// The sample that a pixel takes in a tick, if it takes one.
     pub fn member(&self, place: Place, tick: u32) -> Option<Member> {
+        self.in_tick(self.pixel(place)?, tick)
+    }
+
+    /// The first sample of a pixel that takes some in the round.
+    pub fn pixel(&self, place: Place) -> Option<Member> {
         let Frame { scene, round, columns, targets, ticks, .. } = self.frame;
         let Place { x, y, .. } = place;
         let film = scene.film();
@@ -256,11 +264,6 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
             }
             (_, false) => return None,
         };
-        let until = |tick: u32| (u64::from(of) * u64::from(tick) / u64::from((*ticks).max(1))) as u32;
-        let sample = if of == *ticks { tick } else { until(tick) };
-        if of != *ticks && until(tick + 1) == sample {
-            return None;
-        }
         let kept = is_kept.then(|| {
             let [column, row] = tile();
             let corner = [(x / TILE * TILE).max(crop.x0), (y / TILE * TILE).max(crop.y0)];
@@ -268,7 +271,19 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
             (row * (*columns as u32 / CELLS) + column, (y - corner[1]) * width + x - corner[0])
         });
         let paths = self.integrator.paths(self.prepared, [x, y]);
-        Some(Member { place, kept, sample, of, paths, sum: Vec3::ZERO, rays: 0, tick })
+        Some(Member { place, kept, sample: 0, of, paths, sum: Vec3::ZERO, rays: 0, tick: 0 })
+    }
+
+    /// The sample of a pixel in a tick, if it takes one then.
+    #[inline]
+    pub fn in_tick(&self, pixel: Member, tick: u32) -> Option<Member> {
+        let ticks = self.frame.ticks;
+        if pixel.of == ticks {
+            return Some(Member { sample: tick, tick, ..pixel });
+        }
+        let until = |tick: u32| (u64::from(pixel.of) * u64::from(tick) / u64::from(ticks.max(1))) as u32;
+        let sample = until(tick);
+        (until(tick + 1) != sample).then_some(Member { sample, tick, ..pixel })
     }
 
     /// The sampler of the step. Rounds are independent of each other.

@@ -7,10 +7,9 @@ use super::{
     media::gather_medium,
 };
 use steradian_accel::columns::{get3, get4, set3, set4};
-use steradian_core::{Scene, light::LightContext, scene::Hit};
+use steradian_core::{ColorMode, Scene, light::LightContext, scene::Hit};
 use steradian_engine::PixelSample;
 use steradian_math::{Ray, Spectrum};
-use steradian_transport::PathState;
 
 impl<const MEDIA: bool> Walk<'_, '_, MEDIA> {
     /// Scatters paths, up to a block of them, at such surfaces.
@@ -52,7 +51,7 @@ impl<const MEDIA: bool> Walk<'_, '_, MEDIA> {
         shadows: &mut Shadows,
     ) {
         for (k, number) in places {
-            let Walker { state, goes_on } = &mut walkers[number as usize];
+            let Walker { state, rays, goes_on, .. } = &mut walkers[number as usize];
             // Of the last surface there is emission alone.
             // The path goes on if the kernel says so and the depth allows another event.
             *goes_on = state.events < self.path.depth.max && b.fate[k] == GOES_ON;
@@ -63,6 +62,7 @@ impl<const MEDIA: bool> Walk<'_, '_, MEDIA> {
             // Light sample: its shadow ray waits for the batch.
             if b.is_lit[k] != 0 {
                 shadows.push_of(b, k, number, time);
+                *rays += 1;
             }
             let beta = Spectrum::new(get4(&b.beta, k));
             if b.fate[k] == IS_NOT_FINITE {
@@ -83,13 +83,14 @@ impl<const MEDIA: bool> Walk<'_, '_, MEDIA> {
 impl Block {
     /// Fills the columns that tell of the path that comes to a place.
     #[inline]
-    pub fn gather_path(&mut self, k: usize, state: &PathState, sample: &PixelSample) {
+    pub fn gather_path(&mut self, k: usize, walker: &Walker, scene: &Scene, sample: &PixelSample) {
+        let state = &walker.state;
         set3(&mut self.direction, k, state.ray.direction);
         set4(&mut self.beta, k, state.beta.to_array());
         (self.roulette_scale[k], self.events[k], self.passes[k]) = (state.roulette_scale, state.events, state.passes);
-        self.is_single[k] = sample.lambda.is_secondary_terminated().into();
-        let (seed, reversed) = sample.own.sobol().unwrap_or_default();
-        (self.sampler[0][k], self.sampler[1][k]) = (seed, reversed);
+        let is_spectral = scene.mode() == ColorMode::Spectral;
+        self.is_single[k] = (is_spectral && sample.lambda.is_secondary_terminated()).into();
+        (self.sampler[0][k], self.sampler[1][k]) = walker.sampler;
     }
 }
 
@@ -112,10 +113,10 @@ fn gather<const MEDIA: bool>(
         }
         (block.is_smooth[k], block.is_flipped[k]) = (is_smooth.into(), mesh.flip.into());
         (block.uv[0][k], block.uv[1][k]) = (hit.u, hit.v);
-        let (state, sample) = (&walkers[*number as usize].state, &pixel_samples[*number as usize]);
-        block.gather_path(k, state, sample);
+        let (walker, sample) = (&walkers[*number as usize], &pixel_samples[*number as usize]);
+        block.gather_path(k, walker, scene, sample);
         // The medium attenuates light samples; without one its coefficients are zero.
-        match state.medium.filter(|_| MEDIA) {
+        match walker.state.medium.filter(|_| MEDIA) {
             Some(medium) => gather_medium(block, k, &scene.media()[medium as usize], (scene, &sample.lambda)),
             None => (0..4).for_each(|c| (block.sigma_a[c][k], block.sigma_s[c][k]) = (0.0, 0.0)),
         }

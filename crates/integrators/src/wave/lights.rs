@@ -23,6 +23,15 @@ fn choose(
     lights: &mut Column<u32>,
 ) {
     let (all, nodes) = (scene.lights(), scene.lights().tree().nodes());
+    // One light in all, which has bounds: no choice.
+    if !all.are_many()
+        && let [node] = nodes
+    {
+        for k in 0..WIDTH {
+            (lights[k], b.light_pdf[k]) = (node.index, if b.takes_light[k] == 0 { 0.0 } else { 1.0 });
+        }
+        return;
+    }
     // Those on their way down the tree, with the node where they are, and the probability of the tree.
     let (mut going, mut count) = ([(0, 0, 0.0); WIDTH], 0);
     for (k, number) in numbers.enumerate() {
@@ -101,9 +110,11 @@ pub fn illuminate(
         let at = get3(&b.p, k);
         if let Light::Area(area) = &all.lights[light as usize] {
             let emitter = &all.emitters[area.emitter as usize];
-            if let (Some(flat), Some(radiance)) = (area.flat(at), emitter.everywhere(lambda)) {
+            if let (Some(is_large), Some(radiance)) = (area.flat_is_large(at), emitter.everywhere(lambda)) {
                 // Geometry of the light, unless the lane still has it from the block before.
-                if b.flat_number[k] != light {
+                if b.flat_number[k] != light
+                    && let Some(flat) = area.flat(at)
+                {
                     b.flat_number[k] = light;
                     set3(&mut b.flat_corner, k, flat.corner);
                     set3(&mut b.flat_edges[0], k, flat.edges[0]);
@@ -116,7 +127,7 @@ pub fn illuminate(
                 set4(&mut b.light_radiance, k, radiance.to_array());
                 (b.light_is_delta[k], b.is_flat[k], has_flat) = (0, 1, true);
                 b.light_pdf[k] = if radiance.is_black() { 0.0 } else { p };
-                has_large |= flat.is_large(at);
+                has_large |= is_large;
                 continue;
             }
         }

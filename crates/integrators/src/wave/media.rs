@@ -45,17 +45,17 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
         // Coefficients, ray and length of each segment to the columns.
         for (k, (number, hit)) in in_media.iter().enumerate() {
             let (walker, sample) = (&walkers[*number as usize], &pixel_samples[*number as usize]);
-            let (Some(medium), state) = (self.plain_medium(walker), &walker.state) else { continue };
+            let Some(medium) = self.plain_medium(walker) else { continue };
             gather_medium(b, k, medium, (self.scene, &sample.lambda));
-            b.gather_path(k, state, sample);
-            set3(&mut b.from, k, state.ray.origin);
+            b.gather_path(k, walker, self.scene, sample);
+            set3(&mut b.from, k, walker.state.ray.origin);
             b.end[k] = hit.as_ref().map_or(f32::INFINITY, |h| h.t);
         }
         flights(self.lanes, b);
         let mut any_scatters = false;
         for (k, (number, _)) in in_media.iter().enumerate() {
             // The flight's factor on the throughput, and its outcome.
-            let Walker { state, goes_on } = &mut walkers[*number as usize];
+            let Walker { state, goes_on, .. } = &mut walkers[*number as usize];
             state.beta = Spectrum::new(get4(&b.beta, k));
             *goes_on = b.flight[k] == PASSES;
             let scatters = b.flight[k] == SCATTERS && state.events < self.path.depth.max;

@@ -51,6 +51,10 @@ use vertices::Vertices;
 #[derive(Clone, Copy, Debug)]
 struct Walker {
     state: PathState,
+    /// Seed and reversed index of the sampler, if it is Sobol's.
+    sampler: (u32, u32),
+    /// Rays traced in batches for the path.
+    rays: u32,
     goes_on: bool,
 }
 
@@ -124,11 +128,13 @@ pub(crate) fn wave<'s, const MEDIA: bool>(
     buffer: &mut WaveBuffer<'s>,
     counters: &mut Counters,
 ) {
+    let none = Walker { state: PathState::NONE, sampler: (0, 0), rays: 0, goes_on: true };
     buffer.walkers.clear();
-    buffer.walkers.resize(pixel_samples.len(), Walker { state: PathState::NONE, goes_on: true });
+    buffer.walkers.resize(pixel_samples.len(), none);
     // Every sample begins black, with its camera ray.
-    for (s, Walker { state, .. }) in pixel_samples.iter_mut().zip(&mut buffer.walkers) {
+    for (s, Walker { state, sampler, .. }) in pixel_samples.iter_mut().zip(&mut buffer.walkers) {
         (s.radiance, s.rays) = (Spectrum::ZERO, 0);
+        *sampler = s.own.sobol().unwrap_or_default();
         state.start(scene, s.ray);
     }
     buffer.live.clear();
@@ -141,6 +147,7 @@ pub(crate) fn wave<'s, const MEDIA: bool>(
     while !buffer.live.is_empty() {
         walk.bounce(buffer, pixel_samples, counters);
     }
+    pixel_samples.iter_mut().zip(&buffer.walkers).for_each(|(s, walker)| s.rays += walker.rays);
 }
 
 impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
@@ -163,8 +170,9 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
         buffer.vertices.clear();
         let (mut live, hits) = (take(&mut buffer.live), take(&mut buffer.hits));
         for (&number, hit) in live.iter().zip(&hits) {
-            pixel_samples[number as usize].rays += 1;
-            if self.has_columns && self.plain_medium(&buffer.walkers[number as usize]).is_some() {
+            let walker = &mut buffer.walkers[number as usize];
+            walker.rays += 1;
+            if self.has_columns && self.plain_medium(walker).is_some() {
                 buffer.in_media.push((number, *hit));
             } else {
                 self.meet_surface(number, (*hit, false), buffer, pixel_samples, counters);
@@ -191,10 +199,8 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
         in_parts(&shadows.rays, occluded, &counters.stop, |rays, is| scene.occluded_batch(rays, is));
         counters.rays += shadows.rays.len() as u64;
         for ((sample, light), is_occluded) in shadows.light.iter().zip(&*occluded) {
-            let sample = &mut pixel_samples[*sample as usize];
-            sample.rays += 1;
             if !is_occluded {
-                sample.radiance += *light;
+                pixel_samples[*sample as usize].radiance += *light;
             }
         }
         (buffer.live, buffer.hits) = (live, hits);
@@ -233,7 +239,9 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
             if self.has_columns {
                 vertices.keep(number);
             } else {
+                let before = shadows.rays.len();
                 walker.goes_on = self.step(number, &mut walker.state, arrival, radiance, context, shadows);
+                walker.rays += (shadows.rays.len() - before) as u32;
             }
         }
         sample.rays += (counters.rays - before) as u32;

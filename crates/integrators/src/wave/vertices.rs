@@ -71,7 +71,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
         }
         let (scene, guide) = (self.scene, self.precomputed.guide());
         for (k, (number, vertex, _)) in vertices.iter().enumerate() {
-            let (state, sample) = (&walkers[number as usize].state, &pixel_samples[number as usize]);
+            let Walker { state, sampler, .. } = &walkers[number as usize];
             // What kernels need of the vertex: reference point, error bounds, normal, and random numbers.
             let (ctx, (error, n)) = (vertex.context(), vertex.spread());
             set3(&mut b.p, k, ctx.p);
@@ -80,8 +80,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
             set3(&mut b.light_n, k, ctx.n);
             b.takes_light[k] = u32::from(!vertex.is_unlit());
             (b.events[k], b.passes[k]) = (state.events, state.passes);
-            let (seed, reversed) = sample.own.sobol().unwrap_or_default();
-            (b.sampler[0][k], b.sampler[1][k]) = (seed, reversed);
+            (b.sampler[0][k], b.sampler[1][k]) = *sampler;
         }
         // Random numbers and light samples in columns.
         block::numbers(self.lanes, b);
@@ -124,10 +123,11 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
         // Rays and roulette in columns again.
         block::depart(self.lanes, b, self.path.depth);
         for (k, (number, vertex, draw)) in vertices.iter().enumerate() {
-            let Walker { state, goes_on } = &mut walkers[number as usize];
+            let Walker { state, rays, goes_on, .. } = &mut walkers[number as usize];
             let time = state.ray.time;
             if b.is_lit[k] != 0 {
                 shadows.push_of(b, k, number, time);
+                *rays += 1;
             }
             *goes_on = b.fate[k] == GOES_ON;
             if b.fate[k] == IS_NOT_FINITE {

@@ -67,6 +67,7 @@ impl Wavelengths {
     }
 
     /// True if only the hero wavelength is left.
+    #[inline]
     pub fn is_secondary_terminated(&self) -> bool {
         self.pdf[1..] == [0.0; 3]
     }
