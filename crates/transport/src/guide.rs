@@ -12,8 +12,9 @@ use steradian_math::{Vec2, Vec3};
 
 /// Guide of paths: knowledge of where light comes from.
 pub trait Guide {
-    /// Density of directions at a vertex; `None` where scattering alone draws them.
-    fn at(&self, vertex: &Vertex<'_>) -> Option<impl Directions>;
+    /// Density of directions at a vertex that a path reached after so many scattering events; `None` where scattering
+    /// alone draws them.
+    fn at(&self, vertex: &Vertex<'_>, events: u32) -> Option<impl Directions>;
 }
 
 /// Density of unit directions in world space at a point.
@@ -33,7 +34,7 @@ pub trait Directions {
 pub enum NoGuide {}
 
 impl Guide for NoGuide {
-    fn at(&self, _: &Vertex<'_>) -> Option<impl Directions> {
+    fn at(&self, _: &Vertex<'_>, _: u32) -> Option<impl Directions> {
         None::<Infallible>
     }
 }

@@ -174,7 +174,7 @@ impl PathState {
     ) -> Option<GuidedDirection> {
         let u2 = sampler.get_2d(dimension::at(self.events, dimension::DIRECTION));
         // Where the guide knows something the direction comes from the mixture of both densities.
-        if let Some(directions) = guide.and_then(|guide| guide.at(v)) {
+        if let Some(directions) = guide.and_then(|guide| guide.at(v, self.events)) {
             let u = sampler.get_1d(self.dimension(dimension::LOBE));
             return GuidedDirection::by_mixture(v, &directions, u, u2);
         }

@@ -32,6 +32,9 @@ const MOST: f32 = 0.6;
 const LEAST: f32 = 0.03;
 /// Points that stand for a direction are this many times the size of a neighbourhood away.
 const FAR: f32 = 1e3;
+/// Scattering events of a path before which the photons are asked: what they bring to later ones is mixed with much
+/// other light by then, and costs as much.
+const EVENTS: u32 = 3;
 /// Bounds of the kernels' radius, rad.
 const RADIUS: (f32, f32) = (0.01, 0.6);
 
@@ -81,10 +84,16 @@ impl Caustics {
         Self { regions: regions.within(bounds), leaves }
     }
 
-    /// True if there may be photons about a point.
+    /// True if there may be photons for a point that paths reach after some scattering events.
     #[inline]
-    pub(crate) fn reaches(&self, p: Vec3) -> bool {
-        self.regions.bounds().contains(p)
+    pub(crate) fn reaches(&self, p: Vec3, events: u32) -> bool {
+        Self::guides_after(events) && self.regions.bounds().contains(p)
+    }
+
+    /// True if photons guide after so many scattering events.
+    #[inline]
+    fn guides_after(events: u32) -> bool {
+        events < EVENTS
     }
 
     /// The photons about a point.
@@ -97,8 +106,11 @@ impl Caustics {
 
 impl Guide for Caustics {
     #[inline]
-    fn at(&self, vertex: &Vertex<'_>) -> Option<impl Directions> {
+    fn at(&self, vertex: &Vertex<'_>, events: u32) -> Option<impl Directions> {
         let Vertex::Surface { i, scattering, .. } = vertex else { return None };
+        if !Self::guides_after(events) {
+            return None;
+        }
         let p = i.surface.p;
         is_receiver(&scattering.bsdf).then(|| self.leaf(p)).flatten().map(|leaf| LeafAt { leaf, p })
     }
@@ -302,7 +314,7 @@ mod tests {
         let (mut sum, mut squares) = (0.0_f64, 0.0_f64);
         for k in 0..n {
             let u = |d| unit_f32(combine32(k, d));
-            let directions = caustics.at(&vertex).unwrap();
+            let directions = caustics.at(&vertex, 0).unwrap();
             let draw = GuidedDirection::by_mixture(&vertex, &directions, u(1), Vec2::new(u(2), u(3)));
             let weight = draw.map_or(0.0, |d| f64::from(d.sample.weight[0]));
             sum += weight;

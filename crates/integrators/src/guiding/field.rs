@@ -94,7 +94,7 @@ impl Part {
 
 impl Guide for Field {
     #[inline]
-    fn at(&self, vertex: &Vertex<'_>) -> Option<impl Directions> {
+    fn at(&self, vertex: &Vertex<'_>, _: u32) -> Option<impl Directions> {
         let part = is_guided(vertex).then(|| self.0[kind(vertex)].as_ref()).flatten()?;
         part.leaves[part.regions.leaf(vertex.p())?].as_ref()
     }

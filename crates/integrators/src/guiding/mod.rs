@@ -47,10 +47,10 @@ impl Guides {
         training::train(scene, path, self, samples, stop)
     }
 
-    /// True if there may be a guide at a point, by whatever is there.
+    /// True if there may be a guide at a point after some scattering events, by whatever is there.
     #[inline]
-    pub(crate) fn may_know(&self, p: Vec3) -> bool {
-        self.field.is_some() || self.caustics.as_ref().is_some_and(|caustics| caustics.reaches(p))
+    pub(crate) fn may_know(&self, p: Vec3, events: u32) -> bool {
+        self.field.is_some() || self.caustics.as_ref().is_some_and(|caustics| caustics.reaches(p, events))
     }
 
     /// True if nothing guides.
@@ -61,9 +61,9 @@ impl Guides {
 
 impl Guide for Guides {
     #[inline]
-    fn at(&self, vertex: &Vertex<'_>) -> Option<impl Directions> {
-        let field = self.field.as_ref().and_then(|field| field.at(vertex));
-        let caustics = self.caustics.as_ref().and_then(|caustics| caustics.at(vertex));
+    fn at(&self, vertex: &Vertex<'_>, events: u32) -> Option<impl Directions> {
+        let field = self.field.as_ref().and_then(|field| field.at(vertex, events));
+        let caustics = self.caustics.as_ref().and_then(|caustics| caustics.at(vertex, events));
         (field.is_some() || caustics.is_some()).then_some(Both(field, caustics))
     }
 }

@@ -6,8 +6,8 @@
 //! samplers spread best. No part gets less than it would without.
 //!
 //! Whether that pays is asked of cells by what their neighbours found: a cell that by chance met something bright would
-//! otherwise promise what it cannot keep. Numbers of paths that cost much more than one each are not taken: who asks for
-//! samples expects about their time.
+//! otherwise promise what it cannot keep. Numbers of paths that cost much more than one each are not taken: who asks
+//! for samples expects about their time.
 
 use super::probe::{Probe, alone, on_film};
 use crate::{

@@ -16,7 +16,7 @@ impl<const MEDIA: bool> Walk<'_, '_, MEDIA> {
     /// Marks the vertices of a block, the first of which are in use, that a guide may know.
     pub fn are_guided(&self, b: &Block, count: usize) -> [bool; WIDTH] {
         let guide = self.precomputed.guide();
-        std::array::from_fn(|k| k < count && guide.is_some_and(|guide| guide.may_know(get3(&b.p, k))))
+        std::array::from_fn(|k| k < count && guide.is_some_and(|guide| guide.may_know(get3(&b.p, k), b.events[k])))
     }
 
     /// Draws directions at marked vertices of a block by the mixture with the guide, where paths arrive with some

@@ -17,8 +17,9 @@
 //!
 //! Columns exist for camera rays, Sobol' numbers, points on triangles, the light tree, samples of flat lights,
 //! Lambertian reflection (`diffuse`), flights, attenuation and phase functions of homogeneous media (`media`), spawned
-//! rays and roulette. Directions that a guide draws (`guided`), other models, textures, media that vary or are seen through interfaces, and other lights are
-//! computed vertex by vertex between kernels (`vertices`), so a new model or light touches no file of this module.
+//! rays and roulette. Directions that a guide draws (`guided`), other models, textures, media that vary or are seen
+//! through interfaces, and other lights are computed vertex by vertex between kernels (`vertices`), so a new model or
+//! light touches no file of this module.
 //!
 //! A loop becomes vector instructions only if all functions that it calls are inlined, if all columns that it writes
 //! are fields of one value (else the compiler cannot know that they do not overlap), and if nothing in it may panic,

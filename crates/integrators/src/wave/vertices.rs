@@ -144,11 +144,11 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
     }
 }
 
-/// A direction drawn at a vertex with the numbers of its place in a block: by the mixture with what a guide knows there;
-/// `None` where it knows nothing.
+/// A direction drawn at a vertex with the numbers of its place in a block, by the mixture with what a guide knows;
+/// `None` where it knows nothing there.
 #[inline]
 pub(super) fn guided(vertex: &Vertex<'_>, guide: &Guides, b: &Block, k: usize) -> Option<Option<GuidedDirection>> {
-    let directions = guide.at(vertex)?;
+    let directions = guide.at(vertex, b.events[k])?;
     let u2 = Vec2::new(b.bsdf_u[0][k], b.bsdf_u[1][k]);
     Some(GuidedDirection::by_mixture(vertex, &directions, b.lobe_u[k], u2))
 }

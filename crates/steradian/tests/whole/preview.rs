@@ -69,7 +69,7 @@ fn previews_show_the_light_of_paths() {
         ("hidden-lamp", 0.6),
     ] {
         let scene = verify_scene(name);
-        let reference = picture(&scene, &Quality::of("path:reuse=16").spp(64));
+        let reference = picture(&scene, &Quality::of("bdpt").spp(64));
         let few = picture(&scene, &Quality { seed: Some(7), ..Quality::of("path").spp(4) });
         let preview = preview(&scene);
         let ratio = mean(&preview) / mean(&reference);
