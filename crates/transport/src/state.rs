@@ -4,7 +4,7 @@ use crate::{
     Depth,
     guide::{Guide, GuidedDirection},
     live_max, nee,
-    roulette::{number, roulette},
+    roulette::{IN_MEDIUM, number, roulette},
     sink::{Segment, Sink},
     vertex::Vertex,
     volume_emission,
@@ -41,6 +41,8 @@ pub struct PathState {
     /// Ray differential for textures' footprints, up to the first event that blurs; from there on these are those of
     /// the camera seeing the point.
     pub differential: Option<RayDifferential>,
+    /// True if the last event was in a medium.
+    pub is_from_medium: bool,
     /// Light samples to take where it arrives.
     pub lights: u32,
     /// The throughput below which roulette is played, where this was found to pay from the first event on.
@@ -61,6 +63,7 @@ impl PathState {
         passes: 0,
         medium: None,
         differential: None,
+        is_from_medium: false,
         lights: 1,
         roulette_below: None,
     };
@@ -157,6 +160,7 @@ impl PathState {
     pub fn survives(&mut self, depth: &Depth, context: &PathContext<'_, '_>) -> bool {
         // Throughput of the strongest lane, without refraction's 1/η² and without the guide's share of the density.
         let live = live_max(self.beta, context.lambda) * self.roulette_scale;
+        let live = if self.is_from_medium { live * IN_MEDIUM } else { live };
         let number = || number(self.events, context.sampler);
         // β/q for survivors, zero for paths that end.
         let scale = roulette(live, self.events, depth, self.roulette_below, number);
@@ -223,6 +227,7 @@ impl PathState {
         // The medium on the side into which the ray leaves.
         if MEDIA {
             self.medium = v.medium_towards(scene, ray.direction);
+            self.is_from_medium = matches!(v, Vertex::Medium { .. });
         }
         self.ray = ray;
         // One more scattering event; the next vertex takes one light sample.

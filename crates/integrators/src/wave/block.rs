@@ -20,7 +20,12 @@ use steradian_core::{
 };
 use steradian_engine::dimension;
 use steradian_math::{Frame, Vec2, Vec3, ray::offset_ray_origin, warp};
-use steradian_transport::{Depth, flight::by_lane, power_heuristic, roulette::roulette};
+use steradian_transport::{
+    Depth,
+    flight::by_lane,
+    power_heuristic,
+    roulette::{IN_MEDIUM, roulette},
+};
 
 /// Vertices on triangles of meshes. All columns are one value, so that kernels see that none overlaps another.
 #[repr(align(64))]
@@ -42,6 +47,8 @@ pub struct Block {
     pub roulette_scale: Column,
     /// True if one wavelength is left.
     pub is_single: Column<u32>,
+    /// True if the vertex is in a medium.
+    pub is_in_medium: Column<u32>,
     /// Scattering events before this one, and surfaces passed.
     pub events: Column<u32>,
     pub passes: Column<u32>,
@@ -361,6 +368,7 @@ pub fn depart_from(b: &mut Block, k: usize, depth: &Depth) {
     // Russian roulette by the strongest lane, or by the first where one wavelength is left.
     let most = beta[0].max(beta[1]).max(beta[2].max(beta[3]));
     let live = if b.is_single[k] != 0 { beta[0] } else { most } * b.roulette_scale[k];
+    let live = if b.is_in_medium[k] != 0 { live * IN_MEDIUM } else { live };
     let number = b.roulette_u[k];
     let scale = roulette(live, b.events[k].wrapping_add(1), depth, None, || number);
     let survives = scale.is_some();

@@ -74,7 +74,7 @@ impl<const MEDIA: bool> Walk<'_, '_, MEDIA> {
                 (state.beta, state.roulette_scale) = (beta, b.roulette_scale[k]);
                 state.origin = Some((LightContext { p: get3(&b.p, k), n: get3(&b.light_n, k) }, b.pdf[k]));
                 state.events += 1;
-                state.differential = None;
+                (state.differential, state.is_from_medium) = (None, b.is_in_medium[k] != 0);
             }
         }
     }
@@ -115,6 +115,7 @@ fn gather<const MEDIA: bool>(
         (block.uv[0][k], block.uv[1][k]) = (hit.u, hit.v);
         let (walker, sample) = (&walkers[*number as usize], &pixel_samples[*number as usize]);
         block.gather_path(k, walker, scene, sample);
+        block.is_in_medium[k] = 0;
         // The medium attenuates light samples; without one its coefficients are zero.
         match walker.state.medium.filter(|_| MEDIA) {
             Some(medium) => gather_medium(block, k, &scene.media()[medium as usize], (scene, &sample.lambda)),

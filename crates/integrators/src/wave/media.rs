@@ -48,6 +48,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
             let Some(medium) = self.plain_medium(walker) else { continue };
             gather_medium(b, k, medium, (self.scene, &sample.lambda));
             b.gather_path(k, walker, self.scene, sample);
+            b.is_in_medium[k] = 1;
             set3(&mut b.from, k, walker.state.ray.origin);
             b.end[k] = hit.as_ref().map_or(f32::INFINITY, |h| h.t);
         }

@@ -79,6 +79,7 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
             set3(&mut b.n, k, n);
             set3(&mut b.light_n, k, ctx.n);
             b.takes_light[k] = u32::from(!vertex.is_unlit());
+            b.is_in_medium[k] = u32::from(MEDIA && matches!(vertex, Vertex::Medium { .. }));
             (b.events[k], b.passes[k]) = (state.events, state.passes);
             (b.sampler[0][k], b.sampler[1][k]) = *sampler;
         }
