@@ -27,9 +27,8 @@ fn choose(
     if !all.are_many()
         && let [node] = nodes
     {
-        for k in 0..WIDTH {
-            (lights[k], b.light_pdf[k]) = (node.index, if b.takes_light[k] == 0 { 0.0 } else { 1.0 });
-        }
+        lights.fill(node.index);
+        b.light_pdf = b.takes_light.map(|takes| if takes == 0 { 0.0 } else { 1.0 });
         return;
     }
     // Those on their way down the tree, with the node where they are, and the probability of the tree.
