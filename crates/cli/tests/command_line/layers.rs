@@ -309,7 +309,7 @@ fn bounces_are_terms_of_a_series() {
 #[test]
 fn layers_change_no_bit_of_the_picture() {
     let place = Place::new();
-    let command = ["render", "--size", "256x256", "--spp", "4", "-q"];
+    let command = ["render", "--size", "256x256", "--spp", "4", "--integrator", "path:reuse=4", "-q"];
     place.succeed(&[&command[..], &["-o", "plain.exr"]].concat());
     place.succeed(&[&command[..], &["--aov", "albedo,normal,cryptomatte", "-o", "layers.exr"]].concat());
     let (plain, layers) = (place.picture("plain.exr"), place.picture("layers.exr"));

@@ -82,8 +82,8 @@ struct PbrtScene {
 /// Most pixels that share a path. The variance of a sum is at most so many times that of independent pixels.
 const SHARING: f64 = 16.0;
 
-/// Each scene in spectral mode, with independent pixels and, at half the size, as the program renders by default: RGB
-/// means within 1.5 % plus the noise of both pictures.
+/// Each scene in spectral mode, with independent pixels and, at half the size, with pixels that share paths: RGB means
+/// within 1.5 % plus the noise of both pictures.
 #[test]
 fn pbrt_scenes_match_pbrt() {
     let Some(assets) = assets() else { return };
@@ -99,8 +99,9 @@ fn pbrt_scenes_match_pbrt() {
         let size = (reference.width() as u32, reference.height() as u32);
         let scene = folder.join("scene-v4.pbrt");
         let alone = render_alone(scene.clone(), Some(size), ColorMode::Spectral, s.spp);
-        let default = render(scene, Some((size.0 / 2, size.1 / 2)), ColorMode::Spectral, 2 * s.spp);
-        for (picture, how, sharing) in [(alone, "alone", 1.0), (default, "by default", SHARING)] {
+        let half = Some((size.0 / 2, size.1 / 2));
+        let shared = render_with(scene, half, ColorMode::Spectral, s.spp, ":reuse=16");
+        for (picture, how, sharing) in [(alone, "alone", 1.0), (shared, "shared", SHARING)] {
             for c in 0..3 {
                 let ((a, error), (b, _)) = (mean_and_error(&picture, c), mean_and_error(&reference, c));
                 let allowed = 0.015 + s.reference_noise + 4.0 * error * f64::sqrt(sharing) / b;
