@@ -67,7 +67,7 @@ struct Tried {
 /// The render of a request, by the method that is chosen for the scene.
 ///
 /// # Errors
-/// Those of path tracing, where it does not render the scene as it is asked for.
+/// Errors of path tracing, where it does not render the scene as it is asked for.
 pub(crate) fn choose(request: &Request, scene: &Scene) -> Result<Render, Error> {
     let plain = path_tracer(scene.has_media());
     let method = |c: &Candidate| match c.name {

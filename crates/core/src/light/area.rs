@@ -282,21 +282,6 @@ impl AreaLight {
         }
     }
 
-    /// For lights that [`AreaLight::flat`] gives from `p`: whether it is [large](FlatLight::is_large).
-    #[inline]
-    pub fn flat_is_large(&self, p: Vec3) -> Option<bool> {
-        match &self.shape {
-            AreaShape::Triangle(v, n, area) => {
-                let center = (v[0] + v[1] + v[2]) * (1.0 / 3.0);
-                (!Self::looks_large(center, *n, *area, p)).then_some(false)
-            }
-            AreaShape::Rectangle { corner, ex, ey, n, area } => {
-                Some(Self::looks_large(corner + (ex + ey) * 0.5, *n, *area, p))
-            }
-            _ => None,
-        }
-    }
-
     /// True if the light looks large from `p`: a pure function of `p`, so that sampling and density agree.
     #[inline(always)]
     fn looks_large(center: Vec3, n: Vec3, area: f32, p: Vec3) -> bool {

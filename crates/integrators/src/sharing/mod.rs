@@ -24,9 +24,9 @@
 //! Groups have 4 or 16 pixels and move with every sample index (`steradian_engine::partition`), so that no tile has
 //! visible edges. No member receives more from a shared path than from its own. Errors of pixels up to 15 columns or
 //! rows apart are correlated; `tiles::scales` of the engine measures the error of means over 4, 8 and 16 pixels from
-//! the difference of even and odd samples. A trial compares group sizes by variance × cost (`trials::sharing`). Small
-//! pictures do not share, nor do scenes with media that vary, for which the densities of flights towards other members
-//! are unknown.
+//! the difference of even and odd samples. Pixels share by request; with `reuse=auto` a trial compares group sizes by
+//! variance × cost (`trials::sharing`), for pictures that are not small. Scenes with media that vary do not share: the
+//! densities of flights towards other members are unknown there.
 
 mod share;
 

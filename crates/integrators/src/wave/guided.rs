@@ -1,7 +1,8 @@
 //! Lambertian vertices about which a guide may know something: directions are drawn there one by one, between the
 //! kernels for light samples and for the rays that leave.
 
-use super::{Walk, Walker, block::Block, vertices::guided};
+use super::{Walk, Walker, block::Block};
+use crate::guiding::Guides;
 use steradian_accel::columns::{Column, WIDTH, get3, get4, set3, set4};
 use steradian_bsdf::{Bsdf, Diffuse};
 use steradian_core::{
@@ -10,7 +11,7 @@ use steradian_core::{
     shape::SurfacePoint,
 };
 use steradian_math::{Frame, Spectrum, Vec2};
-use steradian_transport::{GuidedDirection, Vertex};
+use steradian_transport::{Guide, GuidedDirection, Vertex};
 
 impl<const MEDIA: bool> Walk<'_, '_, MEDIA> {
     /// Marks the vertices of a block, the first of which are in use, that a guide may know.
@@ -54,4 +55,13 @@ fn lambertian(b: &Block, k: usize, hit: &Hit, time: f32) -> Vertex<'static> {
     let bsdf = Bsdf::Diffuse(Diffuse { reflectance: Spectrum::new(get4(&b.reflectance, k)) });
     let frame = Frame::from_z(get3(&b.light_n, k));
     Vertex::Surface { i, scattering: Scattering { bsdf, ..Scattering::NONE }, frame, medium: None }
+}
+
+/// A direction by the mixture of scattering and what a guide knows at a vertex, drawn with the numbers of a place in a
+/// block; an inner `None` where the path is absorbed, an outer one where the guide knows nothing.
+#[inline]
+pub fn guided(vertex: &Vertex<'_>, guide: &Guides, b: &Block, k: usize) -> Option<Option<GuidedDirection>> {
+    let directions = guide.at(vertex, b.events[k])?;
+    let u2 = Vec2::new(b.bsdf_u[0][k], b.bsdf_u[1][k]);
+    Some(GuidedDirection::by_mixture(vertex, &directions, b.lobe_u[k], u2))
 }

@@ -109,11 +109,9 @@ pub fn illuminate(
         let at = get3(&b.p, k);
         if let Light::Area(area) = &all.lights[light as usize] {
             let emitter = &all.emitters[area.emitter as usize];
-            if let (Some(is_large), Some(radiance)) = (area.flat_is_large(at), emitter.everywhere(lambda)) {
+            if let (Some(flat), Some(radiance)) = (area.flat(at), emitter.everywhere(lambda)) {
                 // Geometry of the light, unless the lane still has it from the block before.
-                if b.flat_number[k] != light
-                    && let Some(flat) = area.flat(at)
-                {
+                if b.flat_number[k] != light {
                     b.flat_number[k] = light;
                     set3(&mut b.flat_corner, k, flat.corner);
                     set3(&mut b.flat_edges[0], k, flat.edges[0]);
@@ -126,7 +124,7 @@ pub fn illuminate(
                 set4(&mut b.light_radiance, k, radiance.to_array());
                 (b.light_is_delta[k], b.is_flat[k], has_flat) = (0, 1, true);
                 b.light_pdf[k] = if radiance.is_black() { 0.0 } else { p };
-                has_large |= is_large;
+                has_large |= flat.is_large(at);
                 continue;
             }
         }

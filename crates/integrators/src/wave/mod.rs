@@ -26,7 +26,7 @@
 //! searches a table, or calls the system's mathematics. Failure is silent: `cargo xtask instructions` shows it.
 //!
 //! Single paths are followed for groups, for splitting at y, and where light is counted by groups of lights. A thread
-//! takes 1024 × (192 + 144) bytes for paths and samples, and 20 KiB for a block.
+//! takes about 360 KiB for paths and samples, and 20 KiB for a block.
 
 mod block;
 mod diffuse;

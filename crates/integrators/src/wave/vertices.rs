@@ -3,15 +3,16 @@
 use super::{
     Shadows, Walk, Walker,
     block::{self, Block, GOES_ON, IS_NOT_FINITE},
+    guided::guided,
     lights::illuminate,
 };
-use crate::{Counters, guiding::Guides};
+use crate::Counters;
 use steradian_accel::columns::{WIDTH, get3, get4, set3, set4};
 use steradian_bsdf::BsdfSample;
 use steradian_core::light::LightSample;
 use steradian_engine::{PathContext, PixelSample};
 use steradian_math::{Ray, Spectrum, Vec2};
-use steradian_transport::{Arrival, Guide, GuidedDirection, Vertex};
+use steradian_transport::{Arrival, GuidedDirection, Vertex};
 
 /// Vertices of any kind at which some paths arrived, up to a block of them.
 #[derive(Debug)]
@@ -143,13 +144,4 @@ impl<'s, const MEDIA: bool> Walk<'_, 's, MEDIA> {
         }
         vertices.clear();
     }
-}
-
-/// A direction drawn at a vertex with the numbers of its place in a block, by the mixture with what a guide knows;
-/// `None` where it knows nothing there.
-#[inline]
-pub(super) fn guided(vertex: &Vertex<'_>, guide: &Guides, b: &Block, k: usize) -> Option<Option<GuidedDirection>> {
-    let directions = guide.at(vertex, b.events[k])?;
-    let u2 = Vec2::new(b.bsdf_u[0][k], b.bsdf_u[1][k]);
-    Some(GuidedDirection::by_mixture(vertex, &directions, b.lobe_u[k], u2))
 }
