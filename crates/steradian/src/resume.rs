@@ -5,10 +5,11 @@
 
 use crate::{CompileOptions, Render, Scene, Session};
 use std::{
+    borrow::Cow,
     collections::BTreeMap,
     fs::File,
     io::{self, BufReader, BufWriter, Read, Seek, Write},
-    path::Path,
+    path::{Path, PathBuf},
 };
 use steradian_film::LayerInputs;
 use steradian_image::open_regular;
@@ -55,7 +56,7 @@ pub struct Recipe {
     settings: BTreeMap<String, String>,
 }
 
-/// The fingerprint of a description and of the files that it names.
+/// The fingerprint of a description and of the contents of the files that it names, wherever they lie.
 ///
 /// # Errors
 /// Those of reading; files that are not there count as empty.
@@ -72,12 +73,12 @@ pub(crate) fn fingerprint_of(
     let mut hasher = blake3::Hasher::new();
     // All but where it was read.
     let placed = (&desc.meshes, &desc.shapes, &desc.groups, &desc.instances);
-    let nodes: Vec<&Node> = desc.nodes.iter().filter(|node| counts(node)).collect();
+    let nodes: Vec<Cow<'_, Node>> = desc.nodes.iter().filter(|node| counts(node)).map(without_folders).collect();
     let mut out = BufWriter::new(&mut hasher);
     serde_json::to_writer(&mut out, &(desc.format, &nodes, placed, &desc.lights, more))?;
     out.flush()?;
     drop(out);
-    for param in nodes.iter().flat_map(|node| &node.params) {
+    for param in desc.nodes.iter().filter(|node| counts(node)).flat_map(|node| &node.params) {
         let Value::Path(path) = &param.value else { continue };
         if let Ok((file, _)) = open_regular(path) {
             hasher.update_reader(file)?;
@@ -85,6 +86,18 @@ pub(crate) fn fingerprint_of(
         hasher.update(&[0]);
     }
     Ok(*hasher.finalize().as_bytes())
+}
+
+/// A node that names its files without their folders, in which they lie elsewhere on another machine.
+fn without_folders(node: &Node) -> Cow<'_, Node> {
+    let mut node = Cow::Borrowed(node);
+    for at in 0..node.params.len() {
+        if let Value::Path(path) = &node.params[at].value {
+            let name = path.file_name().map(PathBuf::from).unwrap_or_default();
+            node.to_mut().params[at].value = Value::Path(name);
+        }
+    }
+    node
 }
 
 /// The samples per pixel of the plan by which a state was saved. A render that is to have more of them begins with this
@@ -476,5 +489,11 @@ mod tests {
         let one = of(&desc);
         std::fs::write(&file, b"two").unwrap();
         assert!(one != without && one != of(&desc));
+        // A copy elsewhere is the same.
+        let (two, elsewhere) = (of(&desc), tempfile::tempdir().unwrap());
+        let copy = elsewhere.path().join("texture.png");
+        std::fs::copy(&file, &copy).unwrap();
+        desc.nodes[0].set("filename", Value::Path(copy), None);
+        assert!(two == of(&desc));
     }
 }
