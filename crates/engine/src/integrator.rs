@@ -80,6 +80,11 @@ pub trait GroupIntegrator: Debug + Send + Sync {
         1
     }
 
+    /// True if pixels of a plan share, or may, when the scene is prepared: [`Self::group_size`] is known after that.
+    fn may_share(&self, _plan: &Plan) -> bool {
+        false
+    }
+
     /// Number of paths that a sample of a pixel is the mean of, up to [`MOST_PATHS`](crate::MOST_PATHS).
     fn paths(&self, _prepared: &Self::Prepared, _pixel: [u32; 2]) -> u32 {
         1

@@ -4,18 +4,21 @@
 //! A pass is an estimate of the whole picture that is a function of scene, plan and its number alone, independent of
 //! all others. So the mean over passes converges, their spread tells the variance of every pixel, a render goes on from
 //! sums and a count, and nothing depends on threads. A pass that is cancelled counts for nothing.
+//!
+//! Passes are summed in blocks, and those in order (`blocks`): blocks can be computed apart and joined (`state`).
 
 use crate::{
     Control, Counters, Doubt, FIRST_LOOK, History, Plan, Session, Stop, cpu_time, dimension,
     estimate::Sum,
     first_hit,
+    pieces::{Indivisible, within},
     session::Earlier,
-    state::{Codec, In, Out, State},
-    state_checks,
 };
+use blocks::{Blocks, Shape};
 use std::{
     fmt::Debug,
-    io::{self, Error, ErrorKind, Read, Write},
+    io::{self, Read, Write},
+    ops::Range,
     sync::{
         Arc, Mutex, PoisonError,
         atomic::{AtomicUsize, Ordering},
@@ -24,11 +27,14 @@ use std::{
 };
 use steradian_core::{
     Scene,
-    film::{Film, Half, LayerInputs, LayerSums, PassFilm, Pixel},
+    film::{Film, FirstHit, LayerInputs, PassFilm},
     sampler::{PixelSampler, Sampler},
 };
 use steradian_math::{Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
 
+mod blocks;
+mod state;
+mod sums;
 #[cfg(test)]
 mod tests;
 
@@ -66,6 +72,11 @@ pub trait Pass: Debug + Send + Sync {
     /// Notes on the picture so far.
     fn notes(&self) -> Vec<String> {
         Vec::new()
+    }
+
+    /// Reason why passes are not independent of each other after all, if so.
+    fn indivisible(&self) -> Option<Indivisible> {
+        None
     }
 
     /// Reason why no more passes can be taken, if so.
@@ -182,14 +193,9 @@ pub struct Passes<P> {
     plan: Plan,
     integrator: P,
     is_prepared: bool,
-    pixels: Vec<Pixel>,
-    layers: LayerSums,
-    /// Sums of passes of even number, by pixels; empty where they are not kept.
-    even: Vec<[f64; 3]>,
+    blocks: Blocks,
     /// Samples per pixel of the whole render: those of the plan, or more.
     total: u32,
-    /// Passes that are in the film.
-    passes: u32,
     /// Passes at which the error is looked at next.
     look: u32,
     is_good_enough: bool,
@@ -202,6 +208,8 @@ impl<P: Pass> Passes<P> {
     pub fn new(scene: Arc<Scene>, integrator: P, plan: Plan) -> Self {
         let n = scene.film().crop.width() as usize * scene.film().crop.height() as usize;
         let groups = if plan.has(LayerInputs::LIGHT_GROUPS) { scene.light_groups().names.len() } else { 0 };
+        let shape = Shape { pixels: n, groups, inputs: plan.inputs };
+        let passes = plan.sampler.spp.div_ceil(integrator.samples_per_pass().max(1));
         Self {
             total: plan.sampler.spp,
             scene,
@@ -209,10 +217,7 @@ impl<P: Pass> Passes<P> {
             plan,
             integrator,
             is_prepared: false,
-            pixels: vec![Pixel::default(); n],
-            layers: LayerSums::new(plan.inputs, n, groups),
-            even: vec![[0.0; 3]; if plan.has(LayerInputs::HALVES) { n } else { 0 }],
-            passes: 0,
+            blocks: Blocks::new(shape, passes),
             look: FIRST_LOOK,
             is_good_enough: false,
             counters: Counters::default(),
@@ -231,29 +236,20 @@ impl<P: Pass> Passes<P> {
             self.is_prepared = true;
         }
         while self.samples() < samples && !self.is_good_enough {
+            let (pass, groups) = (self.blocks.next(), self.blocks.shape.groups);
             let has_halves = self.plan.has(LayerInputs::HALVES);
-            let number = if has_halves { self.passes / 2 } else { self.passes };
+            let number = if has_halves { pass / 2 } else { pass };
             if has_halves {
-                run.sampler = sampler.half(self.passes);
+                run.sampler = sampler.half(pass);
             }
-            let mut film = PassFilm::new(scene.film(), self.layers.by_light.len() / self.pixels.len().max(1));
+            let mut film = PassFilm::new(scene.film(), groups);
             let done = self.integrator.pass(&run, number, &mut film)?;
-            self.first_hits(&run, number)?;
+            let hits = self.first_hits(&run, number)?;
             self.counters += &done;
             self.counters.nonfinite += film.nonfinite();
-            for (pixel, sum) in self.pixels.iter_mut().zip(film.sums()) {
-                pixel.add_value(*sum);
-            }
-            if self.passes.is_multiple_of(2) {
-                for (even, sum) in self.even.iter_mut().zip(film.sums()) {
-                    *even = std::array::from_fn(|c| even[c] + sum[c]);
-                }
-            }
-            for (sum, light) in self.layers.by_light.iter_mut().zip(film.by_light()) {
-                *sum = std::array::from_fn(|c| sum[c] + light[c]);
-            }
-            self.passes += 1;
-            if let Some(error) = self.plan.error.filter(|_| self.passes >= self.look) {
+            self.blocks.add(&film, &hits);
+            let passes = self.blocks.passes();
+            if let Some(error) = self.plan.error.filter(|_| passes >= self.look) {
                 self.is_good_enough = self.error().is_some_and(|e| e <= error) && self.doubt().is_none();
                 self.look = self.look.saturating_add(self.look / 4);
             }
@@ -261,10 +257,10 @@ impl<P: Pass> Passes<P> {
         Some(())
     }
 
-    /// Adds what the pass's camera rays see first.
-    fn first_hits(&mut self, run: &Run<'_>, number: u32) -> Option<()> {
-        if self.layers.ignore_hits() {
-            return Some(());
+    /// First hits of the pass's camera rays, by rows; none where no layer depends on them.
+    fn first_hits(&self, run: &Run<'_>, number: u32) -> Option<Vec<Vec<FirstHit>>> {
+        if !self.blocks.shape.has_hits() {
+            return Some(Vec::new());
         }
         let (crop, sight) = (self.scene.film().crop, self.plan.sight());
         let before = self.before.as_deref();
@@ -275,34 +271,29 @@ impl<P: Pass> Passes<P> {
             };
             (crop.x0..crop.x1).map(hit).collect::<Vec<_>>()
         })?;
-        rows.iter().flatten().enumerate().for_each(|(at, hit)| self.layers.add_hit(at, hit));
-        Some(())
+        Some(rows)
     }
 
-    fn pass_state(&mut self, codec: &mut impl Codec) -> io::Result<()> {
-        self.total.pass(codec)?;
-        self.passes.pass(codec)?;
-        self.look.pass(codec)?;
-        self.is_good_enough.pass(codec)?;
-        self.counters.pass(codec)?;
-        self.time.pass(codec)?;
-        self.pixels.pass(codec)?;
-        self.layers.pass(codec)?;
-        self.even.pass(codec)
-    }
-}
-
-impl<P: Pass> Passes<P> {
     fn squared_errors(&self) -> Option<Sum> {
         let width = self.scene.film().crop.width() as usize;
-        if self.passes < 2 { None } else { Sum::of_rows(&self.pixels, width) }
+        if self.blocks.passes() < 2 { None } else { Sum::of_rows(&self.blocks.pixels(), width) }
+    }
+
+    /// Passes that the session takes.
+    fn all_passes(&self) -> u32 {
+        let all = self.total.div_ceil(self.integrator.samples_per_pass().max(1));
+        self.blocks.part().map_or(all, |part| part.len() as u32)
     }
 }
 
 impl<P: Pass> Session for Passes<P> {
     fn step(&mut self, samples: u32, control: &Control) {
+        if self.blocks.is_joining() || self.blocks.is_joined() && self.is_done() {
+            return;
+        }
         let (start, cpu) = (Instant::now(), cpu_time());
-        let goal = self.samples().saturating_add(samples).min(self.total);
+        let all = self.all_passes().saturating_mul(self.integrator.samples_per_pass().max(1));
+        let goal = self.samples().saturating_add(samples).min(all);
         // What was cancelled is done anew by the next step.
         let _complete = self.advance(goal, control);
         self.time[0] += start.elapsed();
@@ -314,17 +305,19 @@ impl<P: Pass> Session for Passes<P> {
     }
 
     fn extend(&mut self, samples: u32) -> bool {
-        let is_more = samples >= self.total;
-        self.total = self.total.max(samples);
+        let is_more = samples >= self.total && self.blocks.part().is_none();
+        if is_more {
+            self.total = samples;
+        }
         is_more
     }
 
     fn samples(&self) -> u32 {
-        self.passes.saturating_mul(self.integrator.samples_per_pass().max(1))
+        self.blocks.passes().saturating_mul(self.integrator.samples_per_pass().max(1))
     }
 
     fn is_done(&self) -> bool {
-        self.samples() >= self.total || self.is_good_enough || self.integrator.failure().is_some()
+        self.blocks.passes() >= self.all_passes() || self.is_good_enough || self.integrator.failure().is_some()
     }
 
     fn is_good_enough(&self) -> bool {
@@ -332,7 +325,7 @@ impl<P: Pass> Session for Passes<P> {
     }
 
     fn error(&self) -> Option<f64> {
-        self.squared_errors().map(|sum| sum.relative(self.pixels.len()))
+        self.squared_errors().map(|sum| sum.relative(self.blocks.shape.pixels))
     }
 
     fn doubt(&self) -> Option<Doubt> {
@@ -375,37 +368,31 @@ impl<P: Pass> Session for Passes<P> {
     }
 
     fn film(&self) -> Film {
-        Film {
-            crop: self.scene.film().crop,
-            pixels: self.pixels.clone(),
-            layers: self.layers.clone(),
-            halves: self
-                .even
-                .iter()
-                .zip(&self.pixels)
-                .map(|(sum, p)| Half::of(*sum, p.samples.div_ceil(2), p))
-                .collect(),
-            bins: 0,
-        }
+        self.blocks.film(self.scene.film().crop)
     }
 
     fn save(&mut self, out: &mut dyn Write) -> io::Result<()> {
-        self.pass_state(&mut Out(out))
+        self.save_state(out)
     }
 
     fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
-        self.pass_state(&mut In(from))?;
-        let (plan, passes) = (&self.plan, self.passes);
-        let is_sound = state_checks::is_total(self.total, plan.sampler.spp)
-            && passes <= self.total.div_ceil(self.integrator.samples_per_pass().max(1))
-            && state_checks::is_look(self.look, passes, plan.error)
-            && !(self.is_good_enough && plan.error.is_none())
-            && state_checks::are_counters(&self.counters)
-            && self.pixels.iter().all(|p| p.samples == passes && state_checks::is_pixel(p))
-            && self.layers.features.iter().all(|sums| sums.samples == passes && state_checks::are_hits(sums))
-            && self.layers.mattes.iter().all(|sums| sums.samples == passes && state_checks::are_mattes(sums))
-            && self.even.iter().flatten().all(|sum| sum.abs() <= f64::from(passes) * f64::from(f32::MAX))
-            && self.layers.by_light.iter().flatten().all(|sum| sum.abs() <= f64::from(passes) * f64::from(f32::MAX));
-        if is_sound { Ok(()) } else { Err(Error::from(ErrorKind::InvalidData)) }
+        self.restore_state(from)
+    }
+
+    fn pieces(&self) -> Result<u32, Indivisible> {
+        match self.integrator.indivisible() {
+            _ if self.plan.error.is_some() => Err(Indivisible::Error),
+            Some(why) => Err(why),
+            None => Ok(self.blocks.count()),
+        }
+    }
+
+    fn restrict(&mut self, pieces: Range<u32>) -> Result<(), Indivisible> {
+        within(&pieces, self.pieces()?)?;
+        self.blocks.restrict(pieces)
+    }
+
+    fn join(&mut self, from: &mut dyn Read, pieces: Range<u32>) -> io::Result<()> {
+        self.join_state(from, pieces)
     }
 }

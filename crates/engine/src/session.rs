@@ -1,10 +1,11 @@
 //! The boundary between those who render and methods that compute pictures.
 
-use crate::{Control, Counters, Doubt, SCALES};
+use crate::{Control, Counters, Doubt, Indivisible, SCALES};
 use std::{
     any::Any,
     fmt::Debug,
     io::{self, Read, Write},
+    ops::Range,
     sync::Arc,
     time::Duration,
 };
@@ -145,4 +146,33 @@ pub trait Session: Debug + Send {
     /// Those of the reader, and [`io::ErrorKind::InvalidData`] where no such session can have been; the session is of
     /// no use then.
     fn restore(&mut self, from: &mut dyn Read) -> io::Result<()>;
+
+    /// Number of pieces that the work of the plan falls into: each is a function of scene and plan alone, and pieces
+    /// that several sessions computed are [joined](Self::join) to the very bits of one run.
+    ///
+    /// # Errors
+    /// Why the work is one.
+    fn pieces(&self) -> Result<u32, Indivisible> {
+        Err(Indivisible::OneState)
+    }
+
+    /// Computes these pieces only: steps, the end, samples, counters and saved states are those of the pieces, and so
+    /// is the film, which is empty elsewhere. Such a session is not [extended](Self::extend). Before the first step.
+    ///
+    /// # Errors
+    /// Why the work is one, or that there are no such pieces; nothing is changed then.
+    fn restrict(&mut self, _pieces: Range<u32>) -> Result<(), Indivisible> {
+        Err(self.pieces().err().unwrap_or(Indivisible::OneState))
+    }
+
+    /// Takes over finished pieces that another session of the same scene and plan, [restricted](Self::restrict) to
+    /// them, has [saved](Self::save), in any order. From the first of them on the session takes no samples; when all
+    /// are there it is done, its film and counters are those of one run, and its time is that of all parts together.
+    ///
+    /// # Errors
+    /// Those of the reader, [`io::ErrorKind::AlreadyExists`] for pieces that are there already, and
+    /// [`io::ErrorKind::InvalidData`] where no such session can have been; the session is of no use then.
+    fn join(&mut self, _from: &mut dyn Read, _pieces: Range<u32>) -> io::Result<()> {
+        Err(io::Error::new(io::ErrorKind::InvalidData, Indivisible::OneState))
+    }
 }

@@ -44,6 +44,11 @@ pub struct FirstHitSums {
 impl FirstHitSums {
     /// Adds the first hit of a sample.
     pub fn add(&mut self, hit: &FirstHit) {
+        self.add_sums(&Self { sum: *hit, samples: 1 });
+    }
+
+    /// Adds the sums of further samples.
+    pub fn add_sums(&mut self, of: &Self) {
         let add = |a: &mut [f32], b: &[f32]| {
             let finite = |(a, b): (&mut f32, &f32)| {
                 if b.is_finite() {
@@ -52,7 +57,7 @@ impl FirstHitSums {
             };
             a.iter_mut().zip(b).for_each(finite);
         };
-        let s = &mut self.sum;
+        let (s, hit) = (&mut self.sum, &of.sum);
         add(&mut s.albedo, &hit.albedo);
         add(&mut s.normal, &hit.normal);
         add(&mut s.seen_albedo, &hit.seen_albedo);
@@ -67,7 +72,7 @@ impl FirstHitSums {
         if s.shape == 0 {
             (s.shape, s.material) = (hit.shape, hit.material);
         }
-        self.samples += 1;
+        self.samples += of.samples;
     }
 
     /// The averages: of albedo (held in [0, 1]), normals, motion and coverage over all samples; of position, parameters

@@ -49,6 +49,15 @@ impl LayerSums {
         }
     }
 
+    /// Adds the sums of further samples of all pixels.
+    pub fn add_sums(&mut self, of: &Self) {
+        self.features.iter_mut().zip(&of.features).for_each(|(sums, of)| sums.add_sums(of));
+        self.mattes.iter_mut().zip(&of.mattes).for_each(|(sums, of)| sums.add_sums(of));
+        for (sum, light) in self.by_light.iter_mut().zip(&of.by_light) {
+            *sum = std::array::from_fn(|c| sum[c] + light[c]);
+        }
+    }
+
     /// Copies a range of the pixels of other sums to the pixels from `to` on, of light in so many parts.
     pub fn copy(&mut self, to: usize, from: &Self, range: Range<usize>, parts: usize) {
         fn part<T: Copy>(to: &mut [T], at: usize, from: &[T], range: Range<usize>) {

@@ -16,13 +16,23 @@ pub struct Hits {
 impl Hits {
     /// Counts a sample that hits a thing; 0 is nothing.
     pub fn add(&mut self, id: u32) {
+        self.add_many(id, 1);
+    }
+
+    /// Counts so many samples that hit a thing.
+    fn add_many(&mut self, id: u32, samples: u32) {
         if id == 0 {
             return;
         }
         if let Some(slot) = self.ids.iter().position(|&known| known == id || known == 0) {
             self.ids[slot] = id;
-            self.counts[slot] += 1;
+            self.counts[slot] += samples;
         }
+    }
+
+    /// Adds what further samples hit.
+    pub fn add_hits(&mut self, of: &Self) {
+        of.iter().for_each(|(id, samples)| self.add_many(id, samples));
     }
 
     /// The things and the samples that hit them, in the order in which they were met.
@@ -48,6 +58,13 @@ impl MatteSums {
         self.objects.add(hit.shape);
         self.materials.add(hit.material);
         self.samples += 1;
+    }
+
+    /// Adds what further samples hit first.
+    pub fn add_sums(&mut self, of: &Self) {
+        self.objects.add_hits(&of.objects);
+        self.materials.add_hits(&of.materials);
+        self.samples += of.samples;
     }
 }
 

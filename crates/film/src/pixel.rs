@@ -52,6 +52,16 @@ impl Pixel {
         }
     }
 
+    /// Adds the sums of further samples.
+    #[inline]
+    pub fn add_sums(&mut self, of: &Self) {
+        for c in 0..3 {
+            self.sum[c] += of.sum[c];
+            self.sum_squares[c] += of.sum_squares[c];
+        }
+        self.samples += of.samples;
+    }
+
     /// The mean: the pixel's linear Rec.709 radiance.
     pub fn mean(&self) -> [f64; 3] {
         let n = f64::from(self.samples.max(1));

@@ -132,6 +132,11 @@ impl<const MEDIA: bool> GroupIntegrator for SharedPath<MEDIA> {
         precomputed.reuse()
     }
 
+    fn may_share(&self, plan: &Plan) -> bool {
+        // Paths of one event share nothing.
+        self.path.depth.max > 1 && self.variance_reduction.by(plan).reuse != Some(1)
+    }
+
     fn paths(&self, precomputed: &Precomputed, pixel: [u32; 2]) -> u32 {
         precomputed.splitting.paths(pixel)
     }

@@ -2,26 +2,31 @@
 //!
 //! A file has the program's version, a fingerprint of the scene, the settings on which the picture's bits depend, the
 //! session, and the BLAKE3 hash of all that. Only a render that would have made the same picture goes on from it.
+//! The state of a part of the work is one like others, with the pieces among its settings; parts are joined.
 
 use crate::{CompileOptions, Render, Scene, Session};
 use std::{
     borrow::Cow,
     collections::BTreeMap,
     fs::File,
-    io::{self, BufReader, BufWriter, Read, Seek, Write},
+    io::{self, BufReader, BufWriter, ErrorKind, Read, Seek, Write},
+    ops::Range,
     path::{Path, PathBuf},
 };
 use steradian_film::LayerInputs;
 use steradian_image::open_regular;
 use steradian_scene::{Node, SceneDesc, Value};
 
-const MAGIC: &[u8; 16] = b"Steradian state5";
+const MAGIC: &[u8; 16] = b"Steradian state6";
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 const HASH: u64 = blake3::OUT_LEN as u64;
 /// Longest text of the settings, bytes.
 const LONGEST: u32 = 1 << 16;
 /// The setting that [`samples`] tells.
 const SAMPLES: &str = "samples per pixel";
+/// The setting that tells which pieces of the work were computed ([`Session::pieces`]): `0..3 of 7`, or all of them.
+const PIECES: &str = "pieces";
+const ALL: &str = "all";
 /// Settings of more bytes are not printed.
 const READABLE: usize = 60;
 
@@ -47,6 +52,38 @@ pub enum StateError {
     /// The settings have changed.
     #[error("was saved with other settings: {0}")]
     OtherSettings(String),
+    /// A part is to be joined that was left.
+    #[error("is a part that is not finished")]
+    Unfinished,
+    /// A part is to be joined whose pieces are there.
+    #[error("has pieces that were joined already: {} to {}", .0.start, .0.end - 1)]
+    Joined(Range<u32>),
+}
+
+/// Description of a state file by itself.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StateFile {
+    /// Version of the program that saved it: this one.
+    pub version: String,
+    /// The [`fingerprint`] of the scene.
+    pub scene: [u8; blake3::OUT_LEN],
+    /// Settings on which the picture's bits depend, by name.
+    pub settings: BTreeMap<String, String>,
+    /// The pieces of the work that were computed and the number of all; `None` for a render of all of them.
+    pub pieces: Option<(Range<u32>, u32)>,
+    /// True if the session was done.
+    pub is_finished: bool,
+}
+
+/// Reads a state file's description of itself; its contents match their checksum then. No scene is loaded.
+///
+/// # Errors
+/// Why the file is of no use.
+pub fn state_file(path: &Path) -> Result<StateFile, StateError> {
+    let saved = Saved::open(path)?;
+    let pieces = saved.pieces()?;
+    let Saved { scene, settings, is_finished, .. } = saved;
+    Ok(StateFile { version: VERSION.into(), scene, settings, pieces, is_finished })
 }
 
 /// Everything that decides about the bits of a picture.
@@ -106,8 +143,8 @@ fn without_folders(node: &Node) -> Cow<'_, Node> {
 /// # Errors
 /// Why the file is of no use.
 pub fn samples(path: &Path) -> Result<u32, StateError> {
-    let settings = Saved::open(path)?.settings()?;
-    settings
+    Saved::open(path)?
+        .settings
         .get(SAMPLES)
         .and_then(|samples| samples.parse().ok())
         .filter(|samples| *samples > 0)
@@ -116,9 +153,12 @@ pub fn samples(path: &Path) -> Result<u32, StateError> {
 
 /// A state in a file whose contents match their checksum.
 struct Saved {
-    /// Reader at the beginning of the settings.
+    /// Reader at the beginning of the session.
     file: BufReader<File>,
     scene: [u8; blake3::OUT_LEN],
+    settings: BTreeMap<String, String>,
+    /// True if the session was done.
+    is_finished: bool,
     /// Offset of the checksum, bytes.
     end: u64,
 }
@@ -149,12 +189,37 @@ impl Saved {
         file.seek(io::SeekFrom::Start(start))?;
         let mut scene = [0; blake3::OUT_LEN];
         file.read_exact(&mut scene)?;
-        Ok(Self { file, scene, end })
+        let settings = read_text(&mut file).ok_or(StateError::Damaged)?;
+        let settings = serde_json::from_str(&settings).map_err(|_| StateError::Damaged)?;
+        let mut flag = [0];
+        file.read_exact(&mut flag)?;
+        Ok(Self { file, scene, settings, is_finished: flag != [0], end })
     }
 
-    fn settings(&mut self) -> Result<BTreeMap<String, String>, StateError> {
-        let settings = read_text(&mut self.file).ok_or(StateError::Damaged)?;
-        serde_json::from_str(&settings).map_err(|_| StateError::Damaged)
+    /// The pieces that were computed and the number of all; `None` where these are all.
+    fn pieces(&self) -> Result<Option<(Range<u32>, u32)>, StateError> {
+        let text = self.settings.get(PIECES).ok_or(StateError::Damaged)?;
+        if text == ALL {
+            return Ok(None);
+        }
+        let numbers = text.split_once(" of ").and_then(|(range, of)| Some((range.split_once("..")?, of)));
+        let number = |text: &str| text.parse::<u32>().map_err(|_| StateError::Damaged);
+        let ((start, end), of) = numbers.ok_or(StateError::Damaged)?;
+        let (start, end, of) = (number(start)?, number(end)?, number(of)?);
+        if start < end && end <= of { Ok(Some((start..end, of))) } else { Err(StateError::Damaged) }
+    }
+
+    /// Refuses a state that a render of this recipe cannot have saved.
+    fn check(&self, recipe: &Recipe) -> Result<(), StateError> {
+        if let Some(difference) = recipe.difference(&self.settings) {
+            return Err(StateError::OtherSettings(difference));
+        }
+        if self.scene == recipe.scene { Ok(()) } else { Err(StateError::OtherScene) }
+    }
+
+    /// Nothing may follow on what the session has read.
+    fn at_end(&mut self) -> Result<(), StateError> {
+        if self.file.stream_position()? == self.end { Ok(()) } else { Err(StateError::Damaged) }
     }
 }
 
@@ -181,8 +246,17 @@ impl Recipe {
             ("camera", format!("{:?}", scene.camera())),
             ("colour", format!("{:?}", scene.mode())),
             ("stochastic textures", options.stochastic_textures.to_string()),
+            (PIECES, ALL.into()),
         ];
         Self { scene: fingerprint, settings: settings.map(|(name, value)| (name.to_owned(), value)).into() }
+    }
+
+    /// Recipe of a session that is [restricted](Session::restrict) to some of so many pieces.
+    #[must_use]
+    pub fn of_pieces(mut self, pieces: &Range<u32>, of: u32) -> Self {
+        let text = if *pieces == (0..of) { ALL.into() } else { format!("{}..{} of {of}", pieces.start, pieces.end) };
+        self.settings.insert(PIECES.into(), text);
+        self
     }
 
     /// Saves a session to a file, which appears whole or not at all.
@@ -196,6 +270,7 @@ impl Recipe {
             text(&mut out, VERSION)?;
             out.write_all(&self.scene)?;
             text(&mut out, &serde_json::to_string(&self.settings)?)?;
+            out.write_all(&[session.is_done().into()])?;
             session.save(&mut out)?;
             let Hashing { inner, hasher } = out.into_inner().map_err(|failed| failed.into_error())?;
             inner.write_all(hasher.finalize().as_bytes())
@@ -208,15 +283,33 @@ impl Recipe {
     /// Why it cannot; the session is of no use then.
     pub fn restore(&self, session: &mut dyn Session, path: &Path) -> Result<(), StateError> {
         let mut saved = Saved::open(path)?;
-        let theirs = saved.settings()?;
-        if let Some(difference) = self.difference(&theirs) {
-            return Err(StateError::OtherSettings(difference));
-        }
-        if saved.scene != self.scene {
-            return Err(StateError::OtherScene);
-        }
+        saved.check(self)?;
         session.restore(&mut saved.file).map_err(|_| StateError::Damaged)?;
-        if saved.file.stream_position()? == saved.end { Ok(()) } else { Err(StateError::Damaged) }
+        saved.at_end()
+    }
+
+    /// Joins the part in a file to a new session of the whole, or to one that other parts were [joined](Session::join)
+    /// to; the pieces that it has.
+    ///
+    /// # Errors
+    /// Why it cannot; the session is of no use after [`StateError::Damaged`].
+    pub fn join(&self, session: &mut dyn Session, path: &Path) -> Result<Range<u32>, StateError> {
+        let mut saved = Saved::open(path)?;
+        let here = session.pieces().map_err(|why| StateError::OtherSettings(format!("not in pieces: {why}")))?;
+        let (pieces, of) = saved.pieces()?.unwrap_or((0..here, here));
+        saved.check(&self.clone().of_pieces(&pieces, of))?;
+        if of != here {
+            return Err(StateError::Damaged);
+        }
+        if !saved.is_finished {
+            return Err(StateError::Unfinished);
+        }
+        session.join(&mut saved.file, pieces.clone()).map_err(|e| match e.kind() {
+            ErrorKind::AlreadyExists => StateError::Joined(pieces.clone()),
+            _ => StateError::Damaged,
+        })?;
+        saved.at_end()?;
+        Ok(pieces)
     }
 
     /// The first setting that is another one.
@@ -231,7 +324,7 @@ impl Recipe {
 
 /// A text with its length before it.
 fn text(out: &mut dyn Write, text: &str) -> io::Result<()> {
-    let length = u32::try_from(text.len()).ok().filter(|n| *n <= LONGEST).ok_or(io::ErrorKind::FileTooLarge)?;
+    let length = u32::try_from(text.len()).ok().filter(|n| *n <= LONGEST).ok_or(ErrorKind::FileTooLarge)?;
     out.write_all(&length.to_le_bytes())?;
     out.write_all(text.as_bytes())
 }
@@ -262,6 +355,9 @@ impl Write for Hashing<'_> {
         self.inner.flush()
     }
 }
+
+#[cfg(test)]
+mod pieces_tests;
 
 #[cfg(test)]
 mod tests {

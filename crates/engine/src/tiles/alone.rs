@@ -21,6 +21,9 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
     pub fn finish(&self, tile: usize, scratch: &mut Scratch<G::Buffer<'a>>, counters: &mut Counters) -> bool {
         let done = &self.frame.done[tile];
         let mut next = done.load(Ordering::Relaxed).max(self.ticks.0);
+        if next >= self.ticks.1 {
+            return true;
+        }
         // Those before the first have no pixels of their own.
         let [Ok(column), Ok(row)] = self.place(tile).map(u32::try_from) else {
             done.fetch_max(self.ticks.1, Ordering::Relaxed);

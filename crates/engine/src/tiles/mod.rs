@@ -9,9 +9,10 @@
 //!
 //! Tiles are 16 pixels wide and aligned to the frame rather than to the crop, so that a crop has the bits of the whole;
 //! with adaptive sampling, where needs are decided by the pixels present, it does not. A session is saved and restored
-//! between steps (`state`).
+//! between steps (`state`). Tiles of a render without such decisions are computed apart and joined (`pieces`).
 
 mod alone;
+mod pieces;
 mod scales;
 mod state;
 mod state_checks;
@@ -19,16 +20,19 @@ mod tile;
 mod work;
 
 use crate::{
-    Control, Counters, Doubt, FIRST_LOOK, GroupIntegrator, History, Integrator, OneByOne, Plan, Session, Stop,
+    Control, Counters, Doubt, FIRST_LOOK, GroupIntegrator, History, Indivisible, Integrator, OneByOne, Plan, Session,
+    Stop,
     adaptive::{self, Need, Round},
     cpu_time,
     estimate::{FEWEST_FINDS, Sum},
     partition::{CELLS, TILE},
+    pieces::{invalid, within},
     session::Earlier,
 };
 pub use scales::SCALES;
 use std::{
     io::{self, Read, Write},
+    ops::Range,
     sync::{
         Arc, Mutex,
         atomic::{AtomicU32, Ordering},
@@ -121,7 +125,8 @@ impl<G: GroupIntegrator> Tiles<G> {
 
 impl<G: GroupIntegrator> Session for Tiles<G> {
     fn step(&mut self, samples: u32, control: &Control) {
-        if !self.prepare(control) {
+        let is_idle = self.frame.is_joining() || self.frame.is_joined() && self.is_done();
+        if is_idle || !self.prepare(control) {
             return;
         }
         let goal = self.frame.next.saturating_add(samples).min(self.frame.total);
@@ -150,9 +155,12 @@ impl<G: GroupIntegrator> Session for Tiles<G> {
     }
 
     fn extend(&mut self, samples: u32) -> bool {
-        let is_more = samples >= self.frame.total;
-        self.frame.total = self.frame.total.max(samples);
-        is_more
+        let is_more = samples >= self.frame.total && !self.frame.is_part();
+        if !is_more {
+            return false;
+        }
+        self.frame.total = samples;
+        true
     }
 
     fn threads(&self) -> usize {
@@ -225,6 +233,30 @@ impl<G: GroupIntegrator> Session for Tiles<G> {
     fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
         self.frame.restore(from)
     }
+
+    fn pieces(&self) -> Result<u32, Indivisible> {
+        let Frame { plan, tiles, .. } = &self.frame;
+        if plan.error.is_some() {
+            return Err(Indivisible::Error);
+        }
+        if plan.adaptive && Round::first(plan.sampler.spp, true).end < plan.sampler.spp {
+            return Err(Indivisible::Adaptive);
+        }
+        if self.integrator.may_share(plan) {
+            return Err(Indivisible::Sharing);
+        }
+        u32::try_from(tiles.len()).map_err(|_| Indivisible::OneState)
+    }
+
+    fn restrict(&mut self, pieces: Range<u32>) -> Result<(), Indivisible> {
+        within(&pieces, self.pieces()?)?;
+        self.frame.restrict(pieces)
+    }
+
+    fn join(&mut self, from: &mut dyn Read, pieces: Range<u32>) -> io::Result<()> {
+        self.pieces().and_then(|of| within(&pieces, of)).map_err(|_| invalid())?;
+        self.frame.join(from, pieces)
+    }
 }
 
 /// State of a render, whatever the integrator.
@@ -239,6 +271,10 @@ struct Frame {
     bins: u32,
     plan: Plan,
     tiles: Vec<Mutex<Tile>>,
+    /// Tiles that are computed here; the others are hollow. All of them, unless the session was restricted.
+    pieces: Range<u32>,
+    /// True for those that were joined, by tiles; empty where none was.
+    joined: Vec<bool>,
     /// Cells of a row of tiles.
     columns: usize,
     /// Samples that cells get in the round, by rows of cells, and the most of them.
@@ -298,6 +334,8 @@ impl Frame {
             parts,
             bins,
             plan,
+            pieces: 0..tiles.len() as u32,
+            joined: Vec::new(),
             tiles,
             columns: columns * CELLS as usize,
             targets: Vec::new(),
@@ -399,16 +437,13 @@ impl Frame {
     }
 
     fn error(&self) -> Option<f64> {
-        let crop = self.scene.film().crop;
-        let pixels = crop.width() as usize * crop.height() as usize;
-        self.squared_errors().map(|sum| sum.relative(pixels))
+        self.squared_errors().map(|sum| sum.relative(self.pixels()))
     }
 
     /// Reason not to trust the error, if there is one, for the probability that one path of the picture finds the
     /// rarest light.
     fn doubt(&self, rarest_path_probability: Option<f64>) -> Option<Doubt> {
-        let crop = self.scene.film().crop;
-        let paths = f64::from(crop.width()) * f64::from(crop.height()) * f64::from(self.next);
+        let paths = self.pixels() as f64 * f64::from(self.next);
         if rarest_path_probability.is_some_and(|probability| probability * paths < FEWEST_FINDS) {
             return Some(Doubt::HardlyFound);
         }
@@ -428,6 +463,9 @@ impl Frame {
         };
         for tile in &self.tiles {
             let tile = lock(tile);
+            if tile.pixels.is_empty() {
+                continue;
+            }
             let w = tile.area.width() as usize;
             let pixels: Vec<Pixel> = tile.film(self.round).collect();
             let halves: Vec<Half> = tile.film_halves(self.round).collect();

@@ -2,6 +2,7 @@
 
 use super::{
     Frame, lock,
+    pieces::ELSEWHERE,
     scales::Even,
     tile::{Cell, Tile},
     work::RAYS,
@@ -32,8 +33,10 @@ impl Frame {
         };
         let errors = self.errors_of_first_round;
         is_round
+            && (number == 0 || !self.is_part())
             && is_total(self.total, plan.sampler.spp)
             && end <= self.total
+            && (self.total == plan.sampler.spp || !self.is_part())
             && (start..=end).contains(&self.next)
             && is_look(self.look, self.next, plan.error)
             && !(self.is_good_enough && plan.error.is_none())
@@ -63,7 +66,8 @@ impl Frame {
 
     fn has_sound_progress(&self) -> bool {
         let ticks = self.round.share(self.ticks, self.next);
-        let done = || self.done.iter().map(|done| done.load(Ordering::Relaxed));
+        let here = self.done.iter().map(|done| done.load(Ordering::Relaxed)).filter(|done| *done != ELSEWHERE);
+        let done = || here.clone();
         done().all(|done| done <= ticks) && self.is_complete == done().all(|done| done == ticks)
     }
 
@@ -121,6 +125,9 @@ impl Frame {
 
     /// The fewest and the most ticks of the round that are done in the tiles whose groups reach into a tile.
     fn ticks_done(&self, tile: usize) -> [u32; 2] {
+        if self.is_part() {
+            return [self.done[self.done_of(tile)].load(Ordering::Relaxed); 2];
+        }
         let columns = self.columns / CELLS as usize;
         let corner = tile / columns * (columns + 1) + tile % columns;
         let around = [corner, corner + 1, corner + columns + 1, corner + columns + 2];

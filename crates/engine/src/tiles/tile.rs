@@ -79,6 +79,20 @@ impl Tile {
         }
     }
 
+    /// A tile that is computed elsewhere: without pixels, and as much to do for each as here.
+    pub fn hollow(area: Crop, target: u32) -> Self {
+        Self {
+            area,
+            pixels: Vec::new(),
+            past: Vec::new(),
+            even: Vec::new(),
+            layers: LayerSums::default(),
+            halves: Vec::new(),
+            past_halves: Vec::new(),
+            cells: [Cell { target, ..Cell::default() }; (CELLS * CELLS) as usize],
+        }
+    }
+
     /// Adds a sample that was taken in a tick to a pixel of the round under way; `false` where it is not finite and
     /// counts as black.
     pub fn add(&mut self, at: usize, value: Vec3, tick: u32) -> bool {

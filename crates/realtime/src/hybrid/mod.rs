@@ -27,7 +27,7 @@ use steradian_core::{
     Scene,
     film::{LayerInputs, PassFilm},
 };
-use steradian_engine::{Counters, History, Pass, Plan, Run};
+use steradian_engine::{Counters, History, Indivisible, Pass, Plan, Run};
 use steradian_math::{Ray, Vec2, spectra::Wavelengths};
 use steradian_transport::Depth;
 use surface::Before;
@@ -266,6 +266,10 @@ impl Pass for Hybrid {
     fn take_history(&mut self, scene: &Arc<Scene>) -> Option<History> {
         let (projected, filters) = lock(&self.after).take()?;
         Some(History(Arc::new(Before { scene: Arc::clone(scene), projected, filters })))
+    }
+
+    fn indivisible(&self) -> Option<Indivisible> {
+        Some(Indivisible::Follows)
     }
 
     fn follow(&mut self, History(before): &History) {
