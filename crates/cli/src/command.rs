@@ -7,8 +7,10 @@ use crate::{
     },
     bake::BakeArgs,
     bench::BenchArgs,
+    chunks::{chunk::ChunkArgs, merge::MergeArgs, plan::PlanArgs},
     experiment::ExperimentArgs,
     meter::MeterArgs,
+    pack::PackArgs,
     unwrap::UnwrapArgs,
 };
 use clap::{Parser, Subcommand};
@@ -24,8 +26,8 @@ use clap::{Parser, Subcommand};
     arg_required_else_help = true
 )]
 #[command(
-    after_help = "Exit codes: 0 done, 1 failed, 2 bad command line or scene, 4 pictures or methods differ (compare, verify), 5 undecided \
-                  (verify), 130/143 stopped."
+    after_help = "Exit codes: 0 done, 1 failed, 2 bad command line or scene, 4 pictures or methods differ (compare, \
+                  verify), 5 undecided (verify), 75 try again (chunk, merge), 130/143 stopped."
 )]
 pub struct Cli {
     /// Command.
@@ -38,6 +40,14 @@ pub struct Cli {
 pub enum Command {
     /// Render a scene into pictures; without SCENE, the built-in Cornell box
     Render(Box<RenderArgs>),
+    /// Plan a render in chunks that several machines compute
+    Plan(Box<PlanArgs>),
+    /// Compute chunks of a planned render
+    Chunk(ChunkArgs),
+    /// Put the chunks of a planned render together: the very bits of one run
+    Merge(MergeArgs),
+    /// Pack a scene and all files that it names into one archive, which every command reads
+    Pack(PackArgs),
     /// Look at a scene in the browser while it renders; without SCENE, at the built-in Cornell box
     View(ViewArgs),
     /// Render a scene by every integrator that can, and test whether they agree
@@ -87,7 +97,13 @@ pub enum Command {
 impl Command {
     /// True if only errors are to be told.
     pub fn is_quiet(&self) -> bool {
-        matches!(self, Self::Render(args) if args.quiet)
+        match self {
+            Self::Render(args) => args.quiet,
+            Self::Plan(args) => args.render.quiet,
+            Self::Chunk(args) => args.quiet,
+            Self::Merge(args) => args.quiet,
+            _ => false,
+        }
     }
 }
 

@@ -11,6 +11,8 @@ pub const DIFFERENT: u8 = 4;
 
 /// Exit code: nothing differs, but not everything could be decided.
 pub const UNDECIDED: u8 = 5;
+/// Exit code: not done for a reason that may be gone at the next try, `EX_TEMPFAIL` of sysexits.h.
+pub const TRY_AGAIN: u8 = 75;
 
 /// The exit code of a command that ran to its end, or why it did not.
 pub type Outcome = Result<u8, Failure>;

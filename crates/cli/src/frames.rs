@@ -19,29 +19,14 @@ const DIGITS: usize = 4;
 /// Renders each frame as if its moment were given by `-D at=…`. Methods and denoisers that go on from the frame before
 /// do so.
 pub fn run(args: &RenderArgs, frames: Frames, terminal: Terminal) -> Outcome {
-    let Some(scene) = args.scene.as_deref().filter(|scene| open::is_gltf(scene)) else {
-        return Err(Failure::bad_input("--frames takes a scene with animations, which .gltf and .glb files have"));
-    };
-    if args.resume.is_some() {
-        return Err(Failure::bad_input("--resume keeps one picture; it cannot go with --frames"));
-    }
-    if args.scene_options.define.iter().any(|(name, _)| name == "at") {
-        return Err(Failure::bad_input("--frames names the moments of all frames; it cannot go with -D at=SECONDS"));
-    }
+    check(args)?;
     if args.temporal && args.aov.iter().any(|layers| layers.0.contains(&Layer::HALVES)) {
         terminal.warn("the error that remains is not estimated where frames are denoised with those before");
     }
-    let outputs = if args.output.is_empty() { output::default_names(scene) } else { args.output.clone() };
-    let seconds = |frame: u32| f64::from(frame) / args.fps;
     let mut before = SequenceState::default();
-    let framing = framing(scene, args, frames);
+    let framing = framing(args, frames);
     for frame in frames.first..=frames.last {
-        let mut one = args.clone();
-        one.output = outputs.iter().map(|path| numbered(path, frame)).collect();
-        one.frame = frame;
-        one.scene_options.framing = framing;
-        one.scene_options.define.push(("at".into(), seconds(frame).to_string()));
-        let code = render::run_after(&one, terminal, &mut before)?;
+        let code = render::run_after(&one(args, frame, framing), terminal, &mut before)?;
         if code != failure::DONE {
             return Ok(code);
         }
@@ -49,15 +34,43 @@ pub fn run(args: &RenderArgs, frames: Frames, terminal: Terminal) -> Outcome {
     Ok(failure::DONE)
 }
 
+/// Refuses what no sequence can be rendered with.
+pub fn check(args: &RenderArgs) -> Result<(), Failure> {
+    if !args.scene.as_deref().is_some_and(open::is_gltf) {
+        return Err(Failure::bad_input("--frames takes a scene with animations, which .gltf and .glb files have"));
+    }
+    if args.resume.is_some() {
+        return Err(Failure::bad_input("--resume keeps one picture; it cannot go with --frames"));
+    }
+    if args.scene_options.define.iter().any(|(name, _)| name == "at") {
+        return Err(Failure::bad_input("--frames names the moments of all frames; it cannot go with -D at=SECONDS"));
+    }
+    Ok(())
+}
+
+/// The render of a frame alone, with the [`framing`] of all of them.
+pub fn one(args: &RenderArgs, frame: u32, framing: Option<[DVec3; 2]>) -> RenderArgs {
+    let mut one = args.clone();
+    let outputs = match (&*args.output, &args.scene) {
+        ([], Some(scene)) => output::default_names(scene),
+        (outputs, _) => outputs.to_vec(),
+    };
+    one.output = outputs.iter().map(|path| numbered(path, frame)).collect();
+    one.frame = frame;
+    one.scene_options.framing = framing;
+    one.scene_options.define.push(("at".into(), (f64::from(frame) / args.fps).to_string()));
+    one
+}
+
 /// The box that automatic cameras show, so that they stand still: of some frames, first and last among them.
-fn framing(scene: &Path, args: &RenderArgs, frames: Frames) -> Option<[DVec3; 2]> {
+pub fn framing(args: &RenderArgs, frames: Frames) -> Option<[DVec3; 2]> {
     let steps = (frames.last - frames.first).min(MOST_FRAMED - 1);
     let moment = |k: u32| {
         let share = f64::from(k) / f64::from(steps.max(1));
         (f64::from(frames.first) + share * f64::from(frames.last - frames.first)) / args.fps
     };
     let moments: Vec<f64> = (0..=steps).map(moment).collect();
-    steradian::load::framing(scene, &open::reading(&args.scene_options.define, None), &moments)
+    steradian::load::framing(args.scene.as_deref()?, &open::reading(&args.scene_options.define, None), &moments)
 }
 
 /// `walk.exr` becomes `walk.0012.exr`.

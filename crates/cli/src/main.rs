@@ -1,13 +1,14 @@
 //! `steradian`, the command line: a thin shell over the library. Data goes to stdout, talk to stderr.
 //!
 //! Exit codes: 0 done; 1 the work failed (an output cannot be written); 2 bad command line or scene; 4
-//! `compare --fail-above` says the pictures differ; 130 and 143 stopped by SIGINT and SIGTERM.
+//! `compare --fail-above` says the pictures differ; 75 try again (chunk, merge); 130 and 143 stopped by SIGINT and SIGTERM.
 
 mod args;
 mod bake;
 mod bench;
 mod brightness;
 mod checkpoint;
+mod chunks;
 mod closed;
 mod command;
 mod compare;
@@ -29,6 +30,7 @@ mod meter;
 mod oidn;
 mod open;
 mod output;
+mod pack;
 mod panics;
 mod picture;
 mod progress;
@@ -48,6 +50,7 @@ mod verify;
 mod view;
 mod watch;
 
+use chunks::{chunk, merge, plan};
 use clap::{CommandFactory, Parser};
 use command::{Cli, Command};
 use failure::{Failure, Outcome};
@@ -119,6 +122,10 @@ fn run(command: &Command, terminal: Terminal) -> Outcome {
             Some(range) => frames::run(args, range, terminal),
             None => render::run(args, terminal),
         },
+        Command::Plan(args) => plan::run(args, terminal),
+        Command::Chunk(args) => chunk::run(args, terminal),
+        Command::Merge(args) => merge::run(args, terminal),
+        Command::Pack(args) => pack::run(args, terminal),
         Command::Optics(args) => experiment::run("optics", args, terminal),
         Command::Vision(args) => experiment::run("vision", args, terminal),
         Command::Estimate(args) => experiment::run("estimate", args, terminal),

@@ -96,6 +96,11 @@ pub fn is_stdin(name: &Path) -> bool {
     name.as_os_str() == "-"
 }
 
+/// True for scenes that are files.
+pub fn is_file(scene: &Path) -> bool {
+    !scene.to_str().is_some_and(|name| name.starts_with("builtin:")) && !is_stdin(scene)
+}
+
 /// Options of reading scenes, with definitions of the user's, and the box that automatic cameras show.
 pub fn reading(define: &[(String, String)], framing: Option<[DVec3; 2]>) -> Options {
     let mut reading = Options { defines: define.iter().cloned().collect(), framing, ..Options::default() };

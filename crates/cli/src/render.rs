@@ -7,18 +7,19 @@ use crate::{
     denoise::Filter,
     failure::{self, Failure, Outcome},
     job::{Job, OpenedScene, Planned},
-    open, output,
+    open::{self, Ready},
+    output,
     progress::Progress,
     rendered::{ImageMaker, RenderedImage},
     report::Report,
     sequence_state::SequenceState,
     signals::{self, Signals},
-    solving,
+    solving::{self, Effort},
     terminal::{self, Terminal},
     watch::{self, Due, Stop},
 };
 use std::time::Instant;
-use steradian::{ColorMode, Session, film::LayerInputs, resume::Recipe};
+use steradian::{ColorMode, Session, film::LayerInputs, image::WriteOptions, resume::Recipe};
 
 /// Renders, saves, reports.
 pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
@@ -27,38 +28,23 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
 
 /// As [`run`], after another picture of a sequence; `before` is what that left, and then what this one leaves.
 pub fn run_after(args: &RenderArgs, terminal: Terminal, before: &mut SequenceState) -> Outcome {
-    let mut job = Job::new(args, terminal)?;
-    let OpenedScene { ready, write_options, fingerprint, lit } = job.open()?;
-    let scene = &ready.scene;
-    job.place_outputs(&ready)?;
-    let Planned { mut render, spp, pixels, planned } = job.plan(scene)?;
-    let filter = |name| Filter::new(name, args.oidn.as_deref(), 1.0, args.scene_options.threads);
-    let filter = args.denoise.map(filter).transpose()?;
-    before.begin(args.temporal, &mut render);
-    let integrator = render.name;
-    let signals = Signals::watch();
-    let (width, height) = (scene.film().crop.width(), scene.film().crop.height());
-    terminal.say(&format!("rendering {} with {integrator}, {width} x {height}", job.name));
-    let solution = job.solution.as_deref().zip(lit);
-    let (mut session, effort) = solving::session(scene, &render, solution, &signals, terminal)?;
-    before.history.iter().for_each(|history| session.follow(history));
-    let checkpoint = args.resume.as_deref().zip(fingerprint).map(|(path, fingerprint)| {
-        let options = open::compile_options(&args.scene_options, job.quality.spp);
-        Checkpoint { path, recipe: Recipe::new(scene, fingerprint, &options, &render), terminal }
-    });
+    let (started, mut session) = Started::new(args, terminal, before)?;
+    started.tell();
+    let checkpoint = args.resume.as_deref().zip(started.recipe.clone());
+    let checkpoint = checkpoint.map(|(path, recipe)| Checkpoint { path, recipe, terminal });
+    let Planned { spp, pixels, planned, .. } = started.planned;
+    let takes_none = started.job.takes_none();
     if let Some(checkpoint) = &checkpoint {
-        checkpoint.restore(&mut *session, pixels, (!job.takes_none()).then_some(spp))?;
+        checkpoint.restore(&mut *session, pixels, (!takes_none).then_some(spp))?;
     }
-    let color = if scene.mode() == ColorMode::Spectral { "spectral" } else { "rgb" };
-    let (name, seed, layers) = (&*job.name, render.plan.sampler.seed, &job.quality.layers);
-    let making = ImageMaker { scene, name, integrator, color, seed, layers };
+    let making = started.making();
     let on_the_way = |session: &mut dyn Session, due: Due| {
         if let Some(checkpoint) = checkpoint.as_ref().filter(|_| due.state) {
             checkpoint.keep(session);
         }
         if due.picture && session.counters().samples > 0 {
             let RenderedImage { picture, empty_pixels, .. } = making.picture(session);
-            match output::save(&job.outputs, &picture, &write_options, empty_pixels == 0) {
+            match output::save(&started.job.outputs, &picture, &started.write_options, empty_pixels == 0) {
                 Ok(written) => terminal.say(&format!("wrote {} on the way", output::listed(&written))),
                 Err(failure) => terminal.warn(&failure.message),
             }
@@ -66,65 +52,140 @@ pub fn run_after(args: &RenderArgs, terminal: Terminal, before: &mut SequenceSta
     };
     let limits = (args.time, args.watch);
     let progress = || Progress::new(terminal);
-    let stop = match job.takes_none() {
+    let stop = match takes_none {
         true => None,
-        false => watch::render(&mut *session, (pixels, planned), limits, &signals, progress, on_the_way),
+        false => watch::render(&mut *session, (pixels, planned), limits, &started.signals, progress, on_the_way),
     };
-    // SequenceState the picture, which may fail to be saved for reasons of its own.
-    let kept = checkpoint.as_ref().map_or(Ok(()), |checkpoint| checkpoint.save(&mut *session));
-    if let Some(why) = session.failure() {
-        return Err(Failure::failed(why));
+    started.finish(session, stop, checkpoint.as_ref(), before)
+}
+
+/// A render that is ready to take samples, or to be given those that others took.
+pub struct Started<'a> {
+    pub job: Job<'a>,
+    pub ready: Ready,
+    pub write_options: WriteOptions,
+    pub planned: Planned,
+    filter: Option<Filter>,
+    pub signals: Signals,
+    effort: Effort,
+    /// Recipe of its state, where one is kept.
+    pub recipe: Option<Recipe>,
+}
+
+impl<'a> Started<'a> {
+    /// Opens the scene and plans its render, after another picture of a sequence.
+    pub fn new(
+        args: &'a RenderArgs,
+        terminal: Terminal,
+        before: &mut SequenceState,
+    ) -> Result<(Self, Box<dyn Session>), Failure> {
+        let mut job = Job::new(args, terminal)?;
+        let OpenedScene { ready, write_options, fingerprint, lit } = job.open()?;
+        let scene = &ready.scene;
+        job.place_outputs(&ready)?;
+        let mut planned = job.plan(scene)?;
+        let filter = |name| Filter::new(name, args.oidn.as_deref(), 1.0, args.scene_options.threads);
+        let filter = args.denoise.map(filter).transpose()?;
+        let render = &mut planned.render;
+        before.begin(args.temporal, render);
+        let signals = Signals::watch();
+        let solution = job.solution.as_deref().zip(lit);
+        let (mut session, effort) = solving::session(scene, render, solution, &signals, terminal)?;
+        before.history.iter().for_each(|history| session.follow(history));
+        let recipe = fingerprint.map(|fingerprint| {
+            let options = open::compile_options(&args.scene_options, job.quality.spp);
+            Recipe::new(scene, fingerprint, &options, render)
+        });
+        Ok((Self { job, ready, write_options, planned, filter, signals, effort, recipe }, session))
     }
-    if scene.texture_pages().as_ref().is_some_and(|pages| pages.has_failed()) {
-        terminal.warn("some textures could not be read back from the temporary file; they are black in places");
+
+    /// Tells what is rendered.
+    pub fn tell(&self) {
+        let (crop, integrator) = (&self.ready.scene.film().crop, self.planned.render.name);
+        let (width, height) = (crop.width(), crop.height());
+        self.job.terminal.say(&format!("rendering {} with {integrator}, {width} x {height}", self.job.name));
     }
-    if session.counters().samples == 0 {
-        // Nothing that would be worth an older picture.
+
+    /// Another session, with an empty film.
+    pub fn session(&self) -> Result<Box<dyn Session>, Failure> {
+        let session = self.planned.render.session(&self.ready.scene);
+        session.map_err(|e| Failure::bad_input(e.to_string()))
+    }
+
+    fn making(&self) -> ImageMaker<'_> {
+        let (scene, render) = (&self.ready.scene, &self.planned.render);
+        let color = if scene.mode() == ColorMode::Spectral { "spectral" } else { "rgb" };
+        let (name, integrator, seed) = (&*self.job.name, render.name, render.plan.sampler.seed);
+        ImageMaker { scene, name, integrator, color, seed, layers: &self.job.quality.layers }
+    }
+
+    /// Keeps the state, writes the pictures, and reports.
+    pub fn finish(
+        self,
+        mut session: Box<dyn Session>,
+        stop: Option<Stop>,
+        checkpoint: Option<&Checkpoint<'_>>,
+        before: &mut SequenceState,
+    ) -> Outcome {
+        let (args, terminal) = (self.job.args, self.job.terminal);
+        // The picture may fail to be saved for reasons of its own.
+        let kept = checkpoint.map_or(Ok(()), |checkpoint| checkpoint.save(&mut *session));
+        if let Some(why) = session.failure() {
+            return Err(Failure::failed(why));
+        }
+        if self.ready.scene.texture_pages().as_ref().is_some_and(|pages| pages.has_failed()) {
+            terminal.warn("some textures could not be read back from the temporary file; they are black in places");
+        }
+        if session.counters().samples == 0 {
+            // Nothing that would be worth an older picture.
+            kept.map_err(Failure::failed)?;
+            return without_a_sample(stop, terminal);
+        }
+        let saving = Instant::now();
+        let making = self.making();
+        let mut made = making.picture(&*session);
+        if self.planned.render.plan.has(LayerInputs::HALVES) && !made.has_halves() {
+            terminal.warn("the layer 'halves' is left out: it takes two samples of each pixel or more");
+        }
+        self.filter.as_ref().map_or(Ok(()), |filter| made.denoise(filter, before, terminal))?;
+        let (outputs, options) = (&self.job.outputs, &self.write_options);
+        let written =
+            output::save(outputs, &made.picture, options, made.empty_pixels == 0).map_err(|mut failure| {
+                if let (Some(checkpoint), Ok(())) = (checkpoint, &kept) {
+                    let path = checkpoint.path.display();
+                    failure.message += &format!("\nthe render is kept in '{path}': the same command goes on from it");
+                }
+                failure
+            })?;
+        output::clamped(&written, &made.picture, options).iter().for_each(|cut| terminal.warn(cut));
+        let missing_light = steradian::missing_light(&self.planned.render, &self.ready.scene, &session.film());
+        let times = [self.ready.load, self.ready.build, saving.elapsed()];
+        let mut report = making.report(&*session, &made, times, stop);
+        (report.missing_light, report.outputs, report.diagnostics) = (missing_light, &written, self.ready.counts);
+        self.effort.add_to(&mut report.render_seconds, &mut report.rays);
+        session.notes().iter().for_each(|note| terminal.say(note));
+        tell(&report, stop, terminal);
         kept.map_err(Failure::failed)?;
-        return without_a_sample(stop, terminal);
+        if let (Some(checkpoint), Some(_)) = (checkpoint, stop) {
+            terminal.say(&format!("the same command goes on from {}", checkpoint.path.display()));
+        }
+        if written != *outputs {
+            let outputs = output::listed(outputs);
+            terminal.warn(&format!("{outputs} stays as it was, for this picture is not whole"));
+        }
+        terminal.say(&format!("wrote {}", output::listed(&written)));
+        if let Some(hint) = brightness::hint(&made.picture, &written, args.files.exposure) {
+            terminal.say(&hint);
+        }
+        if args.json {
+            terminal::json(&report)?;
+        }
+        before.history = session.take_history();
+        Ok(match stop {
+            Some(Stop::Signal(signal)) => 128 + signal,
+            _ => failure::DONE,
+        })
     }
-    let saving = Instant::now();
-    let mut made = making.picture(&*session);
-    if render.plan.has(LayerInputs::HALVES) && !made.has_halves() {
-        terminal.warn("the layer 'halves' is left out: it takes two samples of each pixel or more");
-    }
-    filter.as_ref().map_or(Ok(()), |filter| made.denoise(filter, before, terminal))?;
-    let written =
-        output::save(&job.outputs, &made.picture, &write_options, made.empty_pixels == 0).map_err(|mut failure| {
-            if let (Some(checkpoint), Ok(())) = (&checkpoint, &kept) {
-                let path = checkpoint.path.display();
-                failure.message += &format!("\nthe render is kept in '{path}': the same command goes on from it");
-            }
-            failure
-        })?;
-    output::clamped(&written, &made.picture, &write_options).iter().for_each(|cut| terminal.warn(cut));
-    before.history = session.take_history();
-    let missing_light = steradian::missing_light(&render, scene, &session.film());
-    let times = [ready.load, ready.build, saving.elapsed()];
-    let mut report = making.report(&*session, &made, times, stop);
-    (report.missing_light, report.outputs, report.diagnostics) = (missing_light, &written, ready.counts);
-    effort.add_to(&mut report.render_seconds, &mut report.rays);
-    session.notes().iter().for_each(|note| terminal.say(note));
-    tell(&report, stop, terminal);
-    kept.map_err(Failure::failed)?;
-    if let (Some(checkpoint), Some(_)) = (&checkpoint, stop) {
-        terminal.say(&format!("the same command goes on from {}", checkpoint.path.display()));
-    }
-    if written != job.outputs {
-        let outputs = output::listed(&job.outputs);
-        terminal.warn(&format!("{outputs} stays as it was, for this picture is not whole"));
-    }
-    terminal.say(&format!("wrote {}", output::listed(&written)));
-    if let Some(hint) = brightness::hint(&made.picture, &written, args.files.exposure) {
-        terminal.say(&hint);
-    }
-    if args.json {
-        terminal::json(&report)?;
-    }
-    Ok(match stop {
-        Some(Stop::Signal(signal)) => 128 + signal,
-        _ => failure::DONE,
-    })
 }
 
 /// Outcome of a render that has no sample.

@@ -1,6 +1,6 @@
 //! The values of options: sizes, rectangles, durations, names.
 
-use std::{str::FromStr, time::Duration};
+use std::{ops::RangeInclusive, str::FromStr, time::Duration};
 pub use steradian::quality::MAX_SPP;
 use steradian::{
     Layer, MethodRequest, Viewpoint,
@@ -330,6 +330,15 @@ pub fn frames(text: &str) -> Result<Frames, String> {
     match pair {
         Some((first, last)) if first <= last => Ok(Frames { first, last }),
         _ => Err("frames are written A..B, such as 0..47, the first one no later than the last".into()),
+    }
+}
+
+/// `K`, or `A..B`, both included.
+pub fn chunks(text: &str) -> Result<RangeInclusive<u32>, String> {
+    let (first, last) = text.split_once("..").unwrap_or((text, text));
+    match (first.parse(), last.parse()) {
+        (Ok(first), Ok(last)) if first <= last => Ok(first..=last),
+        _ => Err("chunks are written K, or A..B such as 0..9, the first one no later than the last".into()),
     }
 }
 

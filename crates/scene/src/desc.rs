@@ -7,7 +7,9 @@ use crate::{
 };
 use serde::{Deserialize, Serialize};
 use std::{
+    any::Any,
     collections::BTreeMap,
+    fmt,
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -159,6 +161,19 @@ pub struct SceneDesc {
     /// Animations by which the file can be posed as it is read; the description is of one moment.
     #[serde(default)]
     pub animations: Vec<Animation>,
+    /// Folder of files that are there while some copy of the description is, such as those of an unpacked archive.
+    #[serde(skip)]
+    pub unpacked: Option<Unpacked>,
+}
+
+/// A shared owner of temporary files: they go away with the last copy.
+#[derive(Clone)]
+pub struct Unpacked(pub Arc<dyn Any + Send + Sync>);
+
+impl fmt::Debug for Unpacked {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Unpacked")
+    }
 }
 
 impl SceneDesc {

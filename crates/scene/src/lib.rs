@@ -10,7 +10,7 @@ pub mod source;
 mod desc;
 mod lines;
 
-pub use desc::{Animation, Format, Group, Instance, Movement, SceneDesc, Shape};
+pub use desc::{Animation, Format, Group, Instance, Movement, SceneDesc, Shape, Unpacked};
 pub use diagnostic::{Diagnostic, Diagnostics, Fidelity, Severity};
 pub use mesh::{Attribute, Domain, Mesh, MeshFault};
 pub use node::{ColorSpace, Node, NodeId, Param, SpectrumValue, Value};

@@ -12,6 +12,7 @@
 //! # Ok::<(), steradian::Error>(())
 //! ```
 
+pub mod archive;
 pub mod auto;
 pub mod bake;
 pub mod bench;
@@ -22,6 +23,7 @@ mod error;
 pub mod inputs;
 pub mod lightmap;
 pub mod load;
+pub mod merge;
 mod method;
 mod missed;
 pub mod prelude;

@@ -1,6 +1,10 @@
 //! Opening scenes of any format.
 
-use crate::{CompileOptions, Error, Inputs, Scene, compile, cornell};
+use crate::{
+    CompileOptions, Error, Inputs, Scene,
+    archive::{self, UnpackedScene},
+    compile, cornell,
+};
 use std::{
     path::{Path, PathBuf},
     sync::Arc,
@@ -12,7 +16,7 @@ use steradian_formats::{Import, Options, Reader};
 use steradian_image::tone::Tone;
 use steradian_math::DVec3;
 use steradian_scene::{
-    Diagnostic, Diagnostics, Format, SceneDesc, Severity,
+    Diagnostic, Diagnostics, Format, SceneDesc, Severity, Unpacked,
     names::{did_you_mean, nearest},
 };
 
@@ -86,7 +90,7 @@ pub fn suited_tone(format: Format) -> &'static str {
 }
 
 /// Reads a scene. `builtin:NAME` names one of the built-in scenes ([`cornell::BUILTIN`]); other names are files, told
-/// apart by extension.
+/// apart by extension; of a zip archive ([`archive`]) its scene, or `ARCHIVE.zip/NAME`.
 pub fn load(name: impl AsRef<Path>, options: &Options) -> Loaded {
     let start = Instant::now();
     let import = read(name.as_ref(), options);
@@ -151,6 +155,16 @@ fn read(path: &Path, options: &Options) -> Import {
                 let known = cornell::BUILTIN.iter().map(|b| b.0).collect::<Vec<_>>().join(", ");
                 failed(format!("there is no built-in scene '{builtin}'"), Some(format!("built in are {known}")))
             }
+        };
+    }
+    if let Some((archive, name)) = archive::split(path) {
+        return match archive::unpack(archive, name) {
+            Ok(UnpackedScene { folder, scene }) => {
+                let mut import = read(&scene, options);
+                import.desc.unpacked = Some(Unpacked(Arc::new(folder)));
+                import
+            }
+            Err(why) => failed(format!("'{}' {why}", archive.display()), None),
         };
     }
     if !path.exists() {

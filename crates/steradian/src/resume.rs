@@ -65,8 +65,8 @@ pub enum StateError {
 pub struct StateFile {
     /// Version of the program that saved it: this one.
     pub version: String,
-    /// The [`fingerprint`] of the scene.
-    pub scene: [u8; blake3::OUT_LEN],
+    /// The [`fingerprint`] of the scene, in hexadecimal digits.
+    pub scene: String,
     /// Settings on which the picture's bits depend, by name.
     pub settings: BTreeMap<String, String>,
     /// The pieces of the work that were computed and the number of all; `None` for a render of all of them.
@@ -83,6 +83,7 @@ pub fn state_file(path: &Path) -> Result<StateFile, StateError> {
     let saved = Saved::open(path)?;
     let pieces = saved.pieces()?;
     let Saved { scene, settings, is_finished, .. } = saved;
+    let scene = digits(scene);
     Ok(StateFile { version: VERSION.into(), scene, settings, pieces, is_finished })
 }
 
@@ -251,6 +252,11 @@ impl Recipe {
         Self { scene: fingerprint, settings: settings.map(|(name, value)| (name.to_owned(), value)).into() }
     }
 
+    /// The fingerprint of the scene, in hexadecimal digits.
+    pub fn scene(&self) -> String {
+        digits(self.scene)
+    }
+
     /// Recipe of a session that is [restricted](Session::restrict) to some of so many pieces.
     #[must_use]
     pub fn of_pieces(mut self, pieces: &Range<u32>, of: u32) -> Self {
@@ -320,6 +326,10 @@ impl Recipe {
             _ => format!("another {name}"),
         })
     }
+}
+
+fn digits(fingerprint: [u8; blake3::OUT_LEN]) -> String {
+    blake3::Hash::from(fingerprint).to_string()
 }
 
 /// A text with its length before it.

@@ -5,6 +5,7 @@
 
 mod baking;
 mod benches;
+mod chunks;
 mod denoising;
 mod exchange;
 mod experiments;

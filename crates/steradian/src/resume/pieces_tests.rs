@@ -187,7 +187,7 @@ fn only_parts_of_the_render_are_joined() {
         let of = all.session().pieces().unwrap();
         let path = all.compute(&(1..3), None);
         let what = state_file(&path).unwrap();
-        assert!(what.is_finished && what.pieces == Some((1..3, of)) && what.scene == all.recipe.scene);
+        assert!(what.is_finished && what.pieces == Some((1..3, of)) && what.scene == all.recipe.scene());
         // A part is no whole, and no other part.
         let restore = |recipe: &Recipe| recipe.restore(&mut *all.session(), &path).unwrap_err().to_string();
         let other = |range: &str| format!("was saved with other settings: pieces 1..3 of {of}, not {range}");
