@@ -8,6 +8,7 @@
 //! (`recentre`). The hierarchy is built last.
 
 mod assets;
+mod bands;
 mod bezier;
 mod coats;
 mod cube;
@@ -78,7 +79,7 @@ use steradian_texture::{FloatTexture, TextureId, Textures};
 /// User options of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
-    /// Colour mode; `None` follows the format: spectral for pbrt scenes, RGB for others.
+    /// Colour mode; `None` follows the format: spectral for pbrt scenes and films with bands, RGB for others.
     pub mode: Option<ColorMode>,
     /// Frame size instead of the scene's.
     pub size: Option<(u32, u32)>,
@@ -197,8 +198,10 @@ pub fn recompile(desc: &SceneDesc, options: &Options, kept: &mut Kept) -> Compil
 }
 
 fn compiled(desc: &SceneDesc, options: &Options, mut kept: Option<&mut Kept>) -> Compiled {
+    let has_bands = desc.film.is_some_and(|film| desc.node(film).kind == "spectral");
     let mode = options.mode.unwrap_or(match desc.format {
         Format::Pbrt => ColorMode::Spectral,
+        _ if has_bands => ColorMode::Spectral,
         _ => ColorMode::Rgb,
     });
     let recentred = recentre::recentred(desc);

@@ -223,10 +223,22 @@ impl Compiler<'_> {
             None if node.get("max_component").is_none() => f32::INFINITY,
             _ => self.positive_or(node, "max_component", 1.0),
         };
-        let (response, sensor) = (self.response(node), self.sensor(node));
+        let (response, sensor, bands) = (self.response(node), self.sensor(node), self.bands(node));
         let filter = self.filter()?;
         let unit_luminance = self.unit_luminance();
-        Some(FilmSpec { width, height, crop, filter, imaging_ratio, unit_luminance, max_component, response, sensor })
+        Some(FilmSpec {
+            width,
+            height,
+            crop,
+            filter,
+            imaging_ratio,
+            unit_luminance,
+            max_component,
+            response,
+            bands,
+            layers: if node.kind == "gbuffer" { FilmSpec::GEOMETRY } else { &[] },
+            sensor,
+        })
     }
 
     fn filter(&mut self) -> Option<Filter> {

@@ -49,6 +49,8 @@ pub enum Feature {
     LightGroups,
     /// A layer for each number of scattering events.
     Bounces,
+    /// Bands of wavelengths beside the colour of the film.
+    Bands,
     /// Noise that a denoiser can tell from the picture: errors of pixels are independent. Halves of the samples, too.
     Denoising,
 }
@@ -79,7 +81,7 @@ impl Support {
 
 impl Feature {
     /// Features of scenes, in the order in which limits are told.
-    pub(crate) const OF_SCENES: [Self; 15] = [
+    pub(crate) const OF_SCENES: [Self; 16] = [
         Self::MovingCamera,
         Self::Media,
         Self::Subsurface,
@@ -95,10 +97,11 @@ impl Feature {
         Self::SpecularView,
         Self::SurfaceDetail,
         Self::UnsampledEmitters,
+        Self::Bands,
     ];
 
     /// All features: those of scenes, then those of requests.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 23] = [
         Self::Media,
         Self::GlowingMedia,
         Self::Subsurface,
@@ -114,6 +117,7 @@ impl Feature {
         Self::MovingCamera,
         Self::RealisticLens,
         Self::UnconnectedCamera,
+        Self::Bands,
         Self::Transparency,
         Self::TransparencyBehindMedia,
         Self::Samplers,
@@ -147,6 +151,7 @@ impl Feature {
             Self::Adaptivity => "more samples where the error is larger (--adaptive)",
             Self::LightGroups => "layers of groups of lights",
             Self::Bounces => "layers of bounces",
+            Self::Bands => "bands of wavelengths (film 'spectral')",
             Self::Denoising => "denoising, and the layer 'halves'",
         }
     }
@@ -185,6 +190,7 @@ impl Feature {
             Self::MovingCamera => scene.camera().motion.is_some(),
             Self::RealisticLens => matches!(scene.camera().projection, Projection::Realistic(_)),
             Self::UnconnectedCamera => !scene.camera().can_receive(),
+            Self::Bands => scene.film().bands.is_some(),
             Self::Transparency
             | Self::TransparencyBehindMedia
             | Self::Samplers

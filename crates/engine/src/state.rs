@@ -72,7 +72,7 @@ fields! {
         position, motion, depth, distance, uv, shape, material, coverage
     }
     FirstHitSums { sum, samples }
-    LayerSums { features, mattes, by_light }
+    LayerSums { features, mattes, by_light, by_band }
     Hits { ids, counts }
     MatteSums { objects, materials, samples }
 }

@@ -1,6 +1,7 @@
 //! The state of a film.
 
-use crate::{Crop, Half, LayerSums, Pixel};
+use crate::{Bands, Crop, Half, LayerSums, Pixel};
+use std::sync::Arc;
 
 /// The state of a film: what a render gives to be looked at or saved.
 #[derive(Clone, Debug)]
@@ -15,4 +16,6 @@ pub struct Film {
     pub halves: Vec<Half>,
     /// Number of time bins of a transient render, which take the place of groups of lights; 0 where there are none.
     pub bins: u32,
+    /// Bands of wavelengths that the layers have sums of; `None` where they were not kept.
+    pub bands: Option<Arc<Bands>>,
 }

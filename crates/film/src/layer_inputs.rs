@@ -21,6 +21,8 @@ impl LayerInputs {
     pub const HALVES: Self = Self(32);
     /// Radiance by the number of scattering events.
     pub const BOUNCES: Self = Self(64);
+    /// Radiance by bands of wavelengths.
+    pub const BANDS: Self = Self(128);
 
     /// The union of two sets.
     #[must_use]

@@ -1,6 +1,6 @@
 //! Sums of layers while samples are taken.
 
-use crate::{FirstHit, FirstHitSums, LayerInputs, MatteSums};
+use crate::{BandSample, Bands, FirstHit, FirstHitSums, LayerInputs, MatteSums};
 use std::ops::Range;
 use steradian_math::Vec3;
 
@@ -14,16 +14,19 @@ pub struct LayerSums {
     /// Linear Rec.709 radiance of each part of the light, pixel by pixel: of groups of lights
     /// ([`LayerInputs::LIGHT_GROUPS`]), of numbers of scattering events ([`LayerInputs::BOUNCES`]), or of time bins.
     pub by_light: Vec<[f64; 3]>,
+    /// Spectral radiance of each band of wavelengths, pixel by pixel ([`LayerInputs::BANDS`]).
+    pub by_band: Vec<f64>,
 }
 
 impl LayerSums {
-    /// Empty sums of so many pixels and parts of the light.
-    pub fn new(inputs: LayerInputs, pixels: usize, parts: usize) -> Self {
+    /// Empty sums of so many pixels, parts of the light, and bands of wavelengths.
+    pub fn new(inputs: LayerInputs, pixels: usize, parts: usize, bands: usize) -> Self {
         let of = |input| if inputs.has(input) { pixels } else { 0 };
         Self {
             features: vec![FirstHitSums::default(); of(LayerInputs::FIRST_HITS)],
             mattes: vec![MatteSums::default(); of(LayerInputs::MATTES)],
             by_light: vec![[0.0; 3]; pixels * parts],
+            by_band: vec![0.0; pixels * bands],
         }
     }
 
@@ -56,10 +59,19 @@ impl LayerSums {
         for (sum, light) in self.by_light.iter_mut().zip(&of.by_light) {
             *sum = std::array::from_fn(|c| sum[c] + light[c]);
         }
+        self.by_band.iter_mut().zip(&of.by_band).for_each(|(sum, of)| *sum += of);
     }
 
-    /// Copies a range of the pixels of other sums to the pixels from `to` on, of light in so many parts.
-    pub fn copy(&mut self, to: usize, from: &Self, range: Range<usize>, parts: usize) {
+    /// Adds the light of a sample of a pixel to its bands.
+    pub fn add_bands(&mut self, at: usize, bands: &Bands, sample: &BandSample) {
+        let count = bands.count();
+        if let Some(sums) = self.by_band.get_mut(at * count..(at + 1) * count) {
+            bands.add(sample, sums);
+        }
+    }
+
+    /// Copies a range of the pixels of other sums to the pixels from `to` on, of light in so many parts and bands.
+    pub fn copy(&mut self, to: usize, from: &Self, range: Range<usize>, [parts, bands]: [usize; 2]) {
         fn part<T: Copy>(to: &mut [T], at: usize, from: &[T], range: Range<usize>) {
             if !from.is_empty() {
                 to[at..at + range.len()].copy_from_slice(&from[range]);
@@ -68,6 +80,7 @@ impl LayerSums {
         part(&mut self.features, to, &from.features, range.clone());
         part(&mut self.mattes, to, &from.mattes, range.clone());
         part(&mut self.by_light, to * parts, &from.by_light, range.start * parts..range.end * parts);
+        part(&mut self.by_band, to * bands, &from.by_band, range.start * bands..range.end * bands);
     }
 
     /// First hits and mattes of a pixel alone.
@@ -76,7 +89,7 @@ impl LayerSums {
         Self {
             features: self.features.get(at).copied().into_iter().collect(),
             mattes: self.mattes.get(at).copied().into_iter().collect(),
-            by_light: Vec::new(),
+            ..Self::default()
         }
     }
 }

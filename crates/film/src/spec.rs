@@ -1,37 +1,12 @@
 //! Specification of a film: its size, the part that is rendered, its filter, and how it takes radiance.
 
-use crate::Filter;
+use crate::{BandSample, Bands, Crop, Filter, Layer};
 use std::sync::Arc;
 use steradian_image::Sensor;
 use steradian_math::{
     Spectrum, Vec3,
     spectra::{ColorMode, Response, Wavelengths},
 };
-
-/// The rectangle of pixels that is rendered, within the full frame. Half open: `x0 ≤ x < x1`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Crop {
-    /// First column.
-    pub x0: u32,
-    /// First row.
-    pub y0: u32,
-    /// One past the last column.
-    pub x1: u32,
-    /// One past the last row.
-    pub y1: u32,
-}
-
-impl Crop {
-    /// Columns.
-    pub fn width(&self) -> u32 {
-        self.x1 - self.x0
-    }
-
-    /// Rows.
-    pub fn height(&self) -> u32 {
-        self.y1 - self.y0
-    }
-}
 
 /// Specification of a film.
 #[derive(Clone, Debug)]
@@ -53,6 +28,10 @@ pub struct FilmSpec {
     pub max_component: f32,
     /// Colour response of the sensor; `None` for the CIE 1931 observer.
     pub response: Option<Arc<Response>>,
+    /// Bands of wavelengths that are kept beside the colour; `None` for colour alone.
+    pub bands: Option<Arc<Bands>>,
+    /// Layers that the picture has without being asked for.
+    pub layers: &'static [Layer],
     /// Noise model for development; `None` for a picture without noise of its own.
     pub sensor: Option<Sensor>,
 }
@@ -60,8 +39,17 @@ pub struct FilmSpec {
 impl FilmSpec {
     /// Most pixels that are rendered: of the crop.
     pub const MAX_PIXELS: u64 = 1 << 28;
+    /// Layers of a film that keeps the geometry of what is seen (pbrt-v4, 5.4.5, "GBufferFilm").
+    pub const GEOMETRY: &[Layer] =
+        &[Layer::ALBEDO, Layer::NORMAL, Layer::GEOMETRIC_NORMAL, Layer::POSITION, Layer::UV, Layer::VARIANCE];
     /// Most pixels of a side of the frame.
     pub const MAX_SIDE: i64 = 1 << 20;
+
+    /// Layers that are asked for, and those of the film itself.
+    pub fn with_layers(&self, asked: &[Layer]) -> Vec<Layer> {
+        let own = self.layers.iter().filter(|layer| !asked.contains(layer));
+        asked.iter().chain(own).copied().collect()
+    }
 
     /// A sample's radiance as the film holds it: exposed, and clamped where the film clamps.
     #[inline]
@@ -73,6 +61,15 @@ impl FilmSpec {
             return exposed * (self.max_component / largest);
         }
         exposed
+    }
+
+    /// The sample of light that is [exposed](Self::exposed) for the bands, with a weight, W/(m² sr nm) without the
+    /// exposure; `None` where there are no bands.
+    #[inline]
+    pub fn band_sample(&self, light: Spectrum, lambda: &Wavelengths, weight: f32) -> Option<BandSample> {
+        self.bands.as_ref()?;
+        let scale = weight * Bands::scale(self.imaging_ratio, self.unit_luminance);
+        Some(BandSample::new(light * scale, lambda))
     }
 
     /// The colour of light that is [exposed](Self::exposed), in linear Rec.709.

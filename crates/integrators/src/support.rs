@@ -31,6 +31,7 @@ pub(crate) fn of_passes(feature: Feature) -> Support {
         Feature::MovingCamera | Feature::Transparency | Feature::TransparencyBehindMedia => Refuses(""),
         Feature::RealisticLens => Refuses("what it sees has no inverse"),
         Feature::Adaptivity => Refuses("it makes whole pictures pass by pass"),
+        Feature::Bands => LeavesOut("it adds its light to R, G and B; 'path', 'volpath' and 'whitted' have bands"),
         Feature::Denoising => Refuses(
             "neighbouring pixels share photons or light paths, so that their errors are alike; \
              'path', 'volpath' and 'bdpt' can",

@@ -66,6 +66,7 @@ impl Method for Raster {
             Feature::Denoising => {
                 Refuses("rasterisation has no noise of paths (its frames frame=hybrid are denoised already)")
             }
+            Feature::Bands => LeavesOut("it adds its light to R, G and B; 'path', 'volpath' and 'whitted' have bands"),
             Feature::Bounces => Refuses("it follows no paths; 'path', 'volpath' and 'direct' do"),
             Feature::LightGroups if self.options.frame != FrameKind::Forward => {
                 Refuses("frame=preview and frame=hybrid do not tell groups of lights apart")

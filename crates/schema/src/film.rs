@@ -1,14 +1,14 @@
 //! Films, pixel filters and samplers.
 
 use crate::{
-    model::Model,
+    model::{Group, Model},
     parameter::{ANY, POSITIVE, Parameter, Type, integer, number, text},
 };
 
 /// Longest side of a film, pixels.
 pub const MAX_SIDE: f64 = 1_048_576.0;
 
-const FILM: &[Parameter] = &[
+const PARAMETERS: &[Parameter] = &[
     integer("width", (1.0, MAX_SIDE), "1280; 768 in Mitsuba scenes", "width").unit("pixels").refused(),
     integer("height", (1.0, MAX_SIDE), "720; 576 in Mitsuba scenes", "height").unit("pixels").refused(),
     Parameter::new(
@@ -54,11 +54,43 @@ const FILM: &[Parameter] = &[
     text("filename", "none", "without effect: the command line names outputs"),
 ];
 
-/// All films; the three give the same picture.
+/// Parameters that all films have.
+pub static ANY_FILM: Group =
+    Group { name: "frame", doc: "size, exposure, sensor", parameters: PARAMETERS, source: "pbrt-v4, 5.4" };
+
+/// Wavelengths that films can have bands of, nm.
+const WAVELENGTHS: (f64, f64) = (360.0, 830.0);
+
+/// All films; R, G and B of the three are the same.
 pub const FILMS: &[Model] = &[
-    Model { kind: "rgb", doc: "colours", parameters: FILM, groups: &[], source: "pbrt-v4, 5.4" },
-    Model { kind: "gbuffer", doc: "the same as rgb", parameters: FILM, groups: &[], source: "pbrt-v4, 5.4" },
-    Model { kind: "spectral", doc: "the same as rgb", parameters: FILM, groups: &[], source: "pbrt-v4, 5.4" },
+    Model { kind: "rgb", doc: "colours", parameters: &[], groups: &[&ANY_FILM], source: "pbrt-v4, 5.4" },
+    Model {
+        kind: "gbuffer",
+        doc: "colours, and the layers albedo, normal, geometric_normal, position, uv and variance",
+        parameters: &[],
+        groups: &[&ANY_FILM],
+        source: "pbrt-v4, 5.4.5",
+    },
+    Model {
+        kind: "spectral",
+        doc: "colours, and the mean spectral radiance in bands of wavelengths",
+        parameters: &[
+            number("lambda_min", WAVELENGTHS, "360", "where the first band begins").unit("nm").refused(),
+            number("lambda_max", WAVELENGTHS, "830", "where the last band ends").unit("nm").refused(),
+            integer("buckets", (1.0, 256.0), "16", "number of bands, which have equal widths").refused(),
+            Parameter::new(
+                Type::Maps,
+                "bands",
+                ANY,
+                "none",
+                "sensitivities of named bands instead, as textures 'constant' by their names; a band is the integral \
+                 of radiance times sensitivity over wavelengths",
+            ),
+        ],
+        groups: &[&ANY_FILM],
+        source: "pbrt-v4, 5.4.6; Mitsuba's specfilm; Fichet, Pacanowski, Wilkie, An OpenEXR Layout for Spectral Images \
+                 (2021)",
+    },
 ];
 
 const fn radius_x(default: &'static str) -> Parameter {

@@ -26,6 +26,8 @@ pub enum Type {
     Text,
     /// A texture.
     Map,
+    /// A list of textures.
+    Maps,
     /// A material.
     Material,
     /// A list of materials.
@@ -64,6 +66,7 @@ impl Type {
             Self::Word(words) | Self::WordOrNumber(words) => words,
             Self::Text => "text",
             Self::Map => "texture",
+            Self::Maps => "textures",
             Self::Material => "material",
             Self::Materials => "materials",
             Self::Medium => "medium",

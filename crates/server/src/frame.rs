@@ -99,7 +99,7 @@ impl Shown {
         let pixels: Vec<Pixel> = film.pixels.get(k..k + 1)?.to_vec();
         let (cx, cy) = (film.crop.x0 + i, film.crop.y0 + j);
         let crop = Crop { x0: cx, y0: cy, x1: cx + 1, y1: cy + 1 };
-        Some(Film { crop, pixels, layers: film.layers.pixel(k), halves: Vec::new(), bins: 0 })
+        Some(Film { crop, pixels, layers: film.layers.pixel(k), halves: Vec::new(), bins: 0, bands: None })
     }
 }
 

@@ -9,8 +9,8 @@ use steradian_math::DMat4;
 use steradian_schema::material::MATERIALS;
 
 /// The picture: linear Rec.709 in `R G B`, premultiplied by [`Layer::ALPHA`] where the background was left out, and the
-/// layers asked for. Layers of first hits need a film on which they were gathered. Where the scene's film has a sensor,
-/// the picture has its noise; the layers do not.
+/// layers asked for, with those of the scene's film. Layers of first hits need a film on which they were gathered.
+/// Where the scene's film has a sensor, the picture has its noise; the layers do not.
 pub fn develop(scene: &Scene, film: &Film, layers: &[Layer]) -> Image {
     let names = Names {
         objects: scene.object_names().clone(),
@@ -18,7 +18,7 @@ pub fn develop(scene: &Scene, film: &Film, layers: &[Layer]) -> Image {
         light_groups: scene.light_groups().names.clone(),
         origin: scene.origin().to_array(),
     };
-    let mut image = steradian_film::develop(film, layers, &names);
+    let mut image = steradian_film::develop(film, &scene.film().with_layers(layers), &names);
     let world_from_camera = scene.camera().world_from_camera;
     let crop = film.crop;
     if let Some(sensor) = scene.film().sensor {

@@ -180,6 +180,9 @@ impl Render {
                 return Err(cannot(format!("{} with --adaptive", feature.name())));
             }
         }
+        if plan.has(LayerInputs::BANDS) && plan.adaptive {
+            return Err(cannot(format!("{} with --adaptive", Feature::Bands.name())));
+        }
         if by_light && by_bounce {
             return Err(cannot("layers of groups of lights and of bounces in one picture".into()));
         }
@@ -201,11 +204,14 @@ impl Render {
         let max_events = self.method.camera_paths().map_or(0, |paths| paths.depth.max);
         let bounces = if self.plan.has(LayerInputs::BOUNCES) { 3 * bounce_parts(max_events) } else { 0 };
         let bins = 3 * self.method.bins() as usize;
+        let bands = scene.film().bands.as_ref().filter(|_| self.plan.has(LayerInputs::BANDS));
+        let bands = bands.map_or(0, |bands| bands.count());
         // Sums of even number beside those of all, and two more pictures.
         let halves = if self.plan.has(LayerInputs::HALVES) { 8 } else { 0 };
+        let layers = layers + scene.film().layers.len();
         let crop = scene.film().crop;
         let pixels = u64::from(crop.width()) * u64::from(crop.height());
-        pixels.saturating_mul(film_bytes_per_pixel(layers + mattes + groups + bounces + bins + halves))
+        pixels.saturating_mul(film_bytes_per_pixel(layers + mattes + groups + bounces + bins + bands + halves))
     }
 
     /// Features of the scene that the picture lacks or shows otherwise, with the method that renders them; `None` where
@@ -272,6 +278,11 @@ pub(crate) fn check_options(options: &MethodRequest) -> Result<&'static MethodKi
     Ok(kind)
 }
 
+/// True for answers with which a feature is there.
+fn keeps(support: Support) -> bool {
+    matches!(support, Support::Exact | Support::Approximates(_))
+}
+
 /// Samples, layers and limits of a request.
 fn plan(asked: &Asked<'_>, method: &dyn Method) -> Plan {
     let Asked { request, options, scene } = asked;
@@ -284,10 +295,12 @@ fn plan(asked: &Asked<'_>, method: &dyn Method) -> Plan {
     // Metropolis counts its own.
     let samples = options.given("samples").and_then(|v| v.number()).map(|n| n as u32);
     let spp = request.spp.or(samples).unwrap_or_else(|| method.default_spp(settings.spp));
+    let has_bands = scene.film().bands.is_some() && keeps(method.supports(Feature::Bands));
+    let bands = if has_bands { LayerInputs::BANDS } else { LayerInputs::NONE };
     Plan {
         sampler: Sampler { kind, spp, seed: asked.seed() },
         threads: request.threads,
-        inputs: LayerInputs::of(&request.layers),
+        inputs: LayerInputs::of(&scene.film().with_layers(&request.layers)).with(bands),
         independent: request.independent,
         transparent: request.transparent,
         hide_emitters: asked.hides_emitters(),

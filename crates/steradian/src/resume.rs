@@ -29,6 +29,8 @@ const PIECES: &str = "pieces";
 const ALL: &str = "all";
 /// Settings of more bytes are not printed.
 const READABLE: usize = 60;
+/// Settings of more bytes, such as the curves of a film's bands, are kept as their BLAKE3 hash.
+const BRIEF: usize = 2048;
 
 /// Reason why a saved state cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -238,6 +240,7 @@ impl Recipe {
             ("mattes", plan.has(LayerInputs::MATTES).to_string()),
             ("bounces", plan.has(LayerInputs::BOUNCES).to_string()),
             ("light groups", plan.has(LayerInputs::LIGHT_GROUPS).to_string()),
+            ("bands", plan.has(LayerInputs::BANDS).to_string()),
             ("halves", plan.has(LayerInputs::HALVES).to_string()),
             ("transparent background", plan.transparent.to_string()),
             ("adaptive", plan.adaptive.to_string()),
@@ -249,7 +252,11 @@ impl Recipe {
             ("stochastic textures", options.stochastic_textures.to_string()),
             (PIECES, ALL.into()),
         ];
-        Self { scene: fingerprint, settings: settings.map(|(name, value)| (name.to_owned(), value)).into() }
+        let brief = |value: String| match value.len() {
+            ..=BRIEF => value,
+            _ => blake3::hash(value.as_bytes()).to_string(),
+        };
+        Self { scene: fingerprint, settings: settings.map(|(name, value)| (name.to_owned(), brief(value))).into() }
     }
 
     /// The fingerprint of the scene, in hexadecimal digits.

@@ -121,6 +121,7 @@ fn value(d: &mut SceneDesc, p: &Parameter, text: &str, depth: usize) -> Result<V
         | Type::Transform
         | Type::WordOrNumber(_)
         | Type::Integers
+        | Type::Maps
         | Type::NumberOrList
         | Type::ScalarOrList
         | Type::SpectrumOrList => return Err(fault()),

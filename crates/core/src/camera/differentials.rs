@@ -156,6 +156,8 @@ mod tests {
             crop: Crop { x0: 0, y0: 0, x1: 64, y1: 48 },
             filter: Filter::new(FilterKind::Box, Vec2::splat(0.5)).unwrap(),
             imaging_ratio: 1.0,
+            bands: None,
+            layers: &[],
             unit_luminance: 1.0,
             max_component: f32::INFINITY,
             response: None,

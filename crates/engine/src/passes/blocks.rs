@@ -175,6 +175,6 @@ impl Blocks {
         self.rest().for_each(|block| sums.join(block));
         let even = self.sums.even_passes() + self.rest().map(Sums::even_passes).sum::<u32>();
         let halves = sums.halves(even);
-        Film { crop, pixels: sums.pixels, layers: sums.layers, halves, bins: 0 }
+        Film { crop, pixels: sums.pixels, layers: sums.layers, halves, bins: 0, bands: None }
     }
 }

@@ -26,7 +26,7 @@ impl Sums {
         Self {
             passes: first..first,
             pixels: vec![Pixel::default(); pixels],
-            layers: LayerSums::new(inputs, pixels, groups),
+            layers: LayerSums::new(inputs, pixels, groups, 0),
             even: vec![[0.0; 3]; if inputs.has(LayerInputs::HALVES) { pixels } else { 0 }],
         }
     }

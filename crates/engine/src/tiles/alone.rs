@@ -102,8 +102,8 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
                 self.integrator.group(scene, self.prepared, std::slice::from_mut(pixel_sample), buffer, counters);
                 pixel_sample.rays = (counters.rays - before) as u32;
             }
-            let (l, hit) = self.exposed(pixel_sample);
             let m = &mut members[number];
+            let (l, hit) = self.exposed(pixel_sample, *weight / m.paths as f32);
             for (sum, light) in lights[number * parts..][..parts].iter_mut().zip(&mut counters.parts) {
                 let scale = if l.is_black() { 0.0 } else { l.max_element() / pixel_sample.radiance.max_element() };
                 let light = std::mem::replace(light, Spectrum::ZERO) * scale;
@@ -135,7 +135,7 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
         }
         for (number, hit) in &scratch.hits {
             if let Some((_, at)) = scratch.members[*number].kept {
-                tile.layers.add_hit(at as usize, hit);
+                self.add_measured(&mut tile.layers, at as usize, hit);
             }
         }
     }

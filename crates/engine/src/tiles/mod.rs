@@ -41,7 +41,7 @@ use std::{
 };
 use steradian_core::{
     Scene,
-    film::{Crop, Film, Half, LayerInputs, LayerSums, Pixel, bounce_parts},
+    film::{Bands, Crop, Film, Half, LayerInputs, LayerSums, Pixel, bounce_parts},
 };
 use tile::Tile;
 use work::Work;
@@ -269,6 +269,8 @@ struct Frame {
     /// arrival.
     parts: usize,
     bins: u32,
+    /// Bands of wavelengths, where they are kept.
+    bands: Option<Arc<Bands>>,
     plan: Plan,
     tiles: Vec<Mutex<Tile>>,
     /// Tiles that are computed here; the others are hollow. All of them, unless the session was restricted.
@@ -313,6 +315,8 @@ impl Frame {
         } else {
             0
         };
+        let bands = scene.film().bands.clone().filter(|_| plan.has(LayerInputs::BANDS));
+        let kept = [parts, bands.as_ref().map_or(0, |bands| bands.count())];
         let mut tiles = Vec::new();
         let aligned = |v: u32| v / TILE * TILE;
         let columns = (aligned(crop.x0)..crop.x1).step_by(TILE as usize);
@@ -324,7 +328,7 @@ impl Frame {
                     x1: (x + TILE).min(crop.x1),
                     y1: (y + TILE).min(crop.y1),
                 };
-                tiles.push(Mutex::new(Tile::new(area, &plan, parts, round.length())));
+                tiles.push(Mutex::new(Tile::new(area, &plan, kept, round.length())));
             }
         }
         let (columns, rows) = (columns.len(), tiles.len() / columns.len().max(1));
@@ -333,6 +337,7 @@ impl Frame {
             before: None,
             parts,
             bins,
+            bands,
             plan,
             pieces: 0..tiles.len() as u32,
             joined: Vec::new(),
@@ -454,12 +459,14 @@ impl Frame {
     fn film(&self) -> Film {
         let crop = self.scene.film().crop;
         let n = crop.width() as usize * crop.height() as usize;
+        let kept = [self.parts, self.bands.as_ref().map_or(0, |bands| bands.count())];
         let mut film = Film {
             crop,
             pixels: vec![Pixel::default(); n],
-            layers: LayerSums::new(self.plan.inputs, n, self.parts),
+            layers: LayerSums::new(self.plan.inputs, n, kept[0], kept[1]),
             halves: vec![Half::default(); if self.plan.has(LayerInputs::HALVES) { n } else { 0 }],
             bins: self.bins,
+            bands: self.bands.clone(),
         };
         for tile in &self.tiles {
             let tile = lock(tile);
@@ -476,7 +483,7 @@ impl Frame {
                 if !halves.is_empty() {
                     film.halves[to..to + w].copy_from_slice(&halves[row.clone()]);
                 }
-                film.layers.copy(to, &tile.layers, row, self.parts);
+                film.layers.copy(to, &tile.layers, row, kept);
             }
         }
         film

@@ -128,6 +128,7 @@ impl Frame {
             before: None,
             parts: self.parts,
             bins: self.bins,
+            bands: self.bands.clone(),
             plan: self.plan,
             tiles: self.tiles.iter().enumerate().map(hollow).collect(),
             pieces,

@@ -142,6 +142,7 @@ impl Frame {
         let groups = tile.layers.by_light.len() / tile.pixels.len().max(1);
         let lights = &tile.layers.by_light[at * groups..(at + 1) * groups];
         let largest = samples as f64 * f64::from(f32::MAX);
+        let bands = tile.layers.by_band.len() / tile.pixels.len().max(1);
         tile.layers.features.get(at).is_none_or(|sums| paths.contains(&u64::from(sums.samples)) && are_hits(sums))
             && tile
                 .layers
@@ -149,6 +150,7 @@ impl Frame {
                 .get(at)
                 .is_none_or(|sums| paths.contains(&u64::from(sums.samples)) && are_mattes(sums))
             && lights.as_flattened().iter().all(|sum| sum.abs() <= largest)
+            && tile.layers.by_band[at * bands..(at + 1) * bands].iter().all(|sum| sum.is_finite())
     }
 }
 

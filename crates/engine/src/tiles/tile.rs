@@ -64,15 +64,15 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// Without samples, of light in so many parts; each pixel shall get `target` in the first round.
-    pub fn new(area: Crop, plan: &Plan, parts: usize, target: u32) -> Self {
+    /// Without samples, of light in so many parts and bands; each pixel shall get `target` in the first round.
+    pub fn new(area: Crop, plan: &Plan, [parts, bands]: [usize; 2], target: u32) -> Self {
         let n = (area.width() * area.height()) as usize;
         Self {
             area,
             pixels: vec![Pixel::default(); n],
             past: Vec::new(),
             even: Vec::new(),
-            layers: LayerSums::new(plan.inputs, n, parts),
+            layers: LayerSums::new(plan.inputs, n, parts, bands),
             halves: vec![Even::default(); if plan.has(LayerInputs::HALVES) { n } else { 0 }],
             past_halves: Vec::new(),
             cells: [Cell { target, ..Cell::default() }; (CELLS * CELLS) as usize],

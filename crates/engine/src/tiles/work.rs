@@ -23,7 +23,7 @@ use std::{
     time::Duration,
 };
 use steradian_core::{
-    film::{FirstHit, LayerInputs},
+    film::{BandSample, FirstHit, LayerInputs, LayerSums},
     sampler::Sampler,
 };
 use steradian_math::{Spectrum, Vec3, hash::combine64};
@@ -57,8 +57,14 @@ struct Found {
     cell: u32,
     value: Vec3,
     rays: u64,
-    /// First hits of its paths: where they begin among those of the piece, and how many.
+    /// Measurements of its paths: where they begin among those of the piece, and how many.
     hits: (usize, usize),
+}
+
+/// Measurements of a path beside its light, for layers.
+pub(super) struct Measured {
+    hit: Option<FirstHit>,
+    bands: Option<BandSample>,
 }
 
 /// Buffers of a thread; kept, so that nothing is allocated per sample.
@@ -76,7 +82,7 @@ pub(super) struct Scratch<B> {
     pub pixel_samples: Vec<PixelSample>,
     pub buffer: B,
     found: Vec<Found>,
-    pub hits: Vec<(usize, FirstHit)>,
+    pub hits: Vec<(usize, Measured)>,
     /// The light of each group of lights that samples bring, one after the other.
     pub lights: Vec<Vec3>,
 }
@@ -306,18 +312,35 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
         (Sampler { spp: of.saturating_mul(m.paths), ..sampler }, sample.wrapping_add(path.wrapping_mul(of)))
     }
 
-    /// Value of a path for the film, and the first hit of its ray where that is asked for.
-    pub fn exposed(&self, pixel_sample: &PixelSample) -> (Spectrum, Option<FirstHit>) {
-        let Frame { scene, plan, .. } = self.frame;
-        let l = scene.film().exposed(pixel_sample.radiance);
+    /// Value of a path for the film, and what layers ask for: the first hit of its ray, and its light by wavelengths
+    /// with its weight in the sample.
+    pub fn exposed(&self, pixel_sample: &PixelSample, weight: f32) -> (Spectrum, Option<Measured>) {
+        let Frame { scene, plan, bands, .. } = self.frame;
+        let mut l = scene.film().exposed(pixel_sample.radiance);
         let gathers = plan.has(LayerInputs::FIRST_HITS) || plan.has(LayerInputs::MATTES);
-        if !(gathers || plan.transparent) {
-            return (l, None);
+        let mut measured = Measured { hit: None, bands: None };
+        if gathers || plan.transparent {
+            let before = self.frame.before.as_deref();
+            let hit = first_hit(scene, pixel_sample.ray, &pixel_sample.lambda, plan.sight(), before);
+            if plan.transparent && hit.coverage == 0.0 {
+                l = Spectrum::ZERO;
+            }
+            measured.hit = gathers.then_some(hit);
         }
-        let before = self.frame.before.as_deref();
-        let hit = first_hit(scene, pixel_sample.ray, &pixel_sample.lambda, plan.sight(), before);
-        let l = if plan.transparent && hit.coverage == 0.0 { Spectrum::ZERO } else { l };
-        (l, gathers.then_some(hit))
+        if bands.is_some() {
+            measured.bands = scene.film().band_sample(l, &pixel_sample.lambda, weight);
+        }
+        (l, (gathers || bands.is_some()).then_some(measured))
+    }
+
+    /// Adds measurements of a path to those of a pixel of a tile.
+    pub fn add_measured(&self, layers: &mut LayerSums, at: usize, measured: &Measured) {
+        if let Some(hit) = &measured.hit {
+            layers.add_hit(at, hit);
+        }
+        if let (Some(bands), Some(sample)) = (&self.frame.bands, &measured.bands) {
+            layers.add_bands(at, bands, sample);
+        }
     }
 
     /// One sample of each pixel of a group, which is the mean of as many paths as the preparation wants.
@@ -342,7 +365,8 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
             }
             self.integrator.group(scene, self.prepared, pixel_samples, buffer, counters);
             for (&(number, weight), pixel_sample) in taking.iter().zip(&*pixel_samples) {
-                let (l, hit) = self.exposed(pixel_sample);
+                let paths = members[number].paths as f32;
+                let (l, hit) = self.exposed(pixel_sample, weight / paths);
                 members[number].sum += scene.film().to_rgb(l, &pixel_sample.lambda, scene.mode()) * weight;
                 if let Some(hit) = hit.filter(|_| members[number].kept.is_some()) {
                     hits.push((number, hit));
@@ -373,7 +397,7 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
                 cell.rays += f.rays;
                 cell.samples += 1;
                 for (_, hit) in &scratch.hits[f.hits.0..f.hits.0 + f.hits.1] {
-                    tile.layers.add_hit(f.at as usize, hit);
+                    self.add_measured(&mut tile.layers, f.at as usize, hit);
                 }
             }
         }

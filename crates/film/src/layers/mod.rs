@@ -1,5 +1,6 @@
 //! Layers of a picture, from the sums on a film.
 
+mod bands;
 mod cryptomatte;
 mod light;
 mod samples;
@@ -178,6 +179,7 @@ pub fn develop(film: &Film, layers: &[Layer], names: &Names) -> Image {
         layer.write(film, &hits, names, &mut image);
     }
     light::bins(film, &mut image);
+    bands::write(film, &mut image);
     image
 }
 

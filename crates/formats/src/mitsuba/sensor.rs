@@ -1,8 +1,9 @@
 //! Sensors with their films, reconstruction filters and samplers.
 
 use super::{
-    graph::{Category, ObjectId, Raw},
+    graph::{Category, ObjectId, Prop, Raw},
     reader::Reader,
+    texture::Role,
     told::NOISE,
     values,
 };
@@ -209,7 +210,7 @@ impl Reader<'_> {
         self.crop(&mut node, object, size);
         self.developed(object);
         if kind == "spectral" {
-            self.bands(object);
+            self.bands(&mut node, object);
         }
         let filters = self.graph.children(object, Category::Filter);
         self.desc.film = Some(self.desc.add(node));
@@ -239,19 +240,29 @@ impl Reader<'_> {
         self.left_out(object, "burn", &["0"], why);
     }
 
-    /// Says which bands of a `specfilm`, which are spectra of any name, are left out.
-    fn bands(&mut self, object: ObjectId) {
+    /// The bands of a `specfilm`, which are spectra of any name, in the order of their names.
+    fn bands(&mut self, node: &mut Node, object: ObjectId) {
         let span = self.span(object);
         // The filter is asked for afterwards.
         self.graph.children(object, Category::Filter);
-        let props = &mut self.graph.objects[object].props;
-        let names: Vec<String> = props.iter().filter(|p| !p.used).map(|p| format!("'{}'", p.name)).collect();
-        props.iter_mut().for_each(|p| p.used = true);
-        if !names.is_empty() {
-            let message =
-                format!("the bands {} of this film are left out: the picture has R, G and B", names.join(", "));
-            self.dropped(span, message);
+        let is_band = |p: &&mut Prop| !p.used && matches!(p.value, Raw::Spectrum(_) | Raw::Rgb(_) | Raw::Object(_));
+        let take = |p: &mut Prop| {
+            p.used = true;
+            p.clone()
+        };
+        let mut props: Vec<Prop> = self.graph.objects[object].props.iter_mut().filter(is_band).map(take).collect();
+        props.sort_by(|a, b| a.name.cmp(&b.name));
+        if props.is_empty() {
+            return self.error(span, "a 'specfilm' needs a spectrum for each of its bands");
         }
+        let mut bands = Vec::new();
+        for prop in props {
+            let name = prop.name.clone();
+            let Some((value, at)) = self.spectral_of(object, prop, Role::Unbounded) else { continue };
+            let band = Node { name: Some(name), ..Node::new(Family::Texture, "constant", Some(at)) };
+            bands.push(self.desc.add(band.with("value", value)));
+        }
+        node.set("bands", Value::Nodes(bands), Some(span));
     }
 
     fn crop(&mut self, node: &mut Node, object: ObjectId, [width, height]: [i64; 2]) {

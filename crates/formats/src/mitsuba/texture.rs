@@ -1,7 +1,7 @@
 //! Textures, and the properties that hold them.
 
 use super::{
-    graph::{Category, ObjectId, Raw},
+    graph::{Category, ObjectId, Prop, Raw},
     reader::Reader,
     told::SPEED,
 };
@@ -78,8 +78,14 @@ impl Reader<'_> {
 
     /// A property that may be a number, a spectrum or a texture.
     pub fn spectral(&mut self, object: ObjectId, name: &'static str, role: Role) -> Option<(Value, Span)> {
-        let legacy = self.graph.objects[object].legacy;
         let prop = self.graph.take(object, name)?;
+        self.spectral_of(object, prop, role)
+    }
+
+    /// The value of a property that may be a number, a spectrum or a texture.
+    pub fn spectral_of(&mut self, object: ObjectId, prop: Prop, role: Role) -> Option<(Value, Span)> {
+        let legacy = self.graph.objects[object].legacy;
+        let name = &prop.name;
         let value = match prop.value {
             Raw::Float(v) => plain(v, role),
             Raw::Int(v) => plain(v as f64, role),

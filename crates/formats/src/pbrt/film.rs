@@ -47,33 +47,25 @@ pub(super) fn film(scene: &mut Scene, dict: &Dict, exposure: f64) -> Option<Node
         b.no_effect("diagonal", Type::Float, "it is the size of the film behind a 'realistic' camera");
     }
     b.no_effect("savefp16", Type::Bool, "the precision of a picture's file is set where it is written");
-    if let Some(lost) = lost_channels(kind) {
-        b.scene.report.dropped(dict.span, lost);
-    }
     match kind {
         "gbuffer" => {
-            b.choice("coordinatesystem", "coordinatesystem", &[("camera", "camera"), ("world", "world")], "camera")
+            let frames = &[("camera", "camera"), ("world", "world")];
+            b.choice("coordinatesystem", "coordinatesystem", frames, "camera");
+            let lost = "of the layers of a 'gbuffer' film, dzdx, dzdy and RelativeVariance are left out";
+            b.scene.report.dropped(dict.span, lost);
+            if b.node.string("coordinatesystem") != Some("world") {
+                let what = "positions and normals of a 'gbuffer' film are in world space, not in camera space";
+                b.scene.report.approximated(dict.span, what);
+            }
         }
         "spectral" => {
-            b.int("nbuckets", "nbuckets", None);
-            b.float("lambdamin", "lambdamin", None);
-            b.float("lambdamax", "lambdamax", None);
+            b.int("nbuckets", "buckets", 16);
+            b.float("lambdamin", "lambda_min", 360.0);
+            b.float("lambdamax", "lambda_max", 830.0);
         }
         _ => {}
     }
     Some(b.finish())
-}
-
-/// A message about what a kind of film writes beside the picture, and is left out.
-fn lost_channels(kind: &str) -> Option<&'static str> {
-    match kind {
-        "gbuffer" => Some(
-            "the layers of a 'gbuffer' film are left out: \
-             '--aov albedo,normal,position,depth,uv,variance' writes layers of the kind",
-        ),
-        "spectral" => Some("the wavelength buckets of a 'spectral' film are left out: the picture has R, G and B"),
-        _ => None,
-    }
 }
 
 /// `pixelbounds` in pixels or `cropwindow` in fractions, of which the latter goes first.

@@ -97,6 +97,7 @@ impl Method for IrradianceCache {
         match feature {
             Feature::Media => Support::Refuses(""),
             Feature::Motion => Support::Refuses("records hold the light of one moment"),
+            Feature::Bands => Support::Approximates("records know the light at a few wavelengths"),
             Feature::Denoising => Support::Refuses("neighbouring pixels share records, so that their errors are alike"),
             _ => support::of_local_scattering(feature),
         }

@@ -57,6 +57,7 @@ impl Method for View {
             Feature::Motion => Refuses("it knows one moment"),
             Feature::Subsurface => Approximates("it is shown as diffuse"),
             Feature::SurfaceDetail => LeavesOut("light between surfaces does not meet them"),
+            Feature::Bands => Approximates("patches know the light at a few wavelengths"),
             Feature::Denoising => Refuses("patches err, not pixels"),
             Feature::TransparencyBehindMedia => Support::Exact,
             _ => support::of_camera_rays(feature),

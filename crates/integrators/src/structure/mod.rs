@@ -12,7 +12,7 @@ use steradian_accel::{Accelerator, Hit, Steps};
 use steradian_core::{Scene, film::PassFilm, scene::Interaction};
 use steradian_engine::{
     Asked, Counters, Feature, Method, MethodKind, Pass, Passes, Plan, Refusal, Run, Session,
-    Support::{self, Approximates, Refuses},
+    Support::{self, Approximates, LeavesOut, Refuses},
 };
 use steradian_math::{Ray, Vec2, Vec3, spectra::Wavelengths};
 use steradian_request::MethodRequest;
@@ -71,6 +71,7 @@ impl Method for Structure {
             Feature::Transparency => Refuses(""),
             Feature::Denoising => Refuses("it has no noise"),
             Feature::LightGroups | Feature::Bounces => Refuses("it shows no light"),
+            Feature::Bands => LeavesOut("it shows no light"),
             Feature::Adaptivity => Refuses("it makes whole pictures pass by pass"),
             _ => support::of_camera_rays(feature),
         }

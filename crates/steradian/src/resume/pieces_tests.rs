@@ -7,8 +7,10 @@ use steradian_engine::Indivisible;
 
 type Print = [u8; blake3::OUT_LEN];
 
-fn scene(size: u32) -> (Arc<Scene>, Print) {
-    let desc = cornell::luminous_ceiling();
+/// The scene, on a film of a kind.
+fn scene(size: u32, film: &str) -> (Arc<Scene>, Print) {
+    let mut desc = cornell::luminous_ceiling();
+    desc.node_mut(desc.film.unwrap()).kind = film.into();
     let options = CompileOptions { size: Some((size, size)), ..CompileOptions::default() };
     (Arc::new(compile(&desc, &options).scene.unwrap()), fingerprint(&desc).unwrap())
 }
@@ -28,7 +30,11 @@ struct Parts {
 
 impl Parts {
     fn new(size: u32, quality: &Quality) -> Self {
-        let (scene, print) = scene(size);
+        Self::on("rgb", size, quality)
+    }
+
+    fn on(film: &str, size: u32, quality: &Quality) -> Self {
+        let (scene, print) = scene(size, film);
         let render = quality.render(&scene).unwrap();
         let recipe = Recipe::new(&scene, print, &CompileOptions::default(), &render);
         Self { scene, render, recipe, folder: tempfile::tempdir().unwrap() }
@@ -98,7 +104,7 @@ fn joined_parts_have_the_bits_of_one_run() {
     for (size, spp, integrator, layers) in [
         (40, 3, "path", &layers[..]),
         (40, 3, "path:guiding=false", &["light_groups"]),
-        (40, 2, "direct", &[]),
+        (40, 2, "direct", &["bands"]),
         (40, 2, "volpath", &["bounces"]),
         (20, 66, "light", &layers[..2]),
         (20, 67, "bdpt", &layers),
@@ -107,8 +113,12 @@ fn joined_parts_have_the_bits_of_one_run() {
         (20, 7, "photon", &[]),
         (20, 67, "structure", &layers[..2]),
     ] {
-        let all = Parts::new(size, &quality(integrator, spp, layers));
+        // Bands are of the film.
+        let has_bands = layers == ["bands"];
+        let (film, layers) = if has_bands { ("spectral", &[][..]) } else { ("rgb", layers) };
+        let all = Parts::on(film, size, &quality(integrator, spp, layers));
         let whole = all.run();
+        assert_eq!(!whole.film().layers.by_band.is_empty(), has_bands);
         let pieces = whole.pieces().unwrap();
         assert_eq!(pieces, if size == 40 { 9 } else { spp.div_ceil(spp.div_ceil(64)) }, "{integrator}");
         for parts in [1, 3, 7] {
@@ -162,7 +172,7 @@ fn a_part_holds_its_pieces_alone() {
 
 #[test]
 fn work_that_is_one_is_refused_by_name() {
-    let (scene, _) = scene(20);
+    let (scene, _) = scene(20, "rgb");
     let why = |quality: &Quality| quality.render(&scene).unwrap().session(&scene).unwrap().pieces().unwrap_err();
     let of = |integrator| quality(integrator, 16, &[]);
     assert_eq!(why(&Quality { adaptive: true, ..of("path") }), Indivisible::Adaptive);

@@ -354,5 +354,5 @@ fn compare(method: &Method, reference: &Method, rounds: u32) -> Difference {
 /// The film of a render that was cancelled before it began.
 fn empty(scene: &Scene) -> Film {
     let crop = scene.film().crop;
-    Film { crop, pixels: Vec::new(), layers: Default::default(), halves: Vec::new(), bins: 0 }
+    Film { crop, pixels: Vec::new(), layers: Default::default(), halves: Vec::new(), bins: 0, bands: None }
 }

@@ -2,6 +2,7 @@
 
 mod ambient;
 mod auto;
+mod bands;
 mod clusters;
 mod colours;
 mod cube_maps;

@@ -453,18 +453,23 @@ fn integrators_compute_the_picture_of_theirs() {
     }
 }
 
-/// Bands of a film, and distances beyond which nothing is seen, are told while there is nothing for them.
+/// Bands of a film by their names, and distances beyond which nothing is seen.
 #[test]
-fn bands_and_far_planes_are_told() {
+fn bands_and_far_planes() {
     let sensor = |inside: &str| read(&format!("<sensor type=\"perspective\">{inside}</sensor>"));
     let said = |import: &Import| import.diagnostics.iter().map(|d| format!("{d}\n")).collect::<String>();
     let bands = sensor(
-        "<film type=\"specfilm\"><spectrum name=\"band1\" value=\"500:1, 600:1\"/><spectrum name=\"near\" \
+        "<film type=\"specfilm\"><spectrum name=\"visible\" value=\"500:1, 600:1\"/><spectrum name=\"near\" \
           type=\"regular\">
          <float name=\"wavelength_min\" value=\"600\"/><float name=\"wavelength_max\" value=\"700\"/><string \
            name=\"values\" value=\"1, 1\"/></spectrum><rfilter type=\"box\"/></film>",
     );
-    assert!(said(&bands).contains("bands 'band1', 'near'") && bands.diagnostics.is_lossy(), "{}", said(&bands));
+    assert!(!bands.diagnostics.is_lossy() && !bands.diagnostics.has_errors(), "{}", said(&bands));
+    let film = bands.desc.node(bands.desc.film.unwrap());
+    let Some(Value::Nodes(nodes)) = film.get("bands") else { panic!("{film:?}") };
+    let names: Vec<_> = nodes.iter().map(|id| bands.desc.node(*id).name.clone().unwrap()).collect();
+    assert_eq!((film.kind.as_str(), names), ("spectral", vec!["near".into(), "visible".into()]));
+    assert!(said(&sensor("<film type=\"specfilm\"/>")).contains("a spectrum for each of its bands"));
     let far = sensor("<float name=\"far_clip\" value=\"7\"/>");
     assert!(!said(&far).contains("far_clip"), "{}", said(&far));
 }

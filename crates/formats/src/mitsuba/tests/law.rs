@@ -41,6 +41,7 @@ fn needs(category: Category, plugin: &str) -> Vec<(&'static str, &'static str)> 
         (Category::Sensor, "thinlens") => {
             vec![("aperture_radius", "<float name=\"aperture_radius\" value=\".1\"/>")]
         }
+        (Category::Film, "specfilm") => vec![("", "<spectrum name=\"green\" value=\"500:1, 600:1\"/>")],
         (Category::Texture, "blackbody") => vec![("temperature", "<float name=\"temperature\" value=\"3000\"/>")],
         (Category::Shape, "instance") => vec![("", "<shape type=\"shapegroup\"><shape type=\"sphere\"/></shape>")],
         (Category::Shape, "merge" | "shapegroup") => vec![("", "<shape type=\"sphere\"/>")],

@@ -167,6 +167,9 @@ impl Writer<'_> {
                 self.x.without(film, &["max_component"]);
             }
             self.x.without(film, &["full_well", "sensor", "white_balance"]);
+            if film.kind == "spectral" {
+                self.x.dropped(film, "the bands of the film are left out");
+            }
         }
         let filter = self.filter();
         out.child(filter)

@@ -126,11 +126,13 @@ impl Writer<'_> {
 
     pub(super) fn film(&mut self) {
         let [width, height] = frame::size(self.x.desc);
-        let mut out = Directive::new("Film", &["rgb"]);
+        let film = self.x.desc.film.map(|f| self.x.node(f));
+        let has_bands = film.is_some_and(|film| film.kind == "spectral" && film.get("bands").is_none());
+        let mut out = Directive::new("Film", &[if has_bands { "spectral" } else { "rgb" }]);
         out.integers("xresolution", [width]);
         out.integers("yresolution", [height]);
         out.string("filename", &format!("{}.exr", self.x.beside.stem.clone()));
-        if let Some(film) = self.x.desc.film.map(|f| self.x.node(f)) {
+        if let Some(film) = film {
             if let Some(Value::Ints(crop)) = film.get("crop") {
                 out.integers("pixelbounds", crop.iter().copied());
             }
@@ -143,7 +145,12 @@ impl Writer<'_> {
             if let Some(kelvin) = film.float("white_balance").filter(|v| *v != 0.0) {
                 out.float("whitebalance", kelvin);
             }
-            self.x.without(film, &["full_well"]);
+            if has_bands {
+                out.integers("nbuckets", [film.int("buckets").unwrap_or(16)]);
+                out.float("lambdamin", film.float("lambda_min").unwrap_or(360.0));
+                out.float("lambdamax", film.float("lambda_max").unwrap_or(830.0));
+            }
+            self.x.without(film, &["full_well", "bands"]);
         }
         self.put(&out);
     }
