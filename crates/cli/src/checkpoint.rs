@@ -1,10 +1,10 @@
-//! The file that keeps a render, to go on with.
+//! The file that keeps a render, to go on with, and the one before it, for the case that the file is damaged.
 
 use crate::{failure::Failure, terminal::Terminal};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use steradian::{
     Session,
-    resume::{Recipe, StateError},
+    resume::{self, Recipe, StateError},
 };
 
 /// Refuses what a render cannot be kept in.
@@ -23,6 +23,23 @@ pub fn unusable(state: &Path, why: &StateError) -> Failure {
     Failure::bad_input(format!("{} {why}; without that file the render begins anew", state.display()))
 }
 
+/// The file of the state before that in `state`.
+pub fn before(state: &Path) -> PathBuf {
+    let mut name = state.as_os_str().to_owned();
+    name.push(".before");
+    name.into()
+}
+
+/// The file to go on from: that of a state, or of the one before where that is damaged. `None` where there is none.
+pub fn source(state: &Path) -> Option<PathBuf> {
+    if !state.exists() {
+        return None;
+    }
+    let is_damaged = |path: &Path| matches!(resume::state_file(path), Err(StateError::Damaged | StateError::NotAState));
+    let before = before(state);
+    Some(if is_damaged(state) && resume::state_file(&before).is_ok() { before } else { state.to_path_buf() })
+}
+
 /// Keeps a session in a file.
 pub struct Checkpoint<'a> {
     pub path: &'a Path,
@@ -31,22 +48,40 @@ pub struct Checkpoint<'a> {
 }
 
 impl Checkpoint<'_> {
-    /// Lets a session go on from the file, if it is there, to `total` samples per pixel.
-    pub fn restore(&self, session: &mut dyn Session, pixels: u64, total: Option<u32>) -> Result<(), Failure> {
-        if !self.path.exists() {
-            return Ok(());
+    /// Lets a session go on from the [`source`] of the state, to `total` samples per pixel.
+    pub fn restore(
+        &self,
+        session: &mut dyn Session,
+        path: &Path,
+        (pixels, total): (u64, Option<u32>),
+    ) -> Result<(), Failure> {
+        self.recipe.restore(session, path).map_err(|e| unusable(path, &e))?;
+        if path != self.path {
+            let (state, before) = (self.path.display(), path.display());
+            self.terminal.warn(&format!("{state} is damaged; the state before it is taken, {before}"));
+            // In the place of the damaged one: the next is kept beside it.
+            std::fs::rename(path, self.path)?;
         }
-        self.recipe.restore(session, self.path).map_err(|e| unusable(self.path, &e))?;
         if let Some(spp) = total.filter(|spp| !session.extend(*spp)) {
             let why = format!("was to have more than {spp} samples per pixel");
-            return Err(unusable(self.path, &StateError::OtherSettings(why)));
+            return Err(unusable(path, &StateError::OtherSettings(why)));
         }
         let spp = session.counters().samples as f64 / pixels as f64;
-        self.terminal.say(&format!("going on from {} at {spp:.1} samples per pixel", self.path.display()));
+        self.terminal.say(&format!("going on from {} at {spp:.1} samples per pixel", path.display()));
         Ok(())
     }
 
+    /// Saves the session. The state before gets a name of its own first.
     pub fn save(&self, session: &mut dyn Session) -> Result<(), String> {
+        if self.path.exists() {
+            let before = before(self.path);
+            // A second name of the file: that of the state is never without a file.
+            let draft = before.with_extension("draft");
+            let linked = std::fs::hard_link(self.path, &draft).or_else(|_| std::fs::copy(self.path, &draft).map(drop));
+            if linked.and_then(|()| std::fs::rename(&draft, &before)).is_err() {
+                let _ = std::fs::remove_file(&draft);
+            }
+        }
         self.recipe.save(session, self.path).map_err(|e| format!("the render cannot be kept: {e}"))
     }
 

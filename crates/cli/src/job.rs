@@ -2,7 +2,7 @@
 
 use crate::{
     args::{Color, Denoiser, RenderArgs, SceneOptions},
-    checkpoint::{check_state, unusable},
+    checkpoint::{self, check_state, unusable},
     denoise::guides,
     failure::Failure,
     memory,
@@ -37,6 +37,8 @@ pub struct Job<'a> {
     pub quality: Quality,
     /// The file of a solution of radiosity.
     pub solution: Option<PathBuf>,
+    /// The file of a state to go on from.
+    pub state: Option<PathBuf>,
     pub outputs: Vec<PathBuf>,
     pub kinds: Vec<FileKind>,
 }
@@ -94,15 +96,17 @@ impl<'a> Job<'a> {
                 "{what}; render takes a scene, as in steradian render {DEFAULT_SCENE}"
             )));
         }
-        let job = Self { args, terminal, path, name: open::shown(path), quality, solution, outputs, kinds };
-        output::claim(job.outputs.iter().map(PathBuf::as_path).chain(job.kept()), &Inputs::of([path]))?;
+        let state = args.resume.as_deref().and_then(checkpoint::source);
+        let job = Self { args, terminal, path, name: open::shown(path), quality, solution, state, outputs, kinds };
+        output::claim(job.outputs.iter().chain(&job.kept()).map(PathBuf::as_path), &Inputs::of([path]))?;
         args.resume.as_deref().map_or(Ok(()), check_state)?;
         Ok(job)
     }
 
     /// Files that are read and written.
-    fn kept(&self) -> impl Iterator<Item = &Path> {
-        self.args.resume.iter().chain(&self.solution).map(PathBuf::as_path)
+    fn kept(&self) -> Vec<PathBuf> {
+        let states = self.args.resume.iter().flat_map(|state| [state.clone(), checkpoint::before(state)]);
+        states.chain(self.solution.clone()).collect()
     }
 
     /// True if no sample is to be taken: a picture of a kept render.
@@ -137,7 +141,7 @@ impl<'a> Job<'a> {
             self.outputs = free;
         }
         let partial: Vec<PathBuf> = self.outputs.iter().map(|output| output::partial(output)).collect();
-        output::claim(self.outputs.iter().chain(&partial).map(PathBuf::as_path).chain(self.kept()), inputs)?;
+        output::claim(self.outputs.iter().chain(&partial).chain(&self.kept()).map(PathBuf::as_path), inputs)?;
         let size = (scene.film().crop.width(), scene.film().crop.height());
         self.outputs.iter().zip(&self.kinds).try_for_each(|(path, kind)| output::check_size(path, *kind, size))
     }
@@ -171,7 +175,7 @@ impl<'a> Job<'a> {
         let crop = &scene.film().crop;
         let pixels = u64::from(crop.width()) * u64::from(crop.height());
         let spp = plan.sampler.spp;
-        if let Some(state) = args.resume.as_deref().filter(|state| state.exists()) {
+        if let Some(state) = &self.state {
             // What was planned first counts for the bits; the rest comes on top.
             let first = resume::samples(state).map_err(|e| unusable(state, &e))?;
             plan.sampler.spp = if self.takes_none() { first } else { first.min(spp) };

@@ -34,8 +34,8 @@ pub fn run_after(args: &RenderArgs, terminal: Terminal, before: &mut SequenceSta
     let checkpoint = checkpoint.map(|(path, recipe)| Checkpoint { path, recipe, terminal });
     let Planned { spp, pixels, planned, .. } = started.planned;
     let takes_none = started.job.takes_none();
-    if let Some(checkpoint) = &checkpoint {
-        checkpoint.restore(&mut *session, pixels, (!takes_none).then_some(spp))?;
+    if let (Some(checkpoint), Some(state)) = (&checkpoint, &started.job.state) {
+        checkpoint.restore(&mut *session, state, (pixels, (!takes_none).then_some(spp)))?;
     }
     let making = started.making();
     let on_the_way = |session: &mut dyn Session, due: Due| {
@@ -104,12 +104,6 @@ impl<'a> Started<'a> {
         let (crop, integrator) = (&self.ready.scene.film().crop, self.planned.render.name);
         let (width, height) = (crop.width(), crop.height());
         self.job.terminal.say(&format!("rendering {} with {integrator}, {width} x {height}", self.job.name));
-    }
-
-    /// Another session, with an empty film.
-    pub fn session(&self) -> Result<Box<dyn Session>, Failure> {
-        let session = self.planned.render.session(&self.ready.scene);
-        session.map_err(|e| Failure::bad_input(e.to_string()))
     }
 
     fn making(&self) -> ImageMaker<'_> {

@@ -333,11 +333,23 @@ pub fn frames(text: &str) -> Result<Frames, String> {
     }
 }
 
-/// `K`, or `A..B`, both included.
-pub fn chunks(text: &str) -> Result<RangeInclusive<u32>, String> {
+/// Chunks of a job.
+#[derive(Clone, Debug)]
+pub enum Chunks {
+    /// From one to another, both included.
+    Range(RangeInclusive<u32>),
+    /// Chunks whose numbers come from standard input.
+    FromInput,
+}
+
+/// `K`, or `A..B`, both included, or `-`.
+pub fn chunks(text: &str) -> Result<Chunks, String> {
+    if text == "-" {
+        return Ok(Chunks::FromInput);
+    }
     let (first, last) = text.split_once("..").unwrap_or((text, text));
     match (first.parse(), last.parse()) {
-        (Ok(first), Ok(last)) if first <= last => Ok(first..=last),
+        (Ok(first), Ok(last)) if first <= last => Ok(Chunks::Range(first..=last)),
         _ => Err("chunks are written K, or A..B such as 0..9, the first one no later than the last".into()),
     }
 }

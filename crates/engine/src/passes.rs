@@ -389,7 +389,10 @@ impl<P: Pass> Session for Passes<P> {
 
     fn restrict(&mut self, pieces: Range<u32>) -> Result<(), Indivisible> {
         within(&pieces, self.pieces()?)?;
-        self.blocks.restrict(pieces)
+        self.blocks.restrict(pieces);
+        (self.total, self.look, self.is_good_enough) = (self.plan.sampler.spp, FIRST_LOOK, false);
+        (self.counters, self.time) = (Counters::default(), [Duration::ZERO; 2]);
+        Ok(())
     }
 
     fn join(&mut self, from: &mut dyn Read, pieces: Range<u32>) -> io::Result<()> {

@@ -26,9 +26,6 @@ pub enum Indivisible {
     /// Something else than pieces of this render was asked for.
     #[error("the render has no such pieces")]
     NoSuchPieces,
-    /// The session has samples already.
-    #[error("the render has begun")]
-    Begun,
 }
 
 /// The reason, if there is one, why so many pieces do not have these among them.

@@ -156,8 +156,9 @@ pub trait Session: Debug + Send {
         Err(Indivisible::OneState)
     }
 
-    /// Computes these pieces only: steps, the end, samples, counters and saved states are those of the pieces, and so
-    /// is the film, which is empty elsewhere. Such a session is not [extended](Self::extend). Before the first step.
+    /// Begins anew with these pieces only: steps, the end, samples, counters and saved states are those of the pieces,
+    /// and so is the film, which is empty elsewhere. Such a session is not [extended](Self::extend). What trials found
+    /// is kept, so that a session can compute some pieces after others.
     ///
     /// # Errors
     /// Why the work is one, or that there are no such pieces; nothing is changed then.

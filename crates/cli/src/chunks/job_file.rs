@@ -93,6 +93,18 @@ impl JobFile {
         u64::from(self.pieces) * (u64::from(last - first) + 1)
     }
 
+    /// Refuses the number of a chunk that the job does not have.
+    ///
+    /// # Errors
+    /// Numbers of those that it has.
+    pub fn check(&self, chunk: u32) -> Result<(), Failure> {
+        let last = self.chunks - 1;
+        match chunk <= last {
+            true => Ok(()),
+            false => Err(Failure::bad_input(format!("there is no chunk {chunk}: those of this job are 0 to {last}"))),
+        }
+    }
+
     /// Parts of a chunk, which is counted from zero.
     pub fn parts(&self, chunk: u32) -> Vec<Part> {
         let (all, of) = (self.all_pieces(), u64::from(self.pieces));

@@ -1,6 +1,10 @@
 //! Renders in chunks, merged pictures, and packed scenes.
 
 use crate::Place;
+use std::{
+    io::{BufRead, BufReader, Write},
+    process::Stdio,
+};
 use steradian::image::Image;
 
 /// Options of a small render.
@@ -39,6 +43,34 @@ fn chunks_come_to_the_bits_of_one_run() {
             same(&place.picture("merged.exr"), &place.picture("one.exr"));
             same(&place.picture("merged.png"), &place.picture("one.png"));
         }
+    }
+}
+
+/// A worker computes the chunks whose numbers it is given, and answers each before it asks for the next.
+#[test]
+fn a_worker_answers_one_by_one() {
+    let place = Place::new();
+    place.succeed(&[&["plan", "-o", "job", "--chunks", "4"], &SMALL[..]].concat());
+    let mut worker = place.command(&["chunk", "job", "-", "--quiet"]);
+    let mut worker = worker.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+    let (mut to, from) = (worker.stdin.take().unwrap(), BufReader::new(worker.stdout.take().unwrap()));
+    let mut answers = from.lines();
+    for chunk in [2, 0, 2, 3, 1] {
+        writeln!(to, "{chunk}").unwrap();
+        assert_eq!(answers.next().unwrap().unwrap(), format!("{{\"chunk\":{chunk},\"code\":0}}"));
+    }
+    drop(to);
+    assert!(worker.wait().unwrap().success());
+    place.succeed(&["merge", "job", "-o", "merged.exr"]);
+    place.succeed(&[&["render", "-o", "one.exr"], &SMALL[..]].concat());
+    same(&place.picture("merged.exr"), &place.picture("one.exr"));
+    for (said, about) in [("seven\n", "'seven'"), ("9\n", "no chunk 9")] {
+        let mut command = place.command(&["chunk", "job", "-"]);
+        let mut worker = command.stdin(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        worker.stdin.take().unwrap().write_all(said.as_bytes()).unwrap();
+        let output = worker.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(2));
+        assert!(String::from_utf8_lossy(&output.stderr).contains(about));
     }
 }
 

@@ -171,6 +171,7 @@ const CLASHES: &[(&str, &[&str], &[&str])] = &[
     ("convert", &["sky.pbrt", "n.xml", "--report", "wall.png"], &[]),
     ("denoise", &["wall.png", "-o", "wall.png"], &["wall.png", "-o", "n.png", "-o", "./n.png"]),
     ("denoise", &["sky.exr", "--half", "wall.png", "-o", "wall.png"], &[]),
+    ("merge", &["wall.png", "wall.png", "-o", "wall.png"], &["wall.png", "wall.png", "-o", "n.png", "-o", "./n.png"]),
     ("signal", &["wall.png", "-o", "wall.png"], &["wall.png", "-o", "n.png", "-o", "./n.png"]),
     ("vision", &["cones", "wall.png", "-o", "wall.png"], &["cones", "wall.png", "-o", "n.png", "-o", "./n.png"]),
     (
@@ -183,9 +184,11 @@ const CLASHES: &[(&str, &[&str], &[&str])] = &[
     ("estimate", &["importance", "wall.png", "-o", "wall.png"], &["importance", "-o", "n.svg", "--table", "./n.svg"]),
 ];
 
-/// Commands that write nothing but to stdout, and the one whose pages save nothing but new files (tests of
-/// `steradian-server`).
-const WITHOUT_FILES: [&str; 7] = ["list", "meter", "bench", "completions", "man", "help", "view"];
+/// Commands that write nothing but to stdout, the one whose pages save nothing but new files (tests of
+/// `steradian-server`), those that write to the folder of a job alone, and the one that writes archives, which no scene
+/// names.
+const WITHOUT_FILES: [&str; 10] =
+    ["list", "meter", "bench", "completions", "man", "help", "view", "plan", "chunk", "pack"];
 
 /// One guard holds for all commands: what is read stays, and each output has a file of its own.
 #[test]

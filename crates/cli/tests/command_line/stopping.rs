@@ -257,3 +257,27 @@ fn a_wish_for_a_picture_ends_nothing() {
         assert!(matches!(output.status.code(), Some(0 | 4 | 5)), "{arguments:?}: {:?} {said}", output.status);
     }
 }
+
+/// A damaged state is no loss of the whole: the one before it is taken, and comes to the same bits.
+#[test]
+fn a_damaged_state_falls_back_to_the_one_before() {
+    let place = Place::new();
+    let common = ["render", "--size", "24x24", "--resume", "state", "-o"];
+    let render = |out: &str, spp: &str| place.succeed(&[&common[..], &[out, "--spp", spp]].concat());
+    render("a.exr", "4");
+    render("b.exr", "8");
+    for bad in [&b"damaged"[..], b""] {
+        std::fs::write(place.path("state"), bad).unwrap();
+        let again = render("again.exr", "8");
+        assert!(again.stderr.contains("state is damaged; the state before it is taken"), "{}", again.stderr);
+        assert!(place.picture("again.exr").channels() == place.picture("b.exr").channels());
+        render("more.exr", "8");
+    }
+    // Without a sound state before it, it is refused, and without its file the render begins anew.
+    std::fs::write(place.path("state"), b"damaged").unwrap();
+    std::fs::write(place.path("state.before"), b"damaged").unwrap();
+    place.refuse(2, &[&common[..], &["no.exr"]].concat(), &["no saved state"]);
+    std::fs::remove_file(place.path("state")).unwrap();
+    render("anew.exr", "4");
+    assert!(place.picture("anew.exr").channels() == place.picture("a.exr").channels());
+}

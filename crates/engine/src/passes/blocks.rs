@@ -6,7 +6,6 @@
 //! some blocks keeps each apart; joined to the others, they are added as soon as all before them are there.
 
 use super::sums::Sums;
-use crate::Indivisible;
 use std::{borrow::Cow, collections::BTreeMap, ops::Range};
 use steradian_core::film::{Crop, Film, FirstHit, LayerInputs, PassFilm, Pixel};
 
@@ -102,17 +101,14 @@ impl Blocks {
         self.part().map_or(0, |part| part.start) + self.passes()
     }
 
-    /// Computes these blocks only.
-    pub fn restrict(&mut self, pieces: Range<u32>) -> Result<(), Indivisible> {
-        if self.passes() > 0 || !self.joined.is_empty() {
-            return Err(Indivisible::Begun);
-        }
+    /// Begins with these blocks, without passes, and leaves all others to others.
+    pub fn restrict(&mut self, pieces: Range<u32>) {
+        (self.apart, self.block, self.joined) = (BTreeMap::new(), None, Vec::new());
         // A session that computes all of them is one like any other.
         self.part = (pieces != (0..self.count())).then_some(pieces);
         // Sums of a part are those of its blocks.
         let pixels = if self.part.is_some() { 0 } else { self.shape.pixels };
         self.sums = Sums::new(&Shape { pixels, ..self.shape }, 0);
-        Ok(())
     }
 
     /// Adds the next pass and what its camera rays see first.

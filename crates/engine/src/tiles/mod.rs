@@ -250,7 +250,8 @@ impl<G: GroupIntegrator> Session for Tiles<G> {
 
     fn restrict(&mut self, pieces: Range<u32>) -> Result<(), Indivisible> {
         within(&pieces, self.pieces()?)?;
-        self.frame.restrict(pieces)
+        self.frame.restrict(pieces);
+        Ok(())
     }
 
     fn join(&mut self, from: &mut dyn Read, pieces: Range<u32>) -> io::Result<()> {
@@ -455,11 +456,16 @@ impl Frame {
         self.squared_errors().and_then(|sum| sum.doubt())
     }
 
+    /// Number of parts that light is kept apart in, and of bands.
+    fn kept(&self) -> [usize; 2] {
+        [self.parts, self.bands.as_ref().map_or(0, |bands| bands.count())]
+    }
+
     /// The film as it is.
     fn film(&self) -> Film {
         let crop = self.scene.film().crop;
         let n = crop.width() as usize * crop.height() as usize;
-        let kept = [self.parts, self.bands.as_ref().map_or(0, |bands| bands.count())];
+        let kept = self.kept();
         let mut film = Film {
             crop,
             pixels: vec![Pixel::default(); n],

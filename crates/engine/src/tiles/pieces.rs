@@ -6,7 +6,8 @@
 
 use super::{Frame, lock, tile::Tile};
 use crate::{
-    Counters, Indivisible,
+    Counters, FIRST_LOOK,
+    adaptive::Round,
     partition::CELLS,
     pieces::{already_there, invalid},
     state_checks::are_counters,
@@ -51,17 +52,24 @@ impl Frame {
         (tile / columns + 1) * (columns + 1) + tile % columns + 1
     }
 
-    /// Leaves all other tiles to others.
-    pub(super) fn restrict(&mut self, pieces: Range<u32>) -> Result<(), Indivisible> {
-        if self.next > 0 || !self.joined.is_empty() {
-            return Err(Indivisible::Begun);
+    /// Begins with these tiles, without samples, and leaves all others to others.
+    pub(super) fn restrict(&mut self, pieces: Range<u32>) {
+        (self.round, self.total) = (Round::first(self.plan.sampler.spp, self.plan.adaptive), self.plan.sampler.spp);
+        (self.next, self.is_complete, self.look, self.is_good_enough) = (0, true, FIRST_LOOK, false);
+        (self.counters, self.time, self.errors_of_first_round) = (Counters::default(), [Duration::ZERO; 2], None);
+        (self.pieces, self.joined) = (pieces, Vec::new());
+        let kept = self.kept();
+        for t in self.pieces.start as usize..self.pieces.end as usize {
+            let mut tile = lock(&self.tiles[t]);
+            *tile = Tile::new(tile.area, &self.plan, kept, self.round.length());
         }
         // A session that computes all of them is one like any other.
-        self.pieces = pieces;
+        self.done.iter_mut().for_each(|done| *done.get_mut() = 0);
         if self.is_part() {
             self.hollow();
         }
-        Ok(())
+        self.set_targets();
+        self.watch_scales();
     }
 
     /// Makes all tiles but those of the pieces hollow.

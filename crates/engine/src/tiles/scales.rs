@@ -38,7 +38,10 @@ impl Frame {
         let whole: Vec<usize> = (0..self.tiles.len()).filter(|t| whole(&lock(&self.tiles[*t]).area)).collect();
         let every = whole.len().div_ceil(TILES).max(1);
         for tile in whole.into_iter().step_by(every) {
-            lock(&self.tiles[tile]).even = vec![Even::default(); (TILE * TILE) as usize];
+            let mut tile = lock(&self.tiles[tile]);
+            // Not of tiles that are computed elsewhere.
+            let is_here = !tile.pixels.is_empty();
+            tile.even = vec![Even::default(); if is_here { (TILE * TILE) as usize } else { 0 }];
         }
     }
 

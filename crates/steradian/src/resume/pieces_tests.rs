@@ -166,8 +166,30 @@ fn a_part_holds_its_pieces_alone() {
     let film = session.film();
     let taken = film.pixels.iter().filter(|p| p.samples == 2).count();
     assert_eq!((taken, session.counters().samples), (256, 512));
-    assert!(!session.extend(8) && session.restrict(0..1) == Err(Indivisible::Begun));
+    assert!(!session.extend(8));
     assert!(session.error().is_some_and(f64::is_finite));
+}
+
+/// A session that computed some pieces computes others as a new one does, trials aside, which it keeps.
+#[test]
+fn one_session_computes_pieces_after_others() {
+    for (integrator, size, layers) in [("path", 40, &["halves", "albedo"][..]), ("bdpt", 20, &["halves"])] {
+        let all = Parts::new(size, &quality(integrator, 6, layers));
+        let pieces = all.session().pieces().unwrap();
+        let mut session = all.session();
+        for range in [2..3, 0..2, 0..pieces, 3..pieces] {
+            session.restrict(range.clone()).unwrap();
+            assert_eq!((session.samples(), session.counters().samples), (0, 0));
+            // One that was left on the way is no worse.
+            session.step(1, &Control::default());
+            session.restrict(range.clone()).unwrap();
+            finish(&mut *session);
+            let mut alone = all.session();
+            alone.restrict(range).unwrap();
+            finish(&mut *alone);
+            assert!(bits(&*session) == bits(&*alone) && session.counters() == alone.counters(), "{integrator}");
+        }
+    }
 }
 
 #[test]
