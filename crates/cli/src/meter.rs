@@ -11,10 +11,12 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::{
     fmt::Write,
+    io::Read,
     path::{Path, PathBuf},
 };
 use steradian::{
     ColorMode, Scene,
+    image::open_regular,
     integrators::Depth,
     math::Vec3,
     meter::{self, Estimate, Reading, Receiver, Settings},
@@ -30,7 +32,13 @@ pub struct MeterArgs {
     pub scene: PathBuf,
     /// The point, in the world
     #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
-    pub at: [f64; 3],
+    #[arg(required_unless_present = "points", conflicts_with = "points")]
+    pub at: Option<[f64; 3]>,
+    /// Many points instead, each a row of a table with columns x, y, z, and where they differ nx, ny, nz of the normal,
+    /// or dx, dy, dz of the direction; without a line of names the columns are x, y, z, or these and those of the
+    /// normal. The answer is a table, with --json a line of JSON for each
+    #[arg(long, value_name = "FILE.csv")]
+    pub points: Option<PathBuf>,
     /// Irradiance and illuminance of a plane, on the side of this normal
     #[arg(long, value_name = "X,Y,Z", value_parser = values::direction, allow_hyphen_values = true)]
     #[arg(conflicts_with = "direction")]
@@ -116,33 +124,129 @@ impl From<Estimate> for Interval {
 /// Opens the scene and reads the meter.
 pub fn run(args: &MeterArgs, terminal: Terminal) -> Outcome {
     open::limit_threads(args.scene_options.threads);
+    let places = match (&args.points, args.at) {
+        (Some(path), _) => {
+            let refuse = |why: String| Failure::bad_input(format!("'{}' {why}", path.display()));
+            let (mut table, mut text) =
+                (open_regular(path).map_err(|e| refuse(format!("cannot be read: {e}")))?, String::new());
+            if table.1 > LONGEST {
+                return Err(refuse(format!("has {} bytes, more than {LONGEST}", table.1)));
+            }
+            table.0.read_to_string(&mut text).map_err(|e| refuse(format!("cannot be read: {e}")))?;
+            places(args, &text).map_err(refuse)?
+        }
+        (None, at) => vec![Place { at: at.unwrap_or_default(), normal: args.normal, direction: args.direction }],
+    };
     let opened = open::open_unseen(&args.scene, &args.scene_options);
     let scene = open::ready(opened, &args.scene, args.scene_options.strict, terminal)?.scene;
-    let unit = |v: [f32; 3]| Vec3::from(v).normalize();
-    let at = scene.from_file(args.at.into());
-    let receiver = match (args.normal, args.direction, args.flux) {
-        (Some(n), _, Some(r)) => Receiver::Disc(at, unit(n), r),
-        (Some(n), _, None) => Receiver::Plane(at, unit(n)),
-        (None, Some(d), _) => Receiver::Radiance(at, unit(d)),
-        (None, None, Some(r)) => Receiver::Ball(at, r),
-        (None, None, None) => Receiver::Sphere(at),
-    };
-    let reading = meter::read(&scene, &receiver, &settings(args, &scene, terminal));
-    if reading.nonfinite > 0 {
-        terminal.warn(&format!("{} samples were not finite and count as black", reading.nonfinite));
-    }
-    let answer = answer(args, &scene, &reading);
-    match args.json {
-        true => terminal::json(&answer)?,
-        false => terminal::data(answer.text().as_bytes())?,
-    }
-    let is_reached = |e: f64| reading.luminous.plus_minus <= e * reading.luminous.value.abs();
-    match args.error {
-        Some(e) if !is_reached(e) => {
-            Err(Failure::failed(format!("the error {e} is not reached with {} samples", reading.samples)))
+    let settings = settings(args, &scene, terminal);
+    let (mut unreached, mut taken) = (0, 0);
+    for (row, place) in places.iter().enumerate() {
+        let reading = meter::read(&scene, &place.receiver(&scene, args.flux), &settings);
+        if reading.nonfinite > 0 {
+            terminal.warn(&format!("{} samples were not finite and count as black", reading.nonfinite));
         }
-        _ => Ok(failure::DONE),
+        let answer = answer(args, place, &scene, &reading);
+        match (args.json, &args.points) {
+            (true, _) => terminal::json(&answer)?,
+            (false, None) => terminal::data(answer.text().as_bytes())?,
+            (false, Some(_)) => terminal::data(answer.row(row == 0).as_bytes())?,
+        }
+        taken = reading.samples;
+        let is_reached = |e: f64| reading.luminous.plus_minus <= e * reading.luminous.value.abs();
+        unreached += u32::from(args.error.is_some_and(|e| !is_reached(e)));
     }
+    match args.error.filter(|_| unreached > 0) {
+        Some(e) if args.points.is_some() => {
+            Err(Failure::failed(format!("the error {e} is not reached at {unreached} of {} points", places.len())))
+        }
+        Some(e) => Err(Failure::failed(format!("the error {e} is not reached with {taken} samples"))),
+        None => Ok(failure::DONE),
+    }
+}
+
+/// Place and aim of the meter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Place {
+    at: [f64; 3],
+    normal: Option<[f32; 3]>,
+    direction: Option<[f32; 3]>,
+}
+
+impl Place {
+    fn receiver(&self, scene: &Scene, flux: Option<f32>) -> Receiver {
+        let unit = |v: [f32; 3]| Vec3::from(v).normalize();
+        let at = scene.from_file(self.at.into());
+        match (self.normal, self.direction, flux) {
+            (Some(n), _, Some(r)) => Receiver::Disc(at, unit(n), r),
+            (Some(n), _, None) => Receiver::Plane(at, unit(n)),
+            (None, Some(d), _) => Receiver::Radiance(at, unit(d)),
+            (None, None, Some(r)) => Receiver::Ball(at, r),
+            (None, None, None) => Receiver::Sphere(at),
+        }
+    }
+}
+
+/// Columns of a table of places, in the order of coordinates.
+const COLUMNS: [[&str; 3]; 3] = [["x", "y", "z"], ["nx", "ny", "nz"], ["dx", "dy", "dz"]];
+/// Longest table, bytes.
+const LONGEST: u64 = 1 << 30;
+
+/// Reads places from a table: fields with commas, semicolons or tabs between them, lines that begin with # aside.
+/// Those without an aim of their own have that of the command line.
+fn places(args: &MeterArgs, table: &str) -> Result<Vec<Place>, String> {
+    let separator = [';', '\t', ','].into_iter().find(|c| table.contains(*c)).unwrap_or(',');
+    let lines = table.lines().enumerate().map(|(number, line)| (number + 1, line.trim()));
+    let mut lines = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#')).peekable();
+    let fields = |line: &str| line.split(separator).map(|f| f.trim().trim_matches('"').to_owned()).collect::<Vec<_>>();
+    let Some((first, line)) = lines.peek().copied() else { return Err("has no points".into()) };
+    // Names of the columns, or what their number says.
+    let names: Vec<String> = match fields(line) {
+        names if names.iter().any(|name| name.parse::<f64>().is_err()) => {
+            lines.next();
+            names.iter().map(|name| name.to_lowercase()).collect()
+        }
+        numbers if numbers.len() == 3 || numbers.len() == 6 => {
+            COLUMNS.iter().flatten().take(numbers.len()).map(|name| (*name).to_owned()).collect()
+        }
+        numbers => {
+            let count = numbers.len();
+            return Err(format!("line {first}: {count} columns without names; 3 are a point, 6 a point and a normal"));
+        }
+    };
+    if let Some(unknown) = names.iter().find(|name| !COLUMNS.iter().flatten().any(|known| known == name)) {
+        return Err(format!("line {first}: unknown column '{unknown}'; known are x y z, nx ny nz, dx dy dz"));
+    }
+    let of = |columns: [&str; 3]| columns.map(|column| names.iter().position(|name| name == column));
+    let [at, normal, direction] = COLUMNS.map(of);
+    let ([Some(_), Some(_), Some(_)], false) = (at, normal[0].is_some() && direction[0].is_some()) else {
+        return Err(format!("line {first}: a table has columns x, y, z, and a normal or a direction, but not both"));
+    };
+    let mut places = Vec::new();
+    for (number, line) in lines {
+        let values: Vec<f64> = fields(line)
+            .iter()
+            .map(|field| field.parse().ok().filter(|v: &f64| v.is_finite() && v.abs() <= f64::from(f32::MAX)))
+            .collect::<Option<_>>()
+            .filter(|values: &Vec<f64>| values.len() == names.len())
+            .ok_or_else(|| format!("line {number}: {} finite numbers are expected in '{line}'", names.len()))?;
+        let vector = |columns: [Option<usize>; 3]| match columns {
+            [Some(x), Some(y), Some(z)] => Some([values[x], values[y], values[z]]),
+            _ => None,
+        };
+        let aim = |columns| match vector(columns).map(|v| v.map(|v| v as f32)) {
+            Some([0.0, 0.0, 0.0]) => Err(format!("line {number}: a direction of length zero")),
+            aim => Ok(aim),
+        };
+        let (normal, direction) = (aim(normal)?, aim(direction)?);
+        let is_aimed = normal.is_some() || direction.is_some();
+        places.push(Place {
+            at: vector(at).unwrap_or_default(),
+            normal: normal.or(args.normal.filter(|_| !is_aimed)),
+            direction: direction.or(args.direction.filter(|_| !is_aimed)),
+        });
+    }
+    if places.is_empty() { Err("has no points".into()) } else { Ok(places) }
 }
 
 fn settings(args: &MeterArgs, scene: &Scene, terminal: Terminal) -> Settings {
@@ -163,16 +267,16 @@ fn settings(args: &MeterArgs, scene: &Scene, terminal: Terminal) -> Settings {
     }
 }
 
-fn answer<'a>(args: &'a MeterArgs, scene: &Scene, r: &Reading) -> Answer<'a> {
+fn answer<'a>(args: &'a MeterArgs, place: &Place, scene: &Scene, r: &Reading) -> Answer<'a> {
     Answer {
         schema: 1,
         scene: &args.scene,
-        at: args.at,
-        normal: args.normal,
-        direction: args.direction,
+        at: place.at,
+        normal: place.normal,
+        direction: place.direction,
         radius: args.flux,
         color: if scene.mode() == ColorMode::Spectral { "spectral" } else { "rgb" },
-        quantity: match (args.normal, args.direction, args.flux) {
+        quantity: match (place.normal, place.direction, args.flux) {
             (.., Some(_)) => "flux",
             (Some(_), ..) => "irradiance",
             (None, Some(_), _) => "radiance",
@@ -190,6 +294,23 @@ fn answer<'a>(args: &'a MeterArgs, scene: &Scene, r: &Reading) -> Answer<'a> {
 }
 
 impl Answer<'_> {
+    /// A row of a table, after one of names where it is the first.
+    fn row(&self, is_first: bool) -> String {
+        let mut out = String::new();
+        if is_first {
+            let radiant = self.radiant.map_or("", |_| "radiant,radiant_error,");
+            let _ = writeln!(out, "x,y,z,red,green,blue,{radiant}luminous,luminous_error");
+        }
+        let [x, y, z] = self.at;
+        let [red, green, blue] = self.rgb.map(|i| i.value);
+        let _ = write!(out, "{x},{y},{z},{red},{green},{blue}");
+        for i in self.radiant.iter().chain([&self.luminous]) {
+            let _ = write!(out, ",{},{}", i.value, i.plus_minus);
+        }
+        out.push('\n');
+        out
+    }
+
     fn text(&self) -> String {
         let shown = |i: &Interval| format!("{} ± {}", significant(i.value, 6), significant(i.plus_minus, 2));
         let mut out = String::new();
@@ -226,6 +347,34 @@ fn significant(v: f64, digits: i32) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::command::{Cli, Command};
+    use clap::Parser;
+
+    #[test]
+    fn tables_are_read_by_the_names_of_their_columns() {
+        let cli = Cli::parse_from(["steradian", "meter", "a.xml", "--points", "a.csv", "--normal", "0,0,1"]);
+        let Command::Meter(args) = cli.command else { panic!("a meter was asked for") };
+        let read = |table: &str| places(&args, table);
+        let plain = Place { at: [1.0, 2.0, -3.5], normal: Some([0.0, 0.0, 1.0]), direction: None };
+        assert_eq!(read("1,2,-3.5\n").unwrap(), [plain]);
+        assert_eq!(read("# points\n\nZ; x ;\"Y\"\n-3.5;1;2\n").unwrap(), [plain]);
+        let own = Place { normal: Some([0.0, 1.0, 0.0]), ..plain };
+        assert_eq!(read("1\t2\t-3.5\t0\t1\t0").unwrap(), [own]);
+        let aimed = Place { normal: None, direction: Some([1.0, 0.0, 0.0]), ..plain };
+        assert_eq!(read("x,y,z,dx,dy,dz\n1,2,-3.5,1,0,0\r\n").unwrap(), [aimed]);
+        for (bad, why) in [
+            ("", "no points"),
+            ("x,y,z\n", "no points"),
+            ("1,2\n", "line 1: 2 columns"),
+            ("x,y,w\n1,2,3\n", "unknown column 'w'"),
+            ("x,y,nx\n1,2,3\n", "columns x, y, z"),
+            ("1,2,3\n1,nan,3\n", "line 2"),
+            ("1,2,3\n1,2\n", "line 2"),
+            ("1,2,3,0,0,0\n", "length zero"),
+        ] {
+            assert!(read(bad).unwrap_err().contains(why), "{bad:?}: {:?}", read(bad));
+        }
+    }
 
     #[test]
     fn numbers_have_their_digits() {

@@ -21,3 +21,31 @@ fn a_meter_needs_no_camera() {
     assert_eq!(read, metered("seen.xml"));
     place.refuse(2, &["meter", "lamp.xml", "--at", "0,0,0", "--camera", "front"], &["no camera 'front'"]);
 }
+
+/// Many points are read at once, each as it would be alone.
+#[test]
+fn many_points_are_rows_of_a_table() {
+    let place = Place::new();
+    place.file("points.csv", "x,y,z,nx,ny,nz\n0,-0.5,0,0,1,0\n0.3,0,0.2,0,0,1\n");
+    let common = ["meter", "builtin:cornell-box", "--spp", "256"];
+    let alone = |at: &str, normal: &str| {
+        place.succeed(&[&common[..], &["--at", at, "--normal", normal, "--json"]].concat()).json()
+    };
+    let table = place.succeed(&[&common[..], &["--points", "points.csv"]].concat()).stdout;
+    let lines: Vec<&str> = table.lines().collect();
+    assert_eq!(lines[0], "x,y,z,red,green,blue,luminous,luminous_error");
+    let told = place.succeed(&[&common[..], &["--points", "points.csv", "--json"]].concat()).stdout;
+    for (k, (at, normal)) in [("0,-0.5,0", "0,1,0"), ("0.3,0,0.2", "0,0,1")].into_iter().enumerate() {
+        let alone = alone(at, normal);
+        let json: serde_json::Value = serde_json::from_str(told.lines().nth(k).unwrap()).unwrap();
+        assert_eq!(json, alone);
+        let row: Vec<f64> = lines[k + 1].split(',').map(|field| field.parse().unwrap()).collect();
+        assert_eq!(
+            (row[3], row[6]),
+            (alone["rgb"][0]["value"].as_f64().unwrap(), alone["luminous"]["value"].as_f64().unwrap())
+        );
+    }
+    place.refuse(2, &["meter", "builtin:cornell-box"], &["--at"]);
+    place.refuse(2, &[&common[..], &["--points", "none.csv"]].concat(), &["none.csv"]);
+    place.file("bad.csv", "1,2\n").refuse(2, &[&common[..], &["--points", "bad.csv"]].concat(), &["bad.csv", "line 1"]);
+}
