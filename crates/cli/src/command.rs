@@ -9,6 +9,7 @@ use crate::{
     bench::BenchArgs,
     chunks::{chunk::ChunkArgs, merge::MergeArgs, plan::PlanArgs},
     experiment::ExperimentArgs,
+    farm::FarmArgs,
     meter::MeterArgs,
     pack::PackArgs,
     unwrap::UnwrapArgs,
@@ -46,6 +47,8 @@ pub enum Command {
     Chunk(ChunkArgs),
     /// Put the chunks of a planned render together: the very bits of one run
     Merge(MergeArgs),
+    /// Render in chunks by worker processes of this machine, or write the jobs of an engine that deals them out
+    Farm(Box<FarmArgs>),
     /// Pack a scene and all files that it names into one archive, which every command reads
     Pack(PackArgs),
     /// Look at a scene in the browser while it renders; without SCENE, at the built-in Cornell box
@@ -102,6 +105,7 @@ impl Command {
             Self::Plan(args) => args.render.quiet,
             Self::Chunk(args) => args.quiet,
             Self::Merge(args) => args.quiet,
+            Self::Farm(args) => args.plan.render.quiet,
             _ => false,
         }
     }

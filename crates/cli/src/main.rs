@@ -18,6 +18,7 @@ mod denoise;
 mod diagnostics;
 mod experiment;
 mod failure;
+mod farm;
 mod frames;
 mod info;
 mod job;
@@ -125,6 +126,7 @@ fn run(command: &Command, terminal: Terminal) -> Outcome {
         Command::Plan(args) => plan::run(args, terminal),
         Command::Chunk(args) => chunk::run(args, terminal),
         Command::Merge(args) => merge::run(args, terminal),
+        Command::Farm(args) => farm::run(args, terminal),
         Command::Pack(args) => pack::run(args, terminal),
         Command::Optics(args) => experiment::run("optics", args, terminal),
         Command::Vision(args) => experiment::run("vision", args, terminal),

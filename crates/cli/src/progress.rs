@@ -119,23 +119,23 @@ impl Progress {
         Self::Bar(bar)
     }
 
-    /// Shows how far it is.
+    /// Shows how far a render is.
     pub fn show(&mut self, snapshot: &Snapshot) {
+        let first = if snapshot.samples < snapshot.pixels { LINE_EVERY } else { FIRST_LINE };
+        self.tell(snapshot.fraction(), snapshot.elapsed >= first, || snapshot.line());
+    }
+
+    /// Shows which part is done, and a line about it; where there is no terminal, not before it is told to begin.
+    pub fn tell(&mut self, fraction: f64, begins: bool, line: impl FnOnce() -> String) {
         match self {
             Self::Bar(bar) => {
-                bar.set_position((snapshot.fraction() * STEPS as f64) as u64);
-                bar.set_message(snapshot.line());
+                bar.set_position((fraction * STEPS as f64) as u64);
+                bar.set_message(line());
             }
             Self::Lines(terminal, last) => {
-                let is_due = match last {
-                    Some(last) => last.elapsed() >= LINE_EVERY,
-                    None => {
-                        snapshot.elapsed >= if snapshot.samples < snapshot.pixels { LINE_EVERY } else { FIRST_LINE }
-                    }
-                };
-                if is_due {
+                if last.map_or(begins, |last| last.elapsed() >= LINE_EVERY) {
                     *last = Some(Instant::now());
-                    terminal.say(snapshot.line().trim_start());
+                    terminal.say(line().trim_start());
                 }
             }
             Self::Silent => {}

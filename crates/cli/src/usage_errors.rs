@@ -4,11 +4,12 @@ use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 use std::path::Path;
 
 /// A command that runs as it stands for each that needs words.
-const EXAMPLES: [(&str, &str); 14] = [
+const EXAMPLES: [(&str, &str); 15] = [
     ("verify", "verify builtin:cornell-box --spp 16 --size 32x32"),
     ("plan", "plan builtin:cornell-box --chunks 8 -o job"),
     ("chunk", "chunk job 0"),
     ("merge", "merge job -o PICTURE.exr"),
+    ("farm", "farm builtin:cornell-box --engine local --chunks 8 -o job"),
     ("pack", "pack SCENE.pbrt -o SCENE.zip"),
     ("info", "info builtin:cornell-box"),
     ("material", "material plastic -p alpha_u=0.2"),

@@ -11,7 +11,7 @@ use std::{
     ops::Range,
     path::{Path, PathBuf},
 };
-use steradian::resume::StateFile;
+use steradian::resume::{self, StateFile};
 
 /// Name of the file in the folder of a job.
 const FILE: &str = "job.json";
@@ -120,6 +120,14 @@ impl JobFile {
             at = stop;
         }
         parts
+    }
+
+    /// True if the result of a chunk is in its files.
+    pub fn has(&self, folder: &Path, chunk: u32) -> bool {
+        self.parts(chunk).iter().all(|part| {
+            resume::state_file(&state_of(folder, chunk, part))
+                .is_ok_and(|there| there.is_finished && part.is_kept_in(&there, self))
+        })
     }
 
     /// Parts of all chunks that belong to a frame, with the numbers of these.

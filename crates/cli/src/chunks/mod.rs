@@ -2,6 +2,6 @@
 //! the parts together to the bits of one run.
 
 pub mod chunk;
-mod job_file;
+pub mod job_file;
 pub mod merge;
 pub mod plan;

@@ -52,10 +52,35 @@ struct Summary<'a> {
     frames: u32,
 }
 
-/// Plans the render and writes the job.
+/// Plans the render, writes the job, and says what comes next.
 pub fn run(args: &PlanArgs, terminal: Terminal) -> Outcome {
+    let planned = plan(args, PlanArgs::augment_args(Command::new("plan")), terminal)?;
+    let (folder, last) = (&args.render.output[0], args.chunks - 1);
+    let name = folder.display();
+    terminal.say(&format!("next: steradian chunk {name} K for each K from 0 to {last}, then steradian merge {name}"));
+    if args.render.json {
+        let Planned { pieces, frames } = planned;
+        terminal::json(&Summary { schema: 1, job: folder, chunks: args.chunks, pieces, frames })?;
+    }
+    Ok(failure::DONE)
+}
+
+/// Size of a planned render.
+pub struct Planned {
+    /// Number of pieces of a frame.
+    pub pieces: u32,
+    /// Number of frames.
+    pub frames: u32,
+}
+
+/// Plans the render and writes the job. The words of the render are those that the program's command line gives to
+/// `command`, which has these arguments among others.
+///
+/// # Errors
+/// Renders that fall into no pieces, or into fewer than there are to be chunks; what keeps the job from being written.
+pub fn plan(args: &PlanArgs, command: Command, terminal: Terminal) -> Result<Planned, Failure> {
     // The words of the command line, after the name of the program.
-    let matches = PlanArgs::augment_args(Command::new("plan")).get_matches_from(std::env::args_os().skip(1));
+    let matches = command.get_matches_from(std::env::args_os().skip(1));
     let folder = &args.render.output[0];
     for (name, why) in REFUSED {
         if matches.value_source(name) == Some(ValueSource::CommandLine) {
@@ -96,14 +121,8 @@ pub fn run(args: &PlanArgs, terminal: Terminal) -> Outcome {
         chunks: args.chunks,
     };
     job.write(folder)?;
-    let name = folder.display();
-    terminal.say(&format!("planned {count} x {pieces} pieces in {} chunks: {name}", args.chunks));
-    let last = args.chunks - 1;
-    terminal.say(&format!("next: steradian chunk {name} K for each K from 0 to {last}, then steradian merge {name}"));
-    if args.render.json {
-        terminal::json(&Summary { schema: 1, job: folder, chunks: args.chunks, pieces, frames: count })?;
-    }
-    Ok(failure::DONE)
+    terminal.say(&format!("planned {count} x {pieces} pieces in {} chunks: {}", args.chunks, folder.display()));
+    Ok(Planned { pieces, frames: count })
 }
 
 /// The default pictures of a render, in a folder.

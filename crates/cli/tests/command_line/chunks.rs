@@ -10,7 +10,7 @@ use steradian::image::Image;
 /// Options of a small render.
 const SMALL: [&str; 5] = ["builtin:cornell-box", "--size", "40x36", "--spp", "6"];
 
-fn same(a: &Image, b: &Image) {
+pub fn same(a: &Image, b: &Image) {
     assert_eq!((a.width(), a.height(), a.offset, a.frame), (b.width(), b.height(), b.offset, b.frame));
     assert_eq!(a.channel_names(), b.channel_names());
     for (a, b) in a.channels().iter().zip(b.channels()) {

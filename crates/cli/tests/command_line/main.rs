@@ -9,6 +9,7 @@ mod chunks;
 mod denoising;
 mod exchange;
 mod experiments;
+mod farm;
 mod layers;
 mod lightmaps;
 mod lists;

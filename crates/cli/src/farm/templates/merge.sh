@@ -1,0 +1,3 @@
+#!/bin/sh
+# Puts the chunks together.
+exec @MERGE@
