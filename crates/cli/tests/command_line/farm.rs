@@ -121,7 +121,8 @@ fn engines_get_what_they_read() {
         check(
             &place,
             file,
-            "import ast; job = [n for n in ast.parse(text).body if isinstance(n, ast.Assign) and n.targets[0].id == 'JOB']\n\
+            "import ast; nodes = [n for n in ast.parse(text).body if isinstance(n, ast.Assign)]\n\
+            job = [n for n in nodes if n.targets[0].id == 'JOB']\n\
             assert ast.literal_eval(job[0].value) == folder",
         );
     }
@@ -130,7 +131,8 @@ fn engines_get_what_they_read() {
     let author = "const fs = require('fs'), added = [];\n\
         const author = { Task: (name) => ({ name, needs: [], addCommand(c) { this.command = c; }, \
         addDependency(t) { this.needs.push(t); } }), Command: (name, words) => [words.exe, ...words.args] };\n\
-        const job = { settings: JSON.parse(fs.readFileSync('flamenco_job.json')).settings, addTask: (t) => added.push(t) };\n\
+        const settings = JSON.parse(fs.readFileSync('flamenco_job.json')).settings;\n\
+        const job = { settings, addTask: (t) => added.push(t) };\n\
         eval(fs.readFileSync('steradian.js') + '; compileJob(job)');\n\
         console.log(added.length, added[4].needs.length, added[3].command[2]);";
     let compiled = run(&place.path(ODD), &["node", "-e", author]);
