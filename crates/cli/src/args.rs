@@ -39,6 +39,9 @@ pub struct SceneOptions {
     /// Memory for textures (512MiB, 2GiB, …); the rest is kept in a temporary file. Does not change the picture
     #[arg(long, value_name = "BYTES", value_parser = values::bytes, help_heading = "Scene")]
     pub texture_limit: Option<usize>,
+    /// Memory that the program may take (512MiB, 2GiB, …): what would need more is refused before it begins
+    #[arg(long, value_name = "BYTES", value_parser = values::bytes, help_heading = "Scene")]
+    pub memory_limit: Option<usize>,
     /// Look up one random texel instead of filtering; the expected value is the same
     #[arg(long, help_heading = "Scene")]
     pub stochastic_textures: bool,
@@ -126,6 +129,9 @@ pub struct RenderArgs {
     /// an uninterrupted render. A finished render continues with a larger --spp
     #[arg(long, value_name = "FILE")]
     pub resume: Option<PathBuf>,
+    /// Print the time and memory that the render will take, from a trial of two seconds, and write no picture
+    #[arg(long, conflicts_with_all = ["resume", "watch", "frames", "error"])]
+    pub estimate: bool,
     /// Write the outputs at these intervals while rendering (10s, 2m); SIGUSR1 writes them at once
     #[arg(long, value_name = "DURATION", value_parser = values::duration)]
     pub watch: Option<Duration>,

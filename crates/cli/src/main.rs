@@ -16,6 +16,7 @@ mod convert;
 mod convert_scene;
 mod denoise;
 mod diagnostics;
+mod estimate;
 mod experiment;
 mod failure;
 mod farm;

@@ -1,19 +1,41 @@
 //! Memory: how much was used, and how much there is.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Bytes that the program may take; `u64::MAX` where nobody set a limit.
+static LIMIT: AtomicU64 = AtomicU64::new(u64::MAX);
+
+/// Sets the bytes that the program may take in all.
+pub fn limit(bytes: usize) {
+    LIMIT.store(bytes as u64, Ordering::Relaxed);
+}
+
+/// Bytes that are left of those that the program may take.
+fn allowed() -> u64 {
+    match LIMIT.load(Ordering::Relaxed) {
+        u64::MAX => u64::MAX,
+        limit => {
+            let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+            limit.saturating_sub(kilobytes(&status, "VmRSS:").unwrap_or(0))
+        }
+    }
+}
+
 /// The largest resident size of this process so far, in bytes; `None` where the system does not tell.
 pub fn peak() -> Option<u64> {
     kilobytes(&std::fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
 }
 
-/// Bytes that can still be had without swapping: of the machine, of the control group, and of the address space
-/// (`ulimit -v`); `None` where the system does not tell.
+/// Bytes that can still be had without swapping: of the machine, of the control group, of the address space
+/// (`ulimit -v`), and of the [`limit`] of the user; `None` where the system does not tell.
 pub fn available() -> Option<u64> {
     let machine = kilobytes(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")?;
     let number = |path: &str| std::fs::read_to_string(path).ok()?.trim().parse::<u64>().ok();
     let group = number("/sys/fs/cgroup/memory.max")
         .zip(number("/sys/fs/cgroup/memory.current"))
         .map(|(limit, used)| limit.saturating_sub(used));
-    Some(machine.min(group.unwrap_or(u64::MAX)).min(address_space().unwrap_or(u64::MAX)))
+    let others = [group, address_space()].into_iter().flatten().min().unwrap_or(u64::MAX);
+    Some(machine.min(others).min(allowed()))
 }
 
 /// Bytes that are left of the address space that this process may have, where that is limited.

@@ -51,6 +51,7 @@ pub fn compile_options(options: &SceneOptions, spp: Option<u32>) -> CompileOptio
 
 /// Reads and compiles a scene, for a number of samples per pixel if it is known already.
 pub fn open(name: &Path, options: &SceneOptions, spp: Option<u32>) -> LoadedScene {
+    options.memory_limit.into_iter().for_each(memory::limit);
     opened(load(name, options.format.as_deref(), &reading(&options.define, options.framing)), options, spp)
 }
 
@@ -61,6 +62,7 @@ pub fn open_unseen(name: &Path, options: &SceneOptions) -> LoadedScene {
 
 /// Reads a scene whose camera shows nothing to anybody, and gives it one if it has none.
 pub fn load_unseen(name: &Path, options: &SceneOptions) -> Loaded {
+    options.memory_limit.into_iter().for_each(memory::limit);
     let mut loaded = load(name, options.format.as_deref(), &reading(&options.define, options.framing));
     if loaded.desc.cameras.is_empty() && options.camera.is_none() {
         let camera = loaded.desc.add(Node::new(Family::Camera, "perspective", None));

@@ -5,6 +5,7 @@ use crate::{
     brightness,
     checkpoint::Checkpoint,
     denoise::Filter,
+    estimate,
     failure::{self, Failure, Outcome},
     job::{Job, OpenedScene, Planned},
     open::{self, Ready},
@@ -30,6 +31,9 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Outcome {
 pub fn run_after(args: &RenderArgs, terminal: Terminal, before: &mut SequenceState) -> Outcome {
     let (started, mut session) = Started::new(args, terminal, before)?;
     started.tell();
+    if args.estimate {
+        return estimate::tell(&started, session);
+    }
     let checkpoint = args.resume.as_deref().zip(started.recipe.clone());
     let checkpoint = checkpoint.map(|(path, recipe)| Checkpoint { path, recipe, terminal });
     let Planned { spp, pixels, planned, .. } = started.planned;

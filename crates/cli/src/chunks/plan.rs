@@ -31,7 +31,7 @@ pub struct PlanArgs {
 }
 
 /// Options of `render` that belong to no job, by the names of their arguments, and why.
-const REFUSED: [(&str, &str); 8] = [
+const REFUSED: [(&str, &str); 10] = [
     ("resume", "every chunk keeps its own state"),
     ("watch", "the picture is there when it is merged"),
     ("time", "where it ended would depend on the machines"),
@@ -39,6 +39,8 @@ const REFUSED: [(&str, &str); 8] = [
     ("adaptive", "needs are told from the whole picture, which no chunk has"),
     ("temporal", "frames are denoised with those before"),
     ("format", "standard input can be read once only"),
+    ("estimate", "steradian render --estimate tells it"),
+    ("memory_limit", "it is that of one machine"),
     ("threads", "each chunk has its own: steradian chunk JOB K --threads N"),
 ];
 
@@ -84,6 +86,7 @@ pub fn plan(args: &PlanArgs, command: Command, terminal: Terminal) -> Result<Pla
     let folder = &args.render.output[0];
     for (name, why) in REFUSED {
         if matches.value_source(name) == Some(ValueSource::CommandLine) {
+            let name = name.replace('_', "-");
             return Err(Failure::bad_input(format!("--{name} cannot be planned: {why}")));
         }
     }

@@ -370,3 +370,21 @@ fn the_graphics_pipeline_draws_at_once() {
     place.refuse(2, &[&common[..], &["--adaptive"]].concat(), &["leave out --adaptive"]);
     place.refuse(2, &["render", "--integrator", "raster:shadows=x"], &["'shadows' takes ray, "]);
 }
+
+/// An estimate tells time and memory, and leaves no file; memory beyond a limit is refused before it is taken.
+#[test]
+fn time_and_memory_are_told_before() {
+    let place = Place::new();
+    let scene = ["render", "builtin:cornell-box", "--size", "24x24", "--spp", "4000k"];
+    let told = place.succeed(&[&scene[..], &["--estimate", "--json"]].concat()).json();
+    let number = |name: &str| told[name].as_f64().unwrap();
+    let sampling = 24.0 * 24.0 * 4e6 / number("samples_per_second");
+    assert!((number("sample_seconds") / sampling - 1.0).abs() < 1e-6 && number("seconds") >= number("sample_seconds"));
+    assert!(number("trial_samples") >= 576.0 && number("film_bytes") > 0.0 && number("geometry_bytes") > 0.0);
+    let text = place.succeed(&[&scene[..], &["--estimate"]].concat()).stdout;
+    assert!(text.starts_with("time ") && text.contains("\nmemory "), "{text}");
+    assert_eq!(std::fs::read_dir(place.path(".")).unwrap().count(), 0);
+    let large = ["render", "builtin:cornell-box", "--size", "4000x3000", "--memory-limit", "64MiB"];
+    place.refuse(2, &large, &["needs about", "of memory"]);
+    assert_eq!(std::fs::read_dir(place.path(".")).unwrap().count(), 0);
+}
