@@ -2,9 +2,11 @@
 
 use crate::{
     failure::{self, Failure, Outcome},
+    job::{Job, Planned},
     memory,
+    open::Ready,
     progress::{clock, rate},
-    render::Started,
+    signals::Signals,
     terminal,
 };
 use serde::Serialize;
@@ -46,15 +48,21 @@ struct Estimate<'a> {
 }
 
 /// Takes samples for a short time, and tells what all of them will take. No picture is written.
-pub fn tell(started: &Started<'_>, mut session: Box<dyn Session>) -> Outcome {
-    let (job, planned, scene) = (&started.job, &started.planned, &started.ready.scene);
+pub fn tell(
+    job: &Job<'_>,
+    planned: &Planned,
+    ready: &Ready,
+    signals: &Signals,
+    mut session: Box<dyn Session>,
+) -> Outcome {
+    let scene = &ready.scene;
     let control = Control::default();
     // Preparation, then sample by sample of the whole picture, so that no part of it stands for another.
     session.step(0, &control);
     let prepared = session.wall();
     while !session.is_done() && session.wall() - prepared < TRIAL {
         session.step(1, &control);
-        if let Some(signal) = started.signals.came() {
+        if let Some(signal) = signals.came() {
             return Ok(128 + signal);
         }
     }
@@ -68,7 +76,7 @@ pub fn tell(started: &Started<'_>, mut session: Box<dyn Session>) -> Outcome {
         None => planned.planned as f64 / samples_per_second,
     };
     let [load_seconds, build_seconds, prepare_seconds] =
-        [started.ready.load, started.ready.build, prepared].map(|time| time.as_secs_f64());
+        [ready.load, ready.build, prepared].map(|time| time.as_secs_f64());
     let crop = &scene.film().crop;
     let estimate = Estimate {
         schema: 1,

@@ -32,7 +32,7 @@ pub fn run_after(args: &RenderArgs, terminal: Terminal, before: &mut SequenceSta
     let (started, mut session) = Started::new(args, terminal, before)?;
     started.tell();
     if args.estimate {
-        return estimate::tell(&started, session);
+        return estimate::tell(&started.job, &started.planned, &started.ready, &started.signals, session);
     }
     let checkpoint = args.resume.as_deref().zip(started.recipe.clone());
     let checkpoint = checkpoint.map(|(path, recipe)| Checkpoint { path, recipe, terminal });
