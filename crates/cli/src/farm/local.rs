@@ -1,4 +1,5 @@
-//! Worker processes of this machine: each computes one chunk after the other, as long as there are some.
+//! Worker processes of this machine: each keeps its scene open and computes one chunk after the other, as long as there
+//! are some.
 
 use super::{counting::Counting, engines::TRIES};
 use crate::{
@@ -7,11 +8,12 @@ use crate::{
     signals::Signals,
     terminal::Terminal,
 };
+use serde::Deserialize;
 use std::{
     collections::VecDeque,
-    io::Read,
+    io::{self, BufRead, BufReader, Write},
     path::Path,
-    process::{Child, Command, Stdio},
+    process::{Child, ChildStdout, Command, Stdio},
     sync::{Mutex, MutexGuard, PoisonError, mpsc},
     thread,
     time::Duration,
@@ -19,6 +21,13 @@ use std::{
 
 /// Interval between looks at what the workers do.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
+
+/// Answer of a worker.
+#[derive(Deserialize)]
+struct Answer {
+    chunk: u32,
+    code: u8,
+}
 
 /// State that the workers share.
 struct Crew<'a> {
@@ -81,11 +90,12 @@ pub fn compute(
 impl Crew<'_> {
     /// Takes chunks from the queue until it is empty; tells of each that is there.
     fn work(&self, worker: usize, done: &mpsc::Sender<()>) {
+        let mut answers = None;
         loop {
             // The lock is not held while the chunk is computed.
             let taken = locked(&self.queue).pop_front();
-            let Some((chunk, tries)) = taken else { return };
-            let code = match self.chunk(worker, chunk) {
+            let Some((chunk, tries)) = taken else { return self.dismiss(worker) };
+            let code = match self.chunk(worker, &mut answers, chunk) {
                 Ok(Some(code)) => code,
                 Ok(None) => return,
                 Err(why) => return self.give_up(Failure::failed(format!("cannot start a worker: {why}"))),
@@ -108,28 +118,50 @@ impl Crew<'_> {
         }
     }
 
-    /// Computes a chunk by a process, and gives its exit code; `None` if all are told to stop.
-    fn chunk(&self, worker: usize, chunk: u32) -> std::io::Result<Option<Option<i32>>> {
-        let mut stdout = {
+    /// Has a chunk computed by the worker's process, which is started where there is none. Gives 0 when it answers, or
+    /// the code with which it ends instead; `None` if all are told to stop.
+    fn chunk(
+        &self,
+        worker: usize,
+        answers: &mut Option<BufReader<ChildStdout>>,
+        chunk: u32,
+    ) -> io::Result<Option<Option<i32>>> {
+        {
             let mut processes = locked(&self.processes);
             let Some(processes) = &mut *processes else { return Ok(None) };
-            let mut child = self.command(chunk)?.spawn()?;
-            let stdout = child.stdout.take();
-            processes[worker] = Some(child);
-            stdout
-        };
-        // It ends when the process does. Until it is waited for, its number stays its own.
-        if let Some(stdout) = &mut stdout {
-            stdout.read_to_end(&mut Vec::new())?;
+            if processes[worker].is_none() {
+                let child = processes[worker].insert(self.command()?.spawn()?);
+                *answers = child.stdout.take().map(BufReader::new);
+            }
+            if let Some(stdin) = processes[worker].as_mut().and_then(|child| child.stdin.as_mut()) {
+                // One that has ended does not answer, either.
+                let _ = writeln!(stdin, "{chunk}");
+            }
         }
+        let mut line = String::new();
+        if let Some(answers) = answers {
+            answers.read_line(&mut line)?;
+        }
+        if serde_json::from_str(&line).is_ok_and(|answer: Answer| answer.chunk == chunk && answer.code == 0) {
+            return Ok(Some(Some(0)));
+        }
+        // Until it is waited for, its number stays its own.
         let child = locked(&self.processes).as_mut().and_then(|processes| processes[worker].take());
-        child.map(|mut child| Ok(child.wait()?.code())).transpose()
+        child.map(|mut child| Ok(child.wait()?.code().filter(|code| *code != 0))).transpose()
     }
 
-    fn command(&self, chunk: u32) -> std::io::Result<Command> {
+    /// Lets the worker's process end: it has no more input.
+    fn dismiss(&self, worker: usize) {
+        let child = locked(&self.processes).as_mut().and_then(|processes| processes[worker].take());
+        if let Some(mut child) = child {
+            let _ = child.wait();
+        }
+    }
+
+    fn command(&self) -> io::Result<Command> {
         let mut command = Command::new(std::env::current_exe()?);
-        command.arg("chunk").arg(self.folder).args([&chunk.to_string(), "--quiet"]);
-        command.args(["--threads", &self.threads.to_string()]).stdin(Stdio::null()).stdout(Stdio::piped());
+        command.arg("chunk").arg(self.folder).args(["-", "--quiet", "--threads", &self.threads.to_string()]);
+        command.stdin(Stdio::piped()).stdout(Stdio::piped());
         // Signals of the terminal come to the workers through this process, once.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
@@ -147,6 +179,7 @@ impl Crew<'_> {
         let mut children: Vec<Child> = processes.into_iter().flatten().flatten().collect();
         children.iter_mut().for_each(terminate);
         for child in &mut children {
+            // Its input ends here, for one that waits for a number.
             let _ = child.wait();
         }
     }
@@ -155,7 +188,7 @@ impl Crew<'_> {
 /// Asks a process to end.
 pub fn terminate(child: &mut Child) {
     #[cfg(unix)]
-    let _ = rustix::process::kill_process(rustix::process::Pid::from_child(child), rustix::process::Signal::TERM);
+    let _ = Command::new("sh").args(["-c", "kill -TERM \"$0\"", &child.id().to_string()]).status();
     #[cfg(not(unix))]
     let _ = child.kill();
 }
