@@ -56,7 +56,7 @@ struct Summary<'a> {
 
 /// Plans the render, writes the job, and says what comes next.
 pub fn run(args: &PlanArgs, terminal: Terminal) -> Outcome {
-    let planned = plan(args, PlanArgs::augment_args(Command::new("plan")), terminal)?;
+    let planned = plan(args, PlanArgs::augment_args(Command::new("plan")), &[], terminal)?;
     let (folder, last) = (&args.render.output[0], args.chunks - 1);
     let name = folder.display();
     terminal.say(&format!("next: steradian chunk {name} K for each K from 0 to {last}, then steradian merge {name}"));
@@ -80,7 +80,7 @@ pub struct Planned {
 ///
 /// # Errors
 /// Renders that fall into no pieces, or into fewer than there are to be chunks; what keeps the job from being written.
-pub fn plan(args: &PlanArgs, command: Command, terminal: Terminal) -> Result<Planned, Failure> {
+pub fn plan(args: &PlanArgs, command: Command, pictures: &[PathBuf], terminal: Terminal) -> Result<Planned, Failure> {
     // The words of the command line, after the name of the program.
     let matches = command.get_matches_from(std::env::args_os().skip(1));
     let folder = &args.render.output[0];
@@ -97,7 +97,7 @@ pub fn plan(args: &PlanArgs, command: Command, terminal: Terminal) -> Result<Pla
         .map_err(|e| Failure::failed(format!("cannot make the folder '{}': {e}", folder.display())))?;
     // The render of the first frame, as a chunk begins it.
     let mut one = args.render.clone();
-    one.output = pictures_in(folder, &one);
+    one.output = if pictures.is_empty() { pictures_in(folder, &one) } else { pictures.to_vec() };
     if let Some(range) = one.frames {
         frames::check(&one)?;
         one = frames::one(&one, range.first, frames::framing(&one, range));

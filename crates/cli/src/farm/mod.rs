@@ -85,7 +85,7 @@ pub fn run(args: &FarmArgs, terminal: Terminal) -> Outcome {
     let whole = whole(folder)?;
     let submission =
         (args.submit && args.engine != Engine::Local).then(|| submitted::check(args.engine, &whole)).transpose()?;
-    plan::plan(&args.plan, FarmArgs::augment_args(Command::new("farm")), terminal)?;
+    plan::plan(&args.plan, FarmArgs::augment_args(Command::new("farm")), &args.picture, terminal)?;
     let job = JobFile::read(folder)?;
     let processors = thread::available_parallelism().map_or(1, |n| n.get() as u32);
     let local_workers = (processors / PROCESSORS).max(1);

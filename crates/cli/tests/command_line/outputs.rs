@@ -172,6 +172,11 @@ const CLASHES: &[(&str, &[&str], &[&str])] = &[
     ("denoise", &["wall.png", "-o", "wall.png"], &["wall.png", "-o", "n.png", "-o", "./n.png"]),
     ("denoise", &["sky.exr", "--half", "wall.png", "-o", "wall.png"], &[]),
     ("merge", &["wall.png", "wall.png", "-o", "wall.png"], &["wall.png", "wall.png", "-o", "n.png", "-o", "./n.png"]),
+    (
+        "farm",
+        &["sky.pbrt", "--chunks", "1", "-o", ".", "--picture", "sky.exr"],
+        &["sky.pbrt", "--chunks", "1", "-o", ".", "--picture", "n.png", "--picture", "./n.png"],
+    ),
     ("signal", &["wall.png", "-o", "wall.png"], &["wall.png", "-o", "n.png", "-o", "./n.png"]),
     ("vision", &["cones", "wall.png", "-o", "wall.png"], &["cones", "wall.png", "-o", "n.png", "-o", "./n.png"]),
     (
