@@ -9,23 +9,29 @@ use steradian_math::spectra::{
 };
 use steradian_scene::{Family, Node, SpectrumValue, Value};
 
+/// Numbers of a spectral film that other films do not have.
+const OWN: [&str; 3] = ["lambda_min", "lambda_max", "buckets"];
+
 impl Compiler<'_> {
     /// The bands of a spectral film; `None` for films without, and where there are no wavelengths.
     pub(super) fn bands(&mut self, film: &Node) -> Option<Arc<Bands>> {
         if film.kind != "spectral" {
             return None;
         }
+        // Of its own parameters those out of range are refused, and have their defaults then.
+        let mut own = Node::new(film.family, film.kind.as_str(), film.span);
+        own.params = film.params.iter().filter(|p| OWN.contains(&p.name.as_str())).cloned().collect();
+        let own = &*self.within_ranges(&own);
         if self.mode == ColorMode::Rgb {
             let what = "the bands of a 'spectral' film need spectra (--color spectral); the picture has R, G and B";
             self.diagnostics.dropped(&self.desc.sources, film.span, what);
             return None;
         }
-        let range = self.float(film, "lambda_min")..self.float(film, "lambda_max");
-        let count = self.int(film, "buckets").clamp(1, i64::from(Bands::MOST)) as u32;
+        let range = self.float(own, "lambda_min")..self.float(own, "lambda_max");
+        let count = self.int(own, "buckets").clamp(1, i64::from(Bands::MOST)) as u32;
         if let Some(curves) = self.band_curves(film) {
             return Some(Arc::new(Bands::Curves(curves)));
         }
-        // Wavelengths out of range have been refused.
         if range.start >= range.end {
             let (low, high) = (range.start, range.end);
             let what = format!("bands from {low} nm to {high} nm: 'lambda_max' must be more than 'lambda_min'");

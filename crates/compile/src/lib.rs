@@ -198,7 +198,9 @@ pub fn recompile(desc: &SceneDesc, options: &Options, kept: &mut Kept) -> Compil
 }
 
 fn compiled(desc: &SceneDesc, options: &Options, mut kept: Option<&mut Kept>) -> Compiled {
-    let has_bands = desc.film.is_some_and(|film| desc.node(film).kind == "spectral");
+    // A film that is not there is told of later.
+    let film = desc.film.and_then(|film| desc.nodes.get(film.0 as usize));
+    let has_bands = film.is_some_and(|film| film.kind == "spectral");
     let mode = options.mode.unwrap_or(match desc.format {
         Format::Pbrt => ColorMode::Spectral,
         _ if has_bands => ColorMode::Spectral,

@@ -278,7 +278,7 @@ fn assembled(parts: Vec<Part>) -> Result<Image, MergeError> {
     let mut whole = Image::new(width, height);
     whole.metadata = first.metadata.clone();
     whole.offset = min;
-    let max = [min[0] + width as i32, min[1] + height as i32];
+    let max = [min[0].saturating_add(width as i32), min[1].saturating_add(height as i32)];
     whole.frame = (frame != Window { min, max }).then_some(frame);
     for channel in first.channels() {
         let mut plane = vec![0.0; width * height];
@@ -354,7 +354,7 @@ mod tests {
 
     fn part(name: &str, offset: [i32; 2], width: usize) -> Part {
         let (_, mut image) = picture(1, 4, 0.0);
-        let row = (0..width).map(|x| [(offset[0] + x as i32) as f32, offset[1] as f32, 0.0]);
+        let row = (0..width).map(|x| [offset[0].wrapping_add(x as i32) as f32, offset[1] as f32, 0.0]);
         let metadata = image.metadata.clone();
         image = Image::from_rgb(width, 1, &row.collect::<Vec<_>>()).unwrap();
         (image.metadata, image.offset) = (metadata, offset);
