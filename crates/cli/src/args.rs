@@ -141,6 +141,9 @@ pub struct RenderArgs {
     /// Which of them this is.
     #[arg(skip)]
     pub frame: u32,
+    /// True for a render of a job, which is held against the scene's fingerprint.
+    #[arg(skip)]
+    pub is_of_job: bool,
     /// Frames per second of --frames
     #[arg(long, value_name = "N", default_value_t = 24.0, value_parser = values::rate)]
     pub fps: f64,

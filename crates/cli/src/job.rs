@@ -121,7 +121,8 @@ impl<'a> Job<'a> {
         let write_options = args.files.write_options_or(opened.tone()).map_err(Failure::bad_input)?;
         let write_options = WriteOptions { premultiplied: args.transparent, ..write_options };
         let unreadable = |e| Failure::failed(format!("cannot read the scene's files again: {e}"));
-        let fingerprint = args.resume.as_ref().map(|_| resume::fingerprint(&opened.desc)).transpose();
+        let is_kept = args.resume.is_some() || args.is_of_job;
+        let fingerprint = is_kept.then(|| resume::fingerprint(&opened.desc)).transpose();
         let fingerprint = fingerprint.map_err(unreadable)?;
         let lit = self.solution.as_ref().map(|_| radiosity::fingerprint(&opened.desc)).transpose();
         let lit = lit.map_err(unreadable)?;

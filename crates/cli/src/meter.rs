@@ -193,7 +193,7 @@ const COLUMNS: [[&str; 3]; 3] = [["x", "y", "z"], ["nx", "ny", "nz"], ["dx", "dy
 const LONGEST: u64 = 1 << 30;
 
 /// Reads places from a table: fields with commas, semicolons or tabs between them, lines that begin with # aside.
-/// Those without an aim of their own have that of the command line.
+/// Places without an aim of their own have that of the command line.
 fn places(args: &MeterArgs, table: &str) -> Result<Vec<Place>, String> {
     let separator = [';', '\t', ','].into_iter().find(|c| table.contains(*c)).unwrap_or(',');
     let lines = table.lines().enumerate().map(|(number, line)| (number + 1, line.trim()));

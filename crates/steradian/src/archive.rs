@@ -4,6 +4,7 @@
 //! their BLAKE3 hashes and the name of the scene. Archives without such a list, as scenes are handed around in, are
 //! read too, where it is clear which of their files is the scene.
 
+use crate::hashing::Hashing;
 use serde::{Deserialize, Serialize};
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -97,7 +98,7 @@ pub struct UnpackedScene {
 /// all, and has the same bits for the same files.
 ///
 /// # Errors
-/// Those of reading the files and of writing the archive.
+/// Faults of reading the files and of writing the archive.
 pub fn pack<'a>(
     scene: &Path,
     files: impl IntoIterator<Item = &'a Path>,
@@ -199,7 +200,7 @@ pub fn unpack(path: &Path, name: &Path) -> Result<UnpackedScene, ArchiveError> {
             fs::create_dir_all(parent)?;
         }
         // What comes counts, whatever the archive says of its length.
-        let mut out = Hashing { inner: File::create(&to)?, hasher: blake3::Hasher::new() };
+        let mut out = Hashing::new(File::create(&to)?);
         total += io::copy(&mut entry.take(allowed - total + 1), &mut out)?;
         if total > allowed {
             return Err(ArchiveError::TooMuch(format!("its {length} bytes stand for more than {allowed}")));
@@ -263,24 +264,6 @@ fn the_scene<'n>(archive: &Path, names: &'n [String]) -> Result<&'n str, Archive
             let more = if near.len() > SHOWN { ", …" } else { "" };
             Err(ArchiveError::Several(shown.collect::<Vec<_>>().join(", ") + more))
         }
-    }
-}
-
-/// A file of which the hash is kept while it is written.
-struct Hashing {
-    inner: File,
-    hasher: blake3::Hasher,
-}
-
-impl Write for Hashing {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let written = self.inner.write(bytes)?;
-        self.hasher.update(&bytes[..written]);
-        Ok(written)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.inner.flush()
     }
 }
 

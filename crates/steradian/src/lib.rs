@@ -20,6 +20,7 @@ pub mod cornell;
 pub mod denoise;
 pub mod develop;
 mod error;
+mod hashing;
 pub mod inputs;
 pub mod lightmap;
 pub mod load;

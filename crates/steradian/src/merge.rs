@@ -21,7 +21,7 @@ pub enum MergeError {
         /// In words, with both values.
         what: String,
     },
-    /// The same samples twice.
+    /// Two pictures of one seed.
     #[error("'{a}' and '{b}' have the same seed ({seed}): their samples are the same")]
     SameSeed {
         /// Names of the pictures.

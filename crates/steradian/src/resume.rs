@@ -4,7 +4,7 @@
 //! session, and the BLAKE3 hash of all that. Only a render that would have made the same picture goes on from it.
 //! The state of a part of the work is one like others, with the pieces among its settings; parts are joined.
 
-use crate::{CompileOptions, Render, Scene, Session};
+use crate::{CompileOptions, Render, Scene, Session, hashing::Hashing};
 use std::{
     borrow::Cow,
     collections::BTreeMap,
@@ -278,7 +278,7 @@ impl Recipe {
     /// The path and the system's answer.
     pub fn save(&self, session: &mut dyn Session, path: &Path) -> Result<(), steradian_image::Error> {
         steradian_image::stream_whole(path, |out| {
-            let mut out = BufWriter::new(Hashing { inner: out, hasher: blake3::Hasher::new() });
+            let mut out = BufWriter::new(Hashing::new(out));
             out.write_all(MAGIC)?;
             text(&mut out, VERSION)?;
             out.write_all(&self.scene)?;
@@ -353,24 +353,6 @@ fn read_text(from: &mut impl Read) -> Option<String> {
     let mut bytes = vec![0; (length <= LONGEST).then_some(length as usize)?];
     from.read_exact(&mut bytes).ok()?;
     String::from_utf8(bytes).ok()
-}
-
-/// A writer that keeps the hash of what it passes on.
-struct Hashing<'w> {
-    inner: &'w mut dyn Write,
-    hasher: blake3::Hasher,
-}
-
-impl Write for Hashing<'_> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let written = self.inner.write(bytes)?;
-        self.hasher.update(&bytes[..written]);
-        Ok(written)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.inner.flush()
-    }
 }
 
 #[cfg(test)]

@@ -153,7 +153,7 @@ impl Worker<'_> {
         let mut args =
             frame.map_or_else(|| self.render.clone(), |frame| frames::one(&self.render, frame, self.framing));
         args.output = super::plan::pictures_in(self.folder, &args);
-        args.resume = Some(self.folder.join("chunk.part"));
+        args.is_of_job = true;
         args
     }
 

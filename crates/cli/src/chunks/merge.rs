@@ -53,7 +53,7 @@ pub fn run(args: &MergeArgs, terminal: Terminal) -> Outcome {
     let framing = render.frames.and_then(|all| frames::framing(&render, all));
     for frame in job.all_frames() {
         let mut one = frame.map_or_else(|| render.clone(), |frame| frames::one(&render, frame, framing));
-        one.resume = Some(folder.join("merge.part"));
+        one.is_of_job = true;
         let parts = job.parts_of(frame);
         let (started, mut session) = Started::new(&one, terminal, &mut SequenceState::default())?;
         let recipe = started.recipe.clone().ok_or_else(|| Failure::failed("the scene has no fingerprint"))?;

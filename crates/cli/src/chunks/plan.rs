@@ -102,7 +102,7 @@ pub fn plan(args: &PlanArgs, command: Command, pictures: &[PathBuf], terminal: T
         frames::check(&one)?;
         one = frames::one(&one, range.first, frames::framing(&one, range));
     }
-    one.resume = Some(folder.join("plan.part"));
+    one.is_of_job = true;
     let (started, session) = Started::new(&one, terminal, &mut SequenceState::default())?;
     let pieces = session.pieces().map_err(|why| {
         let name = started.planned.render.name;
