@@ -419,7 +419,7 @@ pub struct VerifyArgs {
 pub struct CompareArgs {
     /// First picture
     pub a: PathBuf,
-    /// Second picture; the reference, unless --reference is given
+    /// Second picture; the reference, unless --reference is given. A reference of another size is resampled by area
     #[arg(required_unless_present = "reference")]
     pub b: Option<PathBuf>,
     /// Reference picture. Repeatable
@@ -435,6 +435,13 @@ pub struct CompareArgs {
     /// .hdr and .pfm hold absolute differences
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
+    /// Write all metrics of all pairs as a table of comma-separated values
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Write a page with all metrics, and of each pair both pictures under a slider, FLIP errors, relative errors, and
+    /// differences in standard errors where variances are known; one file, which fetches nothing
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
     /// Exit with code 4 if a metric is above a value, or not a number. Repeatable
     #[arg(long, value_name = "METRIC=VALUE")]
     pub fail_above: Vec<Threshold>,

@@ -21,6 +21,7 @@ mod experiment;
 mod failure;
 mod farm;
 mod frames;
+mod html;
 mod info;
 mod job;
 mod lightmap;

@@ -269,12 +269,16 @@ impl FromStr for Layers {
 }
 
 /// Metrics that `--fail-above` knows. `z_rejected` is the share of components that the z-test rejects.
-/// ΔE are means over pixels but for `delta_e_max`, the largest ΔE00.
+/// `ssim_error` is 1 − SSIM. ΔE are means over pixels but for `delta_e_max`, the largest ΔE00.
 pub const METRICS: &[&str] = &[
     "mse",
     "rmse",
     "relmse",
+    "mape",
+    "smape",
     "psnr",
+    "ssim",
+    "ssim_error",
     "flip",
     "delta_e_76",
     "delta_e_94",

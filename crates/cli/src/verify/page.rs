@@ -1,25 +1,17 @@
 //! The report of `steradian verify --html`: one page with the table, the pictures, and maps of where they differ.
 
 use super::{COLUMNS, Row};
-use crate::{args::VerifyArgs, brightness};
-use base64::{display::Base64Display, prelude::BASE64_STANDARD};
+use crate::{
+    args::VerifyArgs,
+    brightness,
+    html::{self, FULL, Scale, command_line, escaped},
+};
 use std::io::{self, Write};
 use steradian::{
     Film, Scene,
-    image::{self, Encoding, FileKind, Image, WriteOptions},
+    image::{Image, WriteOptions},
     verify::{Difference, Outcome, Report},
 };
-
-/// Difference in standard errors that has the full colour.
-const FULL: f64 = 4.0;
-/// Colours of the map in sRGB: darker than the reference, the same, brighter, and unknown.
-const DARKER: [f64; 3] = [33.0, 102.0, 172.0];
-const EVEN: [f64; 3] = [255.0; 3];
-const BRIGHTER: [f64; 3] = [178.0, 24.0, 43.0];
-const UNKNOWN: [f64; 3] = [128.0; 3];
-
-/// Style, light and dark.
-const STYLE: &str = include_str!("page.css");
 
 /// Writes the page. Pictures are encoded one after the other: beside the films there is one of them at a time.
 ///
@@ -39,14 +31,8 @@ pub fn write(
     let stops = brightness::needed(&reference_picture).map_or(0.0, |(_, stops)| stops);
     let mut options = WriteOptions::default();
     options.tone = options.tone.with_exposure(stops).map_err(io::Error::other)?;
-    write!(
-        out,
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
-         <title>Agreement of integrators on {name}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n\
-         <h1>Agreement of integrators on {name}</h1>\n<p>{}</p>\n",
-        summary(report, rows)
-    )?;
+    out.write_all(html::head(&format!("Agreement of integrators on {name}"), "").as_bytes())?;
+    writeln!(out, "<p>{}</p>", summary(report, rows))?;
     write!(
         out,
         "<dl>\n<dt>Command</dt><dd><code>{}</code></dd>\n<dt>Version</dt><dd>Steradian {}</dd>\n\
@@ -81,7 +67,7 @@ pub fn write(
         figure(out, &map(&c.film, z)?, &WriteOptions::default(), &alt, &note)?;
         out.write_all(b"</div>\n</section>\n")?;
     }
-    out.write_all(b"</div>\n</main>\n</body>\n</html>\n")
+    write!(out, "</div>\n{}", html::END)
 }
 
 /// Numbers of integrators by verdict, or why nothing is decided.
@@ -142,29 +128,20 @@ fn table(out: &mut dyn Write, reference: &str, rows: &[Row<'_>]) -> io::Result<(
 
 /// Explains the colours of the maps.
 fn legend(out: &mut dyn Write) -> io::Result<()> {
-    let css = |[r, g, b]: [f64; 3]| format!("rgb({r} {g} {b})");
-    let gradient = [DARKER, EVEN, BRIGHTER].map(css).join(",");
+    let ends = [format!("−{FULL}: darker"), "0".into(), format!("+{FULL}: brighter")];
     writeln!(
         out,
-        "<h2>Colours of the z-maps</h2>\n<div class=\"legend\">\n\
-         <div class=\"scale\" style=\"background:linear-gradient(90deg,{gradient})\"></div>\n\
-         <div class=\"ends\"><span>−{FULL}: darker</span><span>0</span><span>+{FULL}: brighter</span></div>\n</div>\n\
-         <p>Difference of each block of pixels from the reference, in standard errors; of red, green and blue the one \
-         that differs most. Grey blocks have errors that are not known, and are not tested.</p>"
+        "<h2>Colours of the z-maps</h2>\n{}<p>Difference of each block of pixels from the \
+         reference, in standard errors; of red, green and blue the one that differs most. Grey blocks \
+         have errors that are not known, and are not tested.</p>",
+        Scale::Signed.legend(ends.each_ref().map(String::as_str))
     )
 }
 
 /// Writes a picture into the page.
 fn figure(out: &mut dyn Write, picture: &Image, options: &WriteOptions, alt: &str, caption: &str) -> io::Result<()> {
-    let png = image::encode(FileKind::Png, picture, options).map_err(io::Error::other)?;
-    writeln!(
-        out,
-        "<figure><img width=\"{}\" height=\"{}\" alt=\"{alt}\" src=\"data:image/png;base64,{}\">\
-         <figcaption>{caption}</figcaption></figure>",
-        picture.width(),
-        picture.height(),
-        Base64Display::new(&png, &BASE64_STANDARD),
-    )
+    let img = html::img(picture, options, alt).map_err(io::Error::other)?;
+    writeln!(out, "<figure>{img}<figcaption>{caption}</figcaption></figure>")
 }
 
 /// The map of a picture's blocks, pixel by pixel.
@@ -179,25 +156,5 @@ fn map(film: &Film, difference: &Difference) -> io::Result<Image> {
 
 /// Linear colour of a block, by the channel that differs most.
 fn colour(z: &[Option<f64>]) -> [f32; 3] {
-    let srgb = match z.iter().flatten().copied().max_by(|a, b| a.abs().total_cmp(&b.abs())) {
-        None => UNKNOWN,
-        Some(z) => {
-            let (end, t) = (if z < 0.0 { DARKER } else { BRIGHTER }, (z.abs() / FULL).min(1.0));
-            std::array::from_fn(|c| EVEN[c] + t * (end[c] - EVEN[c]))
-        }
-    };
-    srgb.map(|v| Encoding::Srgb.decode((v / 255.0) as f32))
-}
-
-/// The command, quoted as POSIX shells read it.
-fn command_line() -> String {
-    let plain = |word: &str| !word.is_empty() && word.chars().all(|c| c.is_alphanumeric() || "_@%+=:,./-".contains(c));
-    let quoted = |word: &str| if plain(word) { word.into() } else { format!("'{}'", word.replace('\'', r"'\''")) };
-    let words = std::env::args_os().skip(1).map(|word| quoted(&word.to_string_lossy()));
-    std::iter::once("steradian".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
-}
-
-/// Text for elements and for attributes in double quotes.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    html::signed(z.iter().flatten().copied().max_by(|a, b| a.abs().total_cmp(&b.abs())))
 }

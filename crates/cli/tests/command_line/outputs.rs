@@ -166,6 +166,16 @@ const CLASHES: &[(&str, &[&str], &[&str])] = &[
     ("bake", &["light", "sky.pbrt", "-o", "wall.png"], &[]),
     ("unwrap", &["part.ply", "-o", "part.ply"], &[]),
     ("compare", &["wall.png", "wall.png", "-o", "wall.png"], &[]),
+    (
+        "compare",
+        &["wall.png", "sky.exr", "--html", "sky.exr"],
+        &["wall.png", "wall.png", "--html", "n", "--csv", "./n"],
+    ),
+    (
+        "compare",
+        &["wall.png", "wall.png", "--csv", "wall.png"],
+        &["wall.png", "wall.png", "-o", "n.png", "--csv", "./n.png"],
+    ),
     ("convert", &["wall.png", "wall.png"], &[]),
     ("convert", &["sky.pbrt", "sky.pbrt"], &["sky.pbrt", "n.steradian", "--report", "./n.steradian"]),
     ("convert", &["sky.pbrt", "n.xml", "--report", "wall.png"], &[]),

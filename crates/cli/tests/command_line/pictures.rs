@@ -1,6 +1,7 @@
 //! `steradian compare` and `steradian convert`.
 
 use crate::Place;
+use base64::{Engine, prelude::BASE64_STANDARD};
 use steradian::image::{Image, WriteOptions, encoding::srgb_encode, write};
 
 /// A place with a smooth picture, `a.exr`, one that is a tenth brighter, `b.exr`, and one of another size.
@@ -114,9 +115,118 @@ fn thresholds_decide_the_exit_code() {
     assert!(run.code == 4 && run.stderr.contains("rmse") && run.stdout.contains("RMSE"), "{} {}", run.code, run.stderr);
     place.refuse(2, &["compare", "b.exr", "a.exr", "--fail-above", "rsme=1"], &["did you mean 'rmse'?"]);
     assert_eq!(place.run(&["compare", "b.exr", "a.exr", "--fail-above", "z_rejected=1"]).code, 2);
-    place.refuse(2, &["compare", "a.exr", "small.exr"], &["16x16", "8x8"]);
+    let run = place.run(&["compare", "b.exr", "a.exr", "--fail-above", "ssim_error=0", "--fail-above", "mape=1"]);
+    assert!(run.code == 4 && run.stderr.contains("ssim_error") && !run.stderr.contains("mape"), "{}", run.stderr);
     place.refuse(2, &["compare", "a.exr", "none.exr"], &["none.exr"]);
     place.refuse(2, &["compare", "a.exr"], &["<B>"]);
+}
+
+/// A reference of another size is resampled, and says so; one of another shape is refused.
+#[test]
+fn references_of_another_size_are_resampled() {
+    let place = place();
+    let flat = |name: &str, width: usize, height: usize| {
+        let image = Image::from_rgb(width, height, &vec![[0.25, 0.5, 0.75]; width * height]).unwrap();
+        write(&place.path(name), &image, &WriteOptions::default()).unwrap();
+    };
+    flat("large.exr", 24, 24);
+    flat("small.exr", 16, 16);
+    flat("wide.exr", 24, 20);
+    let run = place.succeed(&["compare", "small.exr", "large.exr", "--json"]);
+    let pair = &run.json()["pairs"][0];
+    assert_eq!(pair["resampled_from"], serde_json::json!([24, 24]));
+    assert_eq!((&pair["mse"], &pair["mape"], &pair["ssim"]), (&0.0.into(), &0.0.into(), &1.0.into()));
+    for said in ["'large.exr'", "24x24", "16x16", "by area"] {
+        assert!(run.stderr.contains(said), "{}", run.stderr);
+    }
+    let same = place.succeed(&["compare", "b.exr", "a.exr", "--json"]);
+    assert!(same.json()["pairs"][0]["resampled_from"].is_null() && !same.stderr.contains("resampled"));
+    let page = ["--html", "report.html", "--csv", "table.csv"];
+    place.refuse(2, &[&["compare", "small.exr", "wide.exr"], &page[..]].concat(), &["16x16", "24x20", "aspect ratio"]);
+    assert!(!place.path("report.html").exists() && !place.path("table.csv").exists());
+    place.refuse(2, &["compare", "a.exr", "a.exr", "--variance", "large.exr", "--samples", "4"], &["16x16", "24x24"]);
+}
+
+/// The page has each pair with its pictures and maps inside, and what it shows is right; the table has the figures of
+/// the JSON.
+#[test]
+fn a_report_has_every_pair_with_pictures_maps_and_figures() {
+    let place = place();
+    let noisy = |name: &str, value: f32| {
+        let mut image = Image::from_rgb(16, 16, &[[value; 3]; 256]).unwrap();
+        image.push_layer("variance", ["R", "G", "B"], &[[1e-4; 3]; 256]).unwrap();
+        image.metadata.set("samplesPerPixel", steradian::image::Value::Int(4));
+        write(&place.path(name), &image, &WriteOptions::default()).unwrap();
+    };
+    // 0.1 lower is seven standard errors of a difference.
+    noisy("<i>.exr", 0.002);
+    noisy("dark.exr", 0.102);
+    let pictures = ["compare", "<i>.exr", "b.exr", "-r", "dark.exr", "-r", "a.exr"];
+    let run = place.succeed(&[&pictures[..], &["--html", "report.html", "--csv", "table.csv", "--json"]].concat());
+    let json = run.json();
+    let pairs = json["pairs"].as_array().unwrap();
+    let csv = std::fs::read_to_string(place.path("table.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!((rows.len(), pairs.len()), (5, 4));
+    for (row, pair) in rows[1..].iter().zip(pairs) {
+        assert_eq!(
+            (row.len(), row[0], row[1]),
+            (rows[0].len(), pair["picture"].as_str().unwrap(), pair["reference"].as_str().unwrap())
+        );
+        for name in ["mse", "mape", "smape", "ssim", "flip"] {
+            let column = rows[0].iter().position(|head| *head == name).unwrap();
+            let (written, told) = (row[column].parse::<f64>().unwrap(), pair[name].as_f64().unwrap());
+            // serde_json reads to the last bit but one.
+            assert!((written - told).abs() <= 1e-14 * told.abs(), "{name}: {written} {told}");
+        }
+    }
+    let page = std::fs::read_to_string(place.path("report.html")).unwrap();
+    assert!(!page.contains("<i>") && !page.contains("http") && !page.contains("url("));
+    assert_eq!(page.matches("src=").count(), page.matches("src=\"data:image/png;base64,").count());
+    assert_eq!(page.matches("<tr>").count(), 5);
+    for tag in
+        ["html", "head", "body", "main", "section", "figure", "table", "tr", "td", "th", "div", "script", "p", "dl"]
+    {
+        let opened = page.matches(&format!("<{tag}>")).count() + page.matches(&format!("<{tag} ")).count();
+        assert_eq!(opened, page.matches(&format!("</{tag}>")).count(), "{tag}");
+    }
+    let sections: Vec<&str> = page.split("<section ").skip(1).collect();
+    let heads = [
+        "&lt;i&gt;.exr against dark.exr",
+        "b.exr against dark.exr",
+        "&lt;i&gt;.exr against a.exr",
+        "b.exr against a.exr",
+    ];
+    assert_eq!(sections.len(), heads.len());
+    for (section, head) in sections.iter().zip(heads) {
+        assert!(section.contains(&format!("<h2>{head}</h2>")) && section.contains("<input type=\"range\""), "{head}");
+        assert_eq!(section.matches("<img ").count(), section.matches("\" alt=\"").count());
+    }
+    let inside = |section: &str| -> Vec<Image> {
+        let data = section.split("base64,").skip(1).map(|rest| rest.split('"').next().unwrap());
+        let image = |data: &str| {
+            std::fs::write(place.path("i.png"), BASE64_STANDARD.decode(data).unwrap()).unwrap();
+            place.picture("i.png")
+        };
+        data.map(image).collect()
+    };
+    let [picture, reference, _, _, z] = &inside(sections[0])[..] else { panic!("two pictures and three maps") };
+    let middle = |image: &Image| image.rgb().unwrap().at(136);
+    assert!(middle(picture)[1] < middle(reference)[1] && middle(z)[2] > 2.0 * middle(z)[0], "darker is blue");
+    // The one that has no variances has no such map, and the page says why; nothing is said where none has.
+    assert!(inside(sections[1]).len() == 4 && sections[1].contains("No map of standard errors"));
+    assert!(inside(sections[3]).len() == 4 && !sections[3].contains("No map"));
+}
+
+/// A dark reference is shown at an exposure that makes it seen, and so is its picture.
+#[test]
+fn reports_show_dark_pictures() {
+    let place = Place::new();
+    let image = Image::from_rgb(4, 4, &[[0.0125; 3]; 16]).unwrap();
+    write(&place.path("dark.exr"), &image, &WriteOptions::default()).unwrap();
+    place.succeed(&["compare", "dark.exr", "dark.exr", "--html", "report.html"]);
+    let page = std::fs::read_to_string(place.path("report.html")).unwrap();
+    assert!(page.contains("exposure +6 stops"), "{page}");
 }
 
 #[test]

@@ -17,8 +17,9 @@ const MAGMA: [[u8; 3]; 9] = [
     [252, 253, 191],
 ];
 
-/// The colour of a number in [0, 1], linear Rec.709.
-fn magma(x: f32) -> [f32; 3] {
+/// The colour of a number in [0, 1] in the map "magma", linear Rec.709: from black by purple and orange to light
+/// yellow.
+pub fn magma(x: f32) -> [f32; 3] {
     let place = x.clamp(0.0, 1.0) * (MAGMA.len() - 1) as f32;
     let k = (place as usize).min(MAGMA.len() - 2);
     let t = place - k as f32;
