@@ -60,6 +60,13 @@ pub struct Facts {
     pub files: Arc<[PathBuf]>,
 }
 
+impl Facts {
+    /// The end of that name.
+    pub fn end(name: &str) -> Option<&'static str> {
+        ENDS.into_iter().find(|end| *end == name)
+    }
+}
+
 impl Image {
     /// Gives the planes to NumPy, which keeps their memory.
     pub fn new(py: Python<'_>, picture: image::Image, facts: Facts) -> PyResult<Self> {
@@ -177,7 +184,7 @@ impl Image {
             spp: number("spp")?.unwrap_or_default(),
             seconds: number("seconds")?.unwrap_or_default(),
             error: number("error")?,
-            stopped: ENDS.into_iter().find(|end| Some(*end) == stopped.as_deref()),
+            stopped: stopped.as_deref().and_then(Facts::end),
             files: Arc::default(),
         };
         Self::new(py, picture, facts)

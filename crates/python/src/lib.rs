@@ -14,10 +14,14 @@ mod mesh;
 mod message;
 mod metadata;
 mod parameter;
+mod parts;
+mod progress;
 mod rays;
 mod render;
 mod scene;
+mod settings;
 mod shape;
+mod stepping;
 mod view;
 
 use pyo3::prelude::*;
@@ -41,13 +45,17 @@ mod _steradian {
     #[pymodule_export]
     use super::parameter::Parameter;
     #[pymodule_export]
+    use super::parts::Parts;
+    #[pymodule_export]
+    use super::progress::Progress;
+    #[pymodule_export]
     use super::rays::{occluded, trace};
     #[pymodule_export]
     use super::registry;
     #[pymodule_export]
-    use super::render::Progress;
-    #[pymodule_export]
     use super::scene::Scene;
+    #[pymodule_export]
+    use super::settings::Settings;
     #[pymodule_export]
     use super::shape::{mesh, placement, set_mesh, set_placement};
     #[pymodule_export]

@@ -1,6 +1,10 @@
 //! Rendering under watch: a thread takes the samples, while the calling one looks at signals and tells how far it is.
 
-use crate::image::{Facts, Image};
+use crate::{
+    image::{Facts, Image},
+    progress::Progress,
+    stepping::{begin, passes},
+};
 use pyo3::{
     exceptions::{PyKeyboardInterrupt, PyValueError},
     prelude::*,
@@ -19,17 +23,6 @@ use steradian::{Control, Quality, Scene, Session};
 /// Interval at which the watcher looks.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
-/// Progress of a render.
-#[pyclass(frozen, get_all, module = "steradian")]
-pub struct Progress {
-    /// Fraction of all samples, from 0 to 1.
-    fraction: f64,
-    /// Samples per pixel so far.
-    spp: f64,
-    /// Seconds so far.
-    seconds: f64,
-}
-
 /// Scene to render, and settings.
 pub struct Request<'a> {
     pub scene: &'a Arc<Scene>,
@@ -42,18 +35,13 @@ pub struct Request<'a> {
     pub progress: Option<&'a Py<PyAny>>,
 }
 
-fn fault(e: steradian::Error) -> PyErr {
-    PyValueError::new_err(e.to_string())
-}
-
 /// Renders until all samples are taken, or something ends it.
 pub fn run(py: Python<'_>, request: &Request<'_>) -> PyResult<Image> {
     let Request { scene, quality, .. } = request;
-    let render = quality.render(scene).map_err(fault)?;
+    let (render, mut session) = begin(quality, scene)?;
     let crop = scene.film().crop;
     let pixels = f64::from(crop.width()) * f64::from(crop.height());
     let planned = pixels * f64::from(render.plan.sampler.spp);
-    let mut session = render.session(scene).map_err(fault)?;
     let ended = py.detach(|| {
         let control = Control::default();
         let end = watch(&mut *session, &control, request, pixels, planned);
@@ -117,7 +105,7 @@ fn watch(
             }
             let seconds = start.elapsed().as_secs_f64();
             let samples = control.samples.load(Ordering::Relaxed) as f64;
-            let progress = Progress { fraction: samples / planned, spp: samples / pixels, seconds };
+            let progress = Progress { fraction: samples / planned, spp: samples / pixels, seconds, parts: None };
             end = look(request, progress);
             if end.is_some() {
                 control.cancel.store(true, Ordering::Relaxed);
@@ -141,15 +129,6 @@ fn look(request: &Request<'_>, progress: Progress) -> Option<End> {
             Err(e) => Some(End::Raised(e)),
         }
     })
-}
-
-/// Passes of growing size, small enough that a stop is answered soon.
-fn passes(session: &mut dyn Session, control: &Control) {
-    let mut samples = 1;
-    while !session.is_done() && !control.cancel.load(Ordering::Relaxed) {
-        session.step(samples, control);
-        samples = (2 * samples).min(1024);
-    }
 }
 
 /// Tells the watcher, when it goes away, that there is nothing more to watch.

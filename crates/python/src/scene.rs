@@ -9,14 +9,16 @@ use crate::{
     mesh,
     message::{Message, error},
     parameter::{self, Parameter},
+    parts::Parts,
     render::{self, Request},
+    settings::{self, Settings},
     view::View,
 };
 use pyo3::{
     exceptions::{PyIOError, PyKeyError, PyValueError},
     prelude::*,
     sync::MutexExt,
-    types::PyDict,
+    types::{PyBytes, PyDict},
 };
 use std::{
     collections::{BTreeMap, HashMap},
@@ -24,9 +26,9 @@ use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 use steradian::{
-    ColorMode, CompileOptions, Kept, Layer, Quality,
+    ColorMode, CompileOptions, Kept,
     formats::{Options, native, write},
-    scene::{Diagnostics, Family, Node, NodeId, SceneDesc},
+    scene::{Diagnostics, Family, Node, NodeId, SceneDesc, Value},
 };
 use steradian_server::SettingsChange;
 
@@ -161,15 +163,6 @@ impl State {
         let ready = Ready { key, scene: Arc::new(scene), files };
         self.ready.insert(0, ready.clone());
         Ok(ready)
-    }
-}
-
-fn color(name: &str) -> PyResult<Option<ColorMode>> {
-    match name {
-        "auto" => Ok(None),
-        "rgb" => Ok(Some(ColorMode::Rgb)),
-        "spectral" => Ok(Some(ColorMode::Spectral)),
-        other => Err(PyValueError::new_err(format!("there is no color mode '{other}'; known are auto, rgb, spectral"))),
     }
 }
 
@@ -320,73 +313,61 @@ impl Scene {
     /// A material by its name, to be evaluated.
     #[pyo3(signature = (name, *, color = "auto"))]
     fn material(&self, py: Python<'_>, name: &str, color: &str) -> PyResult<Material> {
-        let mode = self::color(color)?;
+        let mode = settings::color(color)?;
         let scene = self.queried(py, mode)?.scene;
         Material::named(scene, name)
     }
 
     /// Renders the scene. Ctrl-C ends it, and the picture of the samples that there are is returned.
-    #[pyo3(signature = (*, spp = None, size = None, crop = None, camera = None, integrator = None, sampler = None, max_depth = None,
-        seed = None, threads = 0, color = "auto", adaptive = false, error = None, time = None, layers = Vec::new(), transparent = false, progress = None))]
-    #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
-    fn render(
-        &self,
-        py: Python<'_>,
-        spp: Option<u32>,
-        size: Option<(u32, u32)>,
-        crop: Option<[u32; 4]>,
-        camera: Option<String>,
-        integrator: Option<String>,
-        sampler: Option<String>,
-        max_depth: Option<u32>,
-        seed: Option<u64>,
-        threads: usize,
-        color: &str,
-        adaptive: bool,
-        error: Option<f64>,
-        time: Option<f64>,
-        layers: Vec<String>,
-        transparent: bool,
-        progress: Option<Py<PyAny>>,
-    ) -> PyResult<Image> {
-        let known = || Layer::ALL.iter().map(|l| l.name());
-        let layer = |name: &String| {
-            Layer::named(name).ok_or_else(|| {
-                let known = known().collect::<Vec<_>>().join(", ");
-                PyValueError::new_err(format!("there is no layer '{name}'; known are {known}"))
-            })
-        };
-        let layers = layers.iter().map(layer).collect::<PyResult<Vec<_>>>()?;
-        if layers.contains(&Layer::MOTION) {
-            let what =
-                "the layer 'motion' tells what has moved since the frame before: steradian render --frames writes it";
-            return Err(PyValueError::new_err(what));
+    #[pyo3(signature = (settings, progress = None))]
+    fn render(&self, py: Python<'_>, settings: &Settings, progress: Option<Py<PyAny>>) -> PyResult<Image> {
+        let Ready { scene, files, .. } = self.ready(py, &settings.options)?;
+        let Settings { quality, time, .. } = settings;
+        let (time, progress) = (*time, progress.as_ref());
+        render::run(py, &Request { scene: &scene, files: &files, quality, time, progress })
+    }
+
+    /// A render in parts, of a scene with that fingerprint.
+    fn parts(&self, py: Python<'_>, settings: &Settings, fingerprint: [u8; 32]) -> PyResult<Parts> {
+        let Ready { scene, files, .. } = self.ready(py, &settings.options)?;
+        Parts::new(py, &scene, &files, settings, fingerprint)
+    }
+
+    /// Hash of the description, and of the contents of the files that it names.
+    fn fingerprint<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let desc = self.state(py).desc.clone();
+        let hash = py.detach(|| steradian::resume::fingerprint(&desc));
+        Ok(PyBytes::new(py, &hash.map_err(|e| PyIOError::new_err(e.to_string()))?))
+    }
+
+    /// The description in bytes, as it is but for texts of files that were read, and the files that nodes name, by
+    /// names that hold in any folder.
+    fn packed<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyBytes>, Vec<PathBuf>)> {
+        let mut desc = SceneDesc::clone(&self.state(py).desc);
+        let SceneDesc { nodes, embedded, .. } = &mut desc;
+        let mut files = Vec::new();
+        for param in nodes.iter_mut().flat_map(|node| &mut node.params) {
+            if let Value::Path(path) = &mut param.value
+                && !path.as_os_str().is_empty()
+                && !embedded.contains_key(path)
+            {
+                *path = std::path::absolute(&*path)?;
+                files.push(path.clone());
+            }
         }
-        if size.is_some_and(|(w, h)| w == 0 || h == 0) {
-            return Err(PyValueError::new_err("size is two whole numbers above 0"));
-        }
-        if [error, time].into_iter().flatten().any(|v| !(v > 0.0 && v < 1e9)) {
-            return Err(PyValueError::new_err("error and time are numbers above 0"));
-        }
-        let endless = spp.is_none() && (error.is_some() || time.is_some());
-        let quality = Quality {
-            integrator,
-            spp: if endless { Some(1 << 20) } else { spp },
-            adaptive,
-            error,
-            seed,
-            threads,
-            max_depth,
-            sampler,
-            layers,
-            transparent,
-            independent: false,
-        };
-        quality.request().map_err(|e| PyValueError::new_err(e.to_string()))?;
-        let options =
-            CompileOptions { mode: self::color(color)?, size, crop, camera, spp, ..CompileOptions::default() };
-        let Ready { scene, files, .. } = self.ready(py, &options)?;
-        render::run(py, &Request { scene: &scene, files: &files, quality: &quality, time, progress: progress.as_ref() })
+        let bytes = py
+            .detach(|| postcard::to_extend(&desc, Vec::new()))
+            .map_err(|e| PyValueError::new_err(format!("the scene cannot be packed: {e}")))?;
+        Ok((PyBytes::new(py, &bytes), files))
+    }
+
+    /// The scene that was [packed](Self::packed) by the same version.
+    #[staticmethod]
+    fn unpacked(py: Python<'_>, bytes: &[u8]) -> PyResult<Self> {
+        let desc = py
+            .detach(|| postcard::from_bytes::<SceneDesc>(bytes))
+            .map_err(|e| PyValueError::new_err(format!("the bytes are no scene that this version packed: {e}")))?;
+        Ok(Self::of(Arc::new(desc), Diagnostics::default(), Options::default()))
     }
 
     /// Shows the scene, as it is now, in a page of a server on this machine.

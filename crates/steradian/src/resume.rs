@@ -9,7 +9,7 @@ use std::{
     borrow::Cow,
     collections::BTreeMap,
     fs::File,
-    io::{self, BufReader, BufWriter, ErrorKind, Read, Seek, Write},
+    io::{self, BufReader, BufWriter, Cursor, ErrorKind, Read, Seek, Write},
     ops::Range,
     path::{Path, PathBuf},
 };
@@ -154,10 +154,10 @@ pub fn samples(path: &Path) -> Result<u32, StateError> {
         .ok_or(StateError::Damaged)
 }
 
-/// A state in a file whose contents match their checksum.
-struct Saved {
+/// A state whose contents match their checksum, in a file or in memory.
+struct Saved<R> {
     /// Reader at the beginning of the session.
-    file: BufReader<File>,
+    from: R,
     scene: [u8; blake3::OUT_LEN],
     settings: BTreeMap<String, String>,
     /// True if the session was done.
@@ -166,37 +166,43 @@ struct Saved {
     end: u64,
 }
 
-impl Saved {
+impl Saved<BufReader<File>> {
     fn open(path: &Path) -> Result<Self, StateError> {
         let (file, length) = open_regular(path)?;
-        let mut file = BufReader::new(file);
+        Self::read(BufReader::new(file), length)
+    }
+}
+
+impl<R: Read + Seek> Saved<R> {
+    /// A state of so many bytes.
+    fn read(mut from: R, length: u64) -> Result<Self, StateError> {
         let mut magic = [0; MAGIC.len()];
-        if length < MAGIC.len() as u64 + HASH || file.read_exact(&mut magic).is_err() || magic != *MAGIC {
+        if length < MAGIC.len() as u64 + HASH || from.read_exact(&mut magic).is_err() || magic != *MAGIC {
             return Err(StateError::NotAState);
         }
-        let version = read_text(&mut file).ok_or(StateError::Damaged)?;
+        let version = read_text(&mut from).ok_or(StateError::Damaged)?;
         if version != VERSION {
             return Err(StateError::OtherVersion(version.chars().filter(|c| !c.is_control()).take(READABLE).collect()));
         }
-        let start = file.stream_position()?;
+        let start = from.stream_position()?;
         let end = length - HASH;
         // The whole of it, before anything is believed.
-        file.rewind()?;
+        from.rewind()?;
         let mut hasher = blake3::Hasher::new();
-        hasher.update_reader(file.by_ref().take(end))?;
+        hasher.update_reader(from.by_ref().take(end))?;
         let mut hash = [0; blake3::OUT_LEN];
-        file.read_exact(&mut hash)?;
+        from.read_exact(&mut hash)?;
         if hasher.finalize() != hash {
             return Err(StateError::Damaged);
         }
-        file.seek(io::SeekFrom::Start(start))?;
+        from.seek(io::SeekFrom::Start(start))?;
         let mut scene = [0; blake3::OUT_LEN];
-        file.read_exact(&mut scene)?;
-        let settings = read_text(&mut file).ok_or(StateError::Damaged)?;
+        from.read_exact(&mut scene)?;
+        let settings = read_text(&mut from).ok_or(StateError::Damaged)?;
         let settings = serde_json::from_str(&settings).map_err(|_| StateError::Damaged)?;
         let mut flag = [0];
-        file.read_exact(&mut flag)?;
-        Ok(Self { file, scene, settings, is_finished: flag != [0], end })
+        from.read_exact(&mut flag)?;
+        Ok(Self { from, scene, settings, is_finished: flag != [0], end })
     }
 
     /// The pieces that were computed and the number of all; `None` where these are all.
@@ -222,7 +228,7 @@ impl Saved {
 
     /// Nothing may follow on what the session has read.
     fn at_end(&mut self) -> Result<(), StateError> {
-        if self.file.stream_position()? == self.end { Ok(()) } else { Err(StateError::Damaged) }
+        if self.from.stream_position()? == self.end { Ok(()) } else { Err(StateError::Damaged) }
     }
 }
 
@@ -277,17 +283,23 @@ impl Recipe {
     /// # Errors
     /// The path and the system's answer.
     pub fn save(&self, session: &mut dyn Session, path: &Path) -> Result<(), steradian_image::Error> {
-        steradian_image::stream_whole(path, |out| {
-            let mut out = BufWriter::new(Hashing::new(out));
-            out.write_all(MAGIC)?;
-            text(&mut out, VERSION)?;
-            out.write_all(&self.scene)?;
-            text(&mut out, &serde_json::to_string(&self.settings)?)?;
-            out.write_all(&[session.is_done().into()])?;
-            session.save(&mut out)?;
-            let Hashing { inner, hasher } = out.into_inner().map_err(|failed| failed.into_error())?;
-            inner.write_all(hasher.finalize().as_bytes())
-        })
+        steradian_image::stream_whole(path, |out| self.write(session, out))
+    }
+
+    /// Writes what a [saved](Self::save) file has.
+    ///
+    /// # Errors
+    /// Those of the writer, and of sessions of which pieces are missing.
+    pub fn write(&self, session: &mut dyn Session, out: &mut dyn Write) -> io::Result<()> {
+        let mut out = BufWriter::new(Hashing::new(out));
+        out.write_all(MAGIC)?;
+        text(&mut out, VERSION)?;
+        out.write_all(&self.scene)?;
+        text(&mut out, &serde_json::to_string(&self.settings)?)?;
+        out.write_all(&[session.is_done().into()])?;
+        session.save(&mut out)?;
+        let Hashing { inner, hasher } = out.into_inner().map_err(|failed| failed.into_error())?;
+        inner.write_all(hasher.finalize().as_bytes())
     }
 
     /// Lets a new session go on from a file.
@@ -297,7 +309,7 @@ impl Recipe {
     pub fn restore(&self, session: &mut dyn Session, path: &Path) -> Result<(), StateError> {
         let mut saved = Saved::open(path)?;
         saved.check(self)?;
-        session.restore(&mut saved.file).map_err(|_| StateError::Damaged)?;
+        session.restore(&mut saved.from).map_err(|_| StateError::Damaged)?;
         saved.at_end()
     }
 
@@ -307,7 +319,22 @@ impl Recipe {
     /// # Errors
     /// Why it cannot; the session is of no use after [`StateError::Damaged`].
     pub fn join(&self, session: &mut dyn Session, path: &Path) -> Result<Range<u32>, StateError> {
-        let mut saved = Saved::open(path)?;
+        self.join_saved(session, Saved::open(path)?)
+    }
+
+    /// Joins a part that was [written](Self::write) into memory, as [`Self::join`].
+    ///
+    /// # Errors
+    /// As of [`Self::join`].
+    pub fn join_bytes(&self, session: &mut dyn Session, part: &[u8]) -> Result<Range<u32>, StateError> {
+        self.join_saved(session, Saved::read(Cursor::new(part), part.len() as u64)?)
+    }
+
+    fn join_saved<R: Read + Seek>(
+        &self,
+        session: &mut dyn Session,
+        mut saved: Saved<R>,
+    ) -> Result<Range<u32>, StateError> {
         let here = session.pieces().map_err(|why| StateError::OtherSettings(format!("not in pieces: {why}")))?;
         let (pieces, of) = saved.pieces()?.unwrap_or((0..here, here));
         saved.check(&self.clone().of_pieces(&pieces, of))?;
@@ -317,7 +344,7 @@ impl Recipe {
         if !saved.is_finished {
             return Err(StateError::Unfinished);
         }
-        session.join(&mut saved.file, pieces.clone()).map_err(|e| match e.kind() {
+        session.join(&mut saved.from, pieces.clone()).map_err(|e| match e.kind() {
             ErrorKind::AlreadyExists => StateError::Joined(pieces.clone()),
             _ => StateError::Damaged,
         })?;

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 import warnings
 import webbrowser
 from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
@@ -14,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _rays, _steradian
 from ._describe import PARTS, mesh_arrays, text
+from ._progress import is_notebook, shown
 from ._rays import Hits, Material
 from ._steradian import Image, Message, Parameter, Progress, SceneError, View
 
@@ -287,24 +287,32 @@ class Scene(Mapping[str, Node]):
         layers: Sequence[str] = (),
         transparent: bool = False,
         progress: bool | Callable[[Progress], Any] = False,
+        client: Any = None,
+        chunks: int | None = None,
     ) -> Image:
         """Renders the scene; all is as the options of `steradian render` of the same names say.
 
         `progress` is True for a line in the terminal or notebook, or called with a Progress about twenty times a second; if it returns
         False, the render ends. Ctrl-C ends it too. In both cases the picture of the samples that there are is returned, and its
         `stopped` says why.
+
+        With a `client`, a distributed.Client, the workers of its Dask cluster render, in `chunks` parts; the picture has the same bits.
+        `progress` is then called when a part has come, and `image` of the Progress is the picture so far.
         """
-        bar = _Bar() if progress is True and _is_watched() else None
-        try:
-            image = self._inner.render(
-                spp=spp, size=size, crop=crop, camera=None if camera is None else str(camera), integrator=integrator,
-                sampler=sampler, max_depth=max_depth, seed=seed, threads=threads, color=color, adaptive=adaptive, error=error,
-                time=time, layers=list(layers), transparent=transparent,
-                progress=bar or (progress if callable(progress) else None),
-            )
-        finally:
-            if bar:
-                bar.close()
+        settings = dict(
+            spp=spp, size=size, crop=crop, camera=None if camera is None else str(camera), integrator=integrator, sampler=sampler,
+            max_depth=max_depth, seed=seed, threads=threads, color=color, adaptive=adaptive, error=error, time=time,
+            layers=list(layers), transparent=transparent,
+        )
+        if chunks is not None and client is None:
+            raise ValueError("chunks are parts that workers compute: give a client, too")
+        with shown(progress) as show:
+            if client is None:
+                image = self._inner.render(_steradian.Settings(**settings), show)
+            else:
+                from . import _dask
+
+                image = _dask.render(self, settings, client, chunks, show)
         self._warn(self._inner.messages, 3)
         return image
 
@@ -325,7 +333,7 @@ class Scene(Mapping[str, Node]):
         the scene, and save pictures into its folder.
         """
         view = self._inner.view(integrator=integrator, spp=spp, size=size, bind=bind, port=port)
-        if open or (open is None and not _is_notebook()):
+        if open or (open is None and not is_notebook()):
             webbrowser.open(view.url)
         return view
 
@@ -360,32 +368,6 @@ class Scene(Mapping[str, Node]):
 
     def __repr__(self) -> str:
         return repr(self._inner)
-
-
-def _is_watched() -> bool:
-    """True if somebody sees lines that are written over: in a terminal or a notebook."""
-    return sys.stderr.isatty() or _is_notebook()
-
-
-def _is_notebook() -> bool:
-    return "ipykernel" in sys.modules
-
-
-class _Bar:
-    """Progress line of a render."""
-
-    def __init__(self) -> None:
-        self._told = False
-
-    def __call__(self, p: Progress) -> None:
-        done = int(30 * min(p.fraction, 1.0))
-        print(f"\r[{'#' * done}{' ' * (30 - done)}] {100 * p.fraction:5.1f} %  {p.spp:.1f} spp  {p.seconds:.1f} s", end="",
-              file=sys.stderr, flush=True)
-        self._told = True
-
-    def close(self) -> None:
-        if self._told:
-            print(file=sys.stderr)
 
 
 def _restored(document: str, files: dict[str, bytes], path: str, search: list[str]) -> Scene:

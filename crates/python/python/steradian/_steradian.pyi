@@ -104,6 +104,52 @@ class Progress:
     """Samples per pixel so far."""
     seconds: float
     """Seconds so far."""
+    image: Image | None
+    """Picture so far of a render on other machines; None before its first part, and for renders here."""
+    @staticmethod
+    def of(parts: Parts) -> Progress:
+        """Progress of a render in parts."""
+
+@final
+class Settings:
+    """Settings of a render: the keyword arguments of `Scene.render`."""
+
+    def __new__(
+        cls,
+        *,
+        spp: int | None = None,
+        size: tuple[int, int] | None = None,
+        crop: Sequence[int] | None = None,
+        camera: str | None = None,
+        integrator: str | None = None,
+        sampler: str | None = None,
+        max_depth: int | None = None,
+        seed: int | None = None,
+        threads: int = 0,
+        color: str = "auto",
+        adaptive: bool = False,
+        error: float | None = None,
+        time: float | None = None,
+        layers: Sequence[str] = ...,
+        transparent: bool = False,
+    ) -> Settings: ...
+
+@final
+class Parts:
+    """A render in parts, each of which is a range of the pieces that the work falls into."""
+
+    pieces: int
+    """Number of pieces."""
+    is_done: bool
+    """True if all parts are joined."""
+    def compute(self, first: int, end: int) -> bytes | None:
+        """Computes pieces up to `end`, which is not among them; None if they were stopped."""
+    def stop(self) -> None:
+        """Ends the computing of pieces, now and later."""
+    def join(self, part: bytes) -> None:
+        """Joins a part that another process computed."""
+    def image(self, stopped: str | None = None) -> Image | None:
+        """The picture of the parts that are joined; None before the first. `stopped` is why others are missing."""
 
 @final
 class View:
@@ -266,24 +312,14 @@ class Scene:
         """Path of the scene's file, and the folders that are searched for others."""
     def material(self, name: str, *, color: str = "auto") -> Material:
         """A material by its name, to be evaluated."""
-    def render(
-        self,
-        *,
-        spp: int | None = None,
-        size: tuple[int, int] | None = None,
-        crop: Sequence[int] | None = None,
-        camera: str | None = None,
-        integrator: str | None = None,
-        sampler: str | None = None,
-        max_depth: int | None = None,
-        seed: int | None = None,
-        threads: int = 0,
-        color: str = "auto",
-        adaptive: bool = False,
-        error: float | None = None,
-        time: float | None = None,
-        layers: Sequence[str] = ...,
-        transparent: bool = False,
-        progress: Callable[[Progress], Any] | None = None,
-    ) -> Image:
+    def render(self, settings: Settings, progress: Callable[[Progress], Any] | None = None) -> Image:
         """Renders the scene."""
+    def parts(self, settings: Settings, fingerprint: bytes) -> Parts:
+        """A render in parts, of a scene with that fingerprint."""
+    def fingerprint(self) -> bytes:
+        """Hash of the description, and of the contents of the files that it names."""
+    def packed(self) -> tuple[bytes, list[os.PathLike[str]]]:
+        """The description in bytes for `unpacked` of the same version, and the files that it names."""
+    @staticmethod
+    def unpacked(bytes: bytes) -> Scene:
+        """The scene that was packed."""

@@ -170,6 +170,28 @@ fn a_part_holds_its_pieces_alone() {
     assert!(session.error().is_some_and(f64::is_finite));
 }
 
+/// Parts that never were in a file are those of files.
+#[test]
+fn parts_in_memory_are_those_of_files() {
+    let all = Parts::new(40, &quality("path", 2, &["albedo"]));
+    let of = all.session().pieces().unwrap();
+    let mut joined = all.session();
+    for pieces in [0..4, 4..of] {
+        let path = all.compute(&pieces, None);
+        let mut session = all.session();
+        session.restrict(pieces.clone()).unwrap();
+        finish(&mut *session);
+        let mut part = Vec::new();
+        all.recipe.clone().of_pieces(&pieces, of).write(&mut *session, &mut part).unwrap();
+        assert_eq!(part.len() as u64, std::fs::metadata(path).unwrap().len());
+        let last = part.len() - 1;
+        assert!(matches!(all.recipe.join_bytes(&mut *joined, &part[..last]), Err(StateError::Damaged)));
+        assert!(matches!(all.recipe.join_bytes(&mut *joined, &part[..20]), Err(StateError::NotAState)));
+        assert_eq!(all.recipe.join_bytes(&mut *joined, &part).unwrap(), pieces);
+    }
+    assert!(joined.is_done() && bits(&*joined) == bits(&*all.run()));
+}
+
 /// A session that computed some pieces computes others as a new one does, trials aside, which it keeps.
 #[test]
 fn one_session_computes_pieces_after_others() {
