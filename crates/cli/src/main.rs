@@ -14,6 +14,7 @@ mod command;
 mod compare;
 mod convert;
 mod convert_scene;
+mod csv;
 mod denoise;
 mod diagnostics;
 mod estimate;

@@ -5,6 +5,7 @@ mod accel;
 mod placement;
 mod ray_file;
 mod rays;
+mod render;
 
 use crate::{failure::Outcome, terminal::Terminal};
 use clap::{Args, Subcommand};
@@ -25,6 +26,8 @@ pub enum Measurement {
     Accel(Box<accel::AccelArgs>),
     /// Trace the rays of a file against a mesh: rays per second, build time and memory
     Rays(rays::RaysArgs),
+    /// Render scenes by several integrators: error against time, efficiency
+    Render(Box<render::RenderBenchArgs>),
 }
 
 /// Measures.
@@ -32,6 +35,7 @@ pub fn run(args: &BenchArgs, terminal: Terminal) -> Outcome {
     match &args.what {
         Measurement::Accel(args) => accel::run(args, terminal),
         Measurement::Rays(args) => rays::run(args),
+        Measurement::Render(args) => render::run(args, terminal),
     }
 }
 

@@ -9,6 +9,7 @@ mod reference;
 use self::{noise::Noise, pair::Pair, reference::Reference};
 use crate::{
     args::CompareArgs,
+    csv,
     failure::{self, Failure, Outcome},
     output,
     terminal::{self, Terminal},
@@ -78,7 +79,7 @@ pub fn run(args: &CompareArgs, terminal: Terminal) -> Outcome {
     let write = |path: &Path, text: String| {
         image::write_whole(path, text.as_bytes()).map_err(|e| Failure::failed(e.to_string()))
     };
-    args.csv.as_ref().map_or(Ok(()), |path| write(path, csv(&pairs)))?;
+    args.csv.as_ref().map_or(Ok(()), |path| write(path, table(&pairs)))?;
     args.html.as_ref().map_or(Ok(()), |path| write(path, page::page(&pairs, &sections)))?;
     if args.json {
         terminal::json(&Answer { schema: 1, pairs: &pairs })?;
@@ -106,15 +107,10 @@ fn fitted<'a>(
     Ok(fitted)
 }
 
-/// A table of all pairs, RFC 4180.
-fn csv(pairs: &[Pair]) -> String {
-    let field = |text: &str| match text.contains([',', '"', '\n', '\r']) {
-        true => format!("\"{}\"", text.replace('"', "\"\"")),
-        false => text.to_owned(),
-    };
-    let line = |cells: Vec<String>| cells.iter().map(|cell| field(cell)).collect::<Vec<_>>().join(",") + "\n";
-    let rows = pairs.iter().map(|pair| pair.cells(|number| number.to_string()));
-    std::iter::once(pair::columns().map(str::to_owned).collect()).chain(rows).map(line).collect()
+/// A table of all pairs.
+fn table(pairs: &[Pair]) -> String {
+    let heads = pair::columns().map(str::to_owned).collect();
+    csv::table(std::iter::once(heads).chain(pairs.iter().map(|pair| pair.cells(|number| number.to_string()))))
 }
 
 /// Writes the differences: as numbers where the format holds them, else as colours.
@@ -211,7 +207,7 @@ mod tests {
     #[test]
     fn names_are_quoted_in_tables() {
         let pair = compared(("a,\"b\".exr", &picture(0.6, None)), ("b.exr", &picture(0.5, None))).unwrap();
-        let csv = csv(&[pair]);
+        let csv = table(&[pair]);
         let lines: Vec<&str> = csv.lines().collect();
         assert!(lines[0].starts_with("picture,reference,width,height,resampled_from,mse,"), "{csv}");
         assert!(lines[1].starts_with("\"a,\"\"b\"\".exr\",b.exr,8,8,,0.0") && lines[1].ends_with(','), "{csv}");

@@ -6,26 +6,20 @@ use super::{
     noise::Noise,
     pair::{self, Pair},
 };
-use crate::{
-    brightness,
-    html::{self, FULL, Scale, command_line, escaped},
-};
+use crate::html::{self, FULL, Scale, command_line, escaped, slider};
 use steradian::image::{self, Image, WriteOptions, metrics};
-
-/// Style and script beside those of all pages.
-const STYLE: &str = include_str!("page.css");
-const SCRIPT: &str = include_str!("page.js");
 
 /// The whole page, with the sections of its pairs.
 pub fn page(pairs: &[Pair], sections: &[String]) -> String {
     format!(
         "{}<dl>\n<dt>Command</dt><dd><code>{}</code></dd>\n<dt>Version</dt><dd>Steradian {}</dd>\n</dl>\n{}{}\
-         <script>\n{SCRIPT}</script>\n{}",
-        html::head("Comparison of pictures", STYLE),
+         <script>\n{}</script>\n{}",
+        html::head("Comparison of pictures", slider::STYLE),
         escaped(&command_line()),
         env!("CARGO_PKG_VERSION"),
         table(pairs),
         sections.concat(),
+        slider::SCRIPT,
         html::END
     )
 }
@@ -86,33 +80,10 @@ pub fn section(pair: &Pair, picture: &Image, reference: &Image, noise: Option<&N
          mean {}</figcaption></figure>\n\
          {z_map}</div>\n</section>\n",
         resampled.unwrap_or_default(),
-        slider([&name, &other], [picture, reference])?,
+        slider::slider([&name, &other], [picture, reference])?,
         Scale::Magma.legend(["0", "0.5", "1"]),
         pair.flip,
         Scale::Magma.legend(["0", &percent(0.5 * full), &format!("{} and above", percent(full))]),
         percent(pair.mape),
-    ))
-}
-
-/// Both pictures over each other at one exposure, which the reference asks for, and what moves their border.
-fn slider(names: [&str; 2], pictures: [&Image; 2]) -> image::Result<String> {
-    let stops = brightness::needed(pictures[1]).map_or(0.0, |(_, stops)| stops);
-    let mut options = WriteOptions::default();
-    options.tone = options.tone.with_exposure(stops)?;
-    let img = |k: usize, what: &str| {
-        let colours = Image::from_rgb(pictures[k].width(), pictures[k].height(), &pictures[k].to_rgb()?)?;
-        html::img(&colours, &options, &format!("{what} {}", names[k]))
-    };
-    Ok(format!(
-        "<figure class=\"slider\"><div class=\"ab\">{}{}</div>\
-         <input type=\"range\" min=\"0\" max=\"100\" step=\"0.5\" value=\"50\" \
-         aria-label=\"Border between {} (left) and its reference {} (right)\">\
-         <figcaption><b>Left</b>: {}; <b>right</b>: {}; exposure {stops:+} stops</figcaption></figure>\n",
-        img(0, "Picture")?,
-        img(1, "Reference")?,
-        names[0],
-        names[1],
-        names[0],
-        names[1],
     ))
 }

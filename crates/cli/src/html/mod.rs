@@ -1,6 +1,7 @@
 //! Parts of pages that stand alone: one file with its pictures inside, which fetches nothing.
 
 mod scales;
+pub mod slider;
 
 pub use scales::{FULL, Scale, signed};
 

@@ -57,3 +57,84 @@ fn files_of_rays_that_are_not_sound_are_located() {
     place.refuse(2, &["bench", "rays", "short.bin", "short.bin"], &["short.bin"]);
     place.refuse(2, &["bench", "rays", "square.ply", "short.bin", "--threads", "0"], &["--threads"]);
 }
+
+/// A scene by an integrator that is right and one that is not: snapshots at growing times, a table that has what the
+/// JSON has, and a page.
+#[test]
+fn renders_are_measured_with_snapshots_table_and_page() {
+    let place = Place::new();
+    let line = ["bench", "render", "builtin:cornell-box", "--size", "16x16", "--time", "300ms", "--threads", "1"];
+    let more = ["--integrators", "path,ao:distance=2", "--repeat", "2", "--reference-spp", "64", "--seed", "7"];
+    let files = ["--html", "report.html", "--csv", "table.csv", "--json"];
+    let run = place.succeed(&[&line[..], &more, &files].concat());
+    let json = run.json();
+    let scene = &json["scenes"][0];
+    assert!(scene["reference"].as_str().unwrap().contains("64 spp, seed 1000010"), "{scene}");
+    assert!(run.stderr.contains("seed 1000010"), "{}", run.stderr);
+    let csv = std::fs::read_to_string(place.path("table.csv")).unwrap();
+    let mut rows = csv.lines().skip(1);
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    for (curve, name) in scene["integrators"].as_array().unwrap().iter().zip(["path", "ao:distance=2"]) {
+        assert_eq!((curve["integrator"].as_str(), curve["runs"].as_array().unwrap().len()), (Some(name), 2));
+        for (run, seed) in curve["runs"].as_array().unwrap().iter().zip([7, 8]) {
+            assert_eq!(run["seed"], seed);
+            let mut before = 0.0;
+            assert!(!run["snapshots"].as_array().unwrap().is_empty());
+            for snapshot in run["snapshots"].as_array().unwrap() {
+                let cpu = number(&snapshot["cpu_seconds"]);
+                assert!(cpu > before && number(&snapshot["spp"]) >= 1.0, "{snapshot}");
+                before = cpu;
+                for k in 0..4 {
+                    let product = number(&snapshot["relmse"][k]) * cpu * number(&snapshot["efficiency"][k]);
+                    assert!((product - 1.0).abs() < 1e-9, "{snapshot}");
+                }
+                let row: Vec<&str> = rows.next().unwrap().split(',').collect();
+                assert_eq!((row.len(), row[0], row[1]), (15, "builtin:cornell-box", name));
+                let written: f64 = row[7].parse().unwrap();
+                assert!((written / number(&snapshot["relmse"][0]) - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+    assert!(rows.next().is_none());
+    let last = |k: usize| {
+        let snapshots = scene["integrators"][k]["runs"][0]["snapshots"].as_array().unwrap();
+        number(&snapshots.last().unwrap()["relmse"][3])
+    };
+    assert!(last(0) < 0.1 * last(1), "occlusion is no light: {} {}", last(0), last(1));
+    let page = std::fs::read_to_string(place.path("report.html")).unwrap();
+    assert!(!page.contains("http") && page.matches("data:image/svg+xml").count() == 2);
+    assert_eq!(page.matches("<input type=\"range\"").count(), 2);
+    for tag in ["section", "figure", "table", "tr", "td", "th", "div", "script", "p"] {
+        let opened = page.matches(&format!("<{tag}>")).count() + page.matches(&format!("<{tag} ")).count();
+        assert_eq!(opened, page.matches(&format!("</{tag}>")).count(), "{tag}");
+    }
+}
+
+/// A reference from a file is compared with, and all that cannot be is refused before anything is rendered.
+#[test]
+fn references_of_bench_render_come_from_files() {
+    let place = Place::new();
+    let render = |size: &str, name: &str| {
+        place.succeed(&["render", "builtin:cornell-box", "--size", size, "--spp", "4", "-q", "-o", name]);
+    };
+    render("16x16", "small.exr");
+    render("24x16", "wide.exr");
+    let line = ["bench", "render", "builtin:cornell-box", "--size", "8x8", "--time", "250ms"];
+    let run = place.succeed(&[&line[..], &["--reference", "small.exr"]].concat());
+    assert!(
+        run.stderr.contains("16x16 pixels, resampled by area to 8x8") && run.stdout.contains("path"),
+        "{}",
+        run.stdout
+    );
+    let refuse = |more: &[&str], about: &[&str]| place.refuse(2, &[&line[..], more].concat(), about);
+    refuse(&["--reference", "wide.exr"], &["24x16", "8x8", "wide.exr"]);
+    refuse(&["--reference", "none.exr"], &["none.exr"]);
+    refuse(&["builtin:caustic-glass", "--reference", "small.exr"], &["one scene", "2 are given"]);
+    refuse(&["--reference", "small.exr", "--reference-spp", "4"], &["--reference-spp"]);
+    refuse(&["--integrators", "path,pth"], &["pth"]);
+    refuse(&["--integrators", "path,"], &["integrator"]);
+    refuse(&["--time", "0s"], &["--time"]);
+    refuse(&["--reference", "small.exr", "--csv", "small.exr"], &["overwritten"]);
+    refuse(&["--html", "n", "--csv", "./n"], &["one file"]);
+    assert!(!place.path("n").exists());
+}

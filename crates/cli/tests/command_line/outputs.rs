@@ -166,6 +166,7 @@ const CLASHES: &[(&str, &[&str], &[&str])] = &[
     ("bake", &["light", "sky.pbrt", "-o", "wall.png"], &[]),
     ("unwrap", &["part.ply", "-o", "part.ply"], &[]),
     ("compare", &["wall.png", "wall.png", "-o", "wall.png"], &[]),
+    ("bench", &["render", "sky.pbrt", "--html", "wall.png"], &["render", "sky.pbrt", "--html", "n", "--csv", "./n"]),
     (
         "compare",
         &["wall.png", "sky.exr", "--html", "sky.exr"],
@@ -202,8 +203,7 @@ const CLASHES: &[(&str, &[&str], &[&str])] = &[
 /// Commands that write nothing but to stdout, the one whose pages save nothing but new files (tests of
 /// `steradian-server`), those that write to the folder of a job alone, and the one that writes archives, which no scene
 /// names.
-const WITHOUT_FILES: [&str; 10] =
-    ["list", "meter", "bench", "completions", "man", "help", "view", "plan", "chunk", "pack"];
+const WITHOUT_FILES: [&str; 9] = ["list", "meter", "completions", "man", "help", "view", "plan", "chunk", "pack"];
 
 /// One guard holds for all commands: what is read stays, and each output has a file of its own.
 #[test]
