@@ -14,7 +14,7 @@ import uuid
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from distributed import Client, Future, Worker, as_completed, get_worker
+from distributed import Client, Future, Reschedule, Worker, as_completed, get_worker
 from distributed.diagnostics.plugin import WorkerPlugin
 
 from . import _steradian
@@ -35,8 +35,9 @@ def render(
     """Renders a scene on the workers of a client, in a number of parts; the arguments are those of `Scene.render`."""
     if not isinstance(client, Client) or client.asynchronous:
         raise TypeError(f"client is a distributed.Client that is not asynchronous, not {client!r}")
+    asked = _steradian.Settings(**settings)
     kept = _KeptScene(scene, settings)
-    parts = scene._inner.parts(_steradian.Settings(**settings), kept.fingerprint)
+    parts = scene._inner.parts(asked, kept.fingerprint)
     bounds = _bounds(parts.pieces, chunks, len(client.nthreads()))
     _refuse_other_versions(client)
     waiting, under_way, results = iter(range(len(bounds) - 1)), set(), as_completed(loop=client.loop)
@@ -92,7 +93,8 @@ def _refuse_other_versions(client: Client) -> None:
             return f"none ({e})"
         return steradian.__version__
 
-    for address, theirs in sorted(client.run(version).items()):
+    # A worker that dies meanwhile has no answer.
+    for address, theirs in sorted(client.run(version, on_error="ignore").items()):
         if theirs != _steradian.__version__:
             ours = _steradian.__version__
             raise ValueError(f"the worker {address} has steradian {theirs}; this is {ours}, whose bits may differ")
@@ -108,13 +110,17 @@ def _join(parts: _steradian.Parts, future: Future) -> None:
     raise ValueError(f"the worker {worker}: {part}")
 
 
-def _part(name: str, first: int, end: int) -> tuple[str, bytes | Exception | None]:
+def _part(name: str, first: int, end: int) -> tuple[str, bytes | Exception]:
     """On a worker: its address, with the part of the picture, or why no try gives one."""
     worker = get_worker()
     try:
-        return worker.address, worker.plugins[name].compute(first, end)
+        part = worker.plugins[name].compute(first, end)
     except (ValueError, OSError) as e:
         return worker.address, e
+    if part is None:
+        # The render has ended, or this worker closes and others compute the part.
+        raise Reschedule
+    return worker.address, part
 
 
 class _KeptScene(WorkerPlugin):
@@ -136,7 +142,7 @@ class _KeptScene(WorkerPlugin):
             self._parts.stop()
 
     def compute(self, first: int, end: int) -> bytes | None:
-        """Part of the picture, or None if the render was ended. All threads of the worker compute one part after the other."""
+        """Part of the picture, or None if this was ended. All threads of the worker compute one part after the other."""
         with self._lock:
             if self._parts is None:
                 self._parts = self._opened()
