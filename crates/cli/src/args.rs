@@ -1,6 +1,9 @@
 //! Arguments of the subcommands.
 
-use crate::values::{self, Frames, Layers, Rectangle, Size, Threshold};
+use crate::{
+    terminal::Talk,
+    values::{self, Frames, Layers, Rectangle, Size, Threshold},
+};
 use clap::{ArgAction, Args, ValueEnum, builder::PossibleValuesParser};
 use std::{path::PathBuf, time::Duration};
 use steradian::image::{
@@ -159,9 +162,9 @@ pub struct RenderArgs {
     /// Files.
     #[command(flatten)]
     pub files: FileOptions,
-    /// Print errors only
-    #[arg(short, long)]
-    pub quiet: bool,
+    /// Messages.
+    #[command(flatten)]
+    pub talk: Talk,
     /// Print one line of JSON about the render to stdout
     #[arg(long)]
     pub json: bool,

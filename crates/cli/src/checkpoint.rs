@@ -60,7 +60,8 @@ impl Checkpoint<'_> {
             let (state, before) = (self.path.display(), path.display());
             self.terminal.warn(&format!("{state} is damaged; the state before it is taken, {before}"));
             // In the place of the damaged one: the next is kept beside it.
-            std::fs::rename(path, self.path)?;
+            let failed = |e| Failure::failed(format!("cannot rename '{before}' to '{state}': {e}"));
+            std::fs::rename(path, self.path).map_err(failed)?;
         }
         if let Some(spp) = total.filter(|spp| !session.extend(*spp)) {
             let why = format!("was to have more than {spp} samples per pixel");
@@ -75,12 +76,14 @@ impl Checkpoint<'_> {
     pub fn save(&self, session: &mut dyn Session) -> Result<(), String> {
         if self.path.exists() {
             let before = before(self.path);
-            // A second name of the file: that of the state is never without a file.
+            // A second name of the file: that of the state is never without a file. A draft that a killed process left
+            // may be such a name, too: nothing is written into it.
             let draft = before.with_extension("draft");
+            let _ = std::fs::remove_file(&draft);
             let linked = std::fs::hard_link(self.path, &draft).or_else(|_| std::fs::copy(self.path, &draft).map(drop));
-            if linked.and_then(|()| std::fs::rename(&draft, &before)).is_err() {
-                let _ = std::fs::remove_file(&draft);
-            }
+            let _ = linked.and_then(|()| std::fs::rename(&draft, &before));
+            // Where both are names of one file already, renaming leaves both.
+            let _ = std::fs::remove_file(&draft);
         }
         self.recipe.save(session, self.path).map_err(|e| format!("the render cannot be kept: {e}"))
     }

@@ -12,6 +12,7 @@ use crate::{
     farm::FarmArgs,
     meter::MeterArgs,
     pack::PackArgs,
+    terminal::Talk,
     unwrap::UnwrapArgs,
 };
 use clap::{Parser, Subcommand};
@@ -98,15 +99,15 @@ pub enum Command {
 }
 
 impl Command {
-    /// True if only errors are to be told.
-    pub fn is_quiet(&self) -> bool {
+    /// Messages and progress that are asked for.
+    pub fn talk(&self) -> Talk {
         match self {
-            Self::Render(args) => args.quiet,
-            Self::Plan(args) => args.render.quiet,
-            Self::Chunk(args) => args.quiet,
-            Self::Merge(args) => args.quiet,
-            Self::Farm(args) => args.plan.render.quiet,
-            _ => false,
+            Self::Render(args) => args.talk,
+            Self::Plan(args) => args.render.talk,
+            Self::Chunk(args) => args.talk,
+            Self::Merge(args) => args.talk,
+            Self::Farm(args) => args.plan.render.talk,
+            _ => Talk::default(),
         }
     }
 }

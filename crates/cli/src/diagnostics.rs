@@ -1,6 +1,6 @@
 //! Messages of readers and compiler, told on stderr and counted.
 
-use crate::terminal::{Terminal, Tint};
+use crate::terminal::{Event, Terminal, Tint};
 use serde::Serialize;
 use std::collections::HashMap;
 use steradian::scene::{Diagnostic, Diagnostics, Fidelity, Severity};
@@ -90,7 +90,9 @@ pub fn tell(diagnostics: &Diagnostics, terminal: Terminal) {
             let places = if more == 1 { "place" } else { "places" };
             text += &format!("\n  = and at {more} more {places} (`steradian info --json` has them all)");
         }
-        if is_error { terminal.insist(&text) } else { terminal.say(&text) }
+        if is_error || !terminal.quiet {
+            terminal.tell(&Event::Diagnostic(d), || text);
+        }
     }
     if diagnostics.suppressed() > 0 {
         terminal.say(&format!("… and {} further messages that were not kept", diagnostics.suppressed()));

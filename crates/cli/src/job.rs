@@ -105,7 +105,11 @@ impl<'a> Job<'a> {
 
     /// Files that are read and written.
     fn kept(&self) -> Vec<PathBuf> {
-        let states = self.args.resume.iter().flat_map(|state| [state.clone(), checkpoint::before(state)]);
+        let states = self.args.resume.iter().flat_map(|state| {
+            // A process that was killed as it saved may have left both as names of one file.
+            let before = Some(checkpoint::before(state)).filter(|b| Inputs::of([&**state]).find(b).is_none());
+            [state.clone()].into_iter().chain(before)
+        });
         states.chain(self.solution.clone()).collect()
     }
 

@@ -60,7 +60,7 @@ use command::{Cli, Command};
 use failure::{Failure, Outcome};
 use std::process::ExitCode;
 use steradian::scene::names;
-use terminal::Terminal;
+use terminal::{Event, Talk, Terminal};
 
 fn main() -> ExitCode {
     signals::take_over();
@@ -68,7 +68,8 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(answer) => return ExitCode::from(answered(&answer)),
     };
-    let terminal = Terminal::new(cli.command.is_quiet());
+    let terminal = Terminal::new(cli.command.talk());
+    signals::tell_on(terminal);
     panics::explain(terminal);
     let code = match panics::contain(|| run(&cli.command, terminal)) {
         Ok(Ok(code)) => code,
@@ -80,12 +81,13 @@ fn main() -> ExitCode {
         }
         Err(panics::Contained) => failure::FAILED,
     };
+    terminal.event(&Event::End { code });
     ExitCode::from(code)
 }
 
 /// Prints what is wrong with a command line, or what `--help` and `--version` ask for, and gives the exit code.
 fn answered(answer: &clap::Error) -> u8 {
-    let terminal = Terminal::new(false);
+    let terminal = Terminal::new(Talk::default());
     if answer.use_stderr() {
         // There is nobody to tell when it is closed.
         let _ = answer.print();

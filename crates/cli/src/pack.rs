@@ -7,10 +7,15 @@ use crate::{
 };
 use clap::Args;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::{
+    fs::{self, File},
+    io,
+    path::{Path, PathBuf},
+};
 use steradian::{
     CompileOptions, Inputs, LoadedScene,
     archive::{self, EXTENSION, Packed},
+    image::{self, TemporaryFolder},
     resume,
 };
 
@@ -63,17 +68,23 @@ pub fn run(args: &PackArgs, terminal: Terminal) -> Outcome {
     let inputs = Inputs::of(files.iter().map(PathBuf::as_path).chain([scene]));
     output::claim([archive], &inputs)?;
     let failed = |why: archive::ArchiveError| Failure::failed(format!("'{}' {why}", archive.display()));
-    let Packed { files, bytes } = archive::pack(scene, files.iter().map(PathBuf::as_path), archive).map_err(failed)?;
+    // An older archive stays until the new one is known to be good.
+    let folder = TemporaryFolder::new("steradian-")
+        .map_err(|e| Failure::failed(format!("there is no temporary folder: {e}")))?;
+    let packed = folder.path().join("scene.zip");
+    let Packed { files, bytes } = archive::pack(scene, files.iter().map(PathBuf::as_path), &packed).map_err(failed)?;
     // Files that the scene names by where they lie, from the root on, are not found in another place.
-    let again = load(archive, &args.define);
+    let unpacked = archive::unpack(&packed, Path::new("")).map_err(failed)?;
+    let again = load(&unpacked.scene, &args.define);
     if again.diagnostics.has_errors() || resume::fingerprint(&again.desc).map_err(unreadable)? != print {
         crate::diagnostics::tell(&again.diagnostics, terminal);
         let name = archive.display();
         let why = "not all files are found in it; does the scene name some by paths from the root on?";
-        std::fs::remove_file(archive)?;
         return Err(Failure::bad_input(format!("'{name}' was not kept: {why}")));
     }
-    let archive_bytes = std::fs::metadata(archive)?.len();
+    let copied = image::stream_whole(archive, |out| io::copy(&mut File::open(&packed)?, out).map(drop));
+    copied.map_err(|e| Failure::failed(e.to_string()))?;
+    let archive_bytes = fs::metadata(&packed).map_or(0, |m| m.len());
     let sizes = [bytes, archive_bytes].map(memory::readable);
     terminal.say(&format!("packed {files} files, {} in {}: {}", sizes[0], sizes[1], archive.display()));
     if args.json {

@@ -1,7 +1,7 @@
 //! Progress of a render: a bar on a terminal; elsewhere a line when each pixel has a sample, and then every ten
 //! seconds.
 
-use crate::terminal::Terminal;
+use crate::terminal::{Event, Terminal};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::{
     io::IsTerminal,
@@ -10,6 +10,8 @@ use std::{
 
 /// Interval between lines where there is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(10);
+/// Interval between events for programs.
+const EVENT_EVERY: Duration = Duration::from_secs(1);
 /// When the first line is written, if each pixel has a sample by then.
 const FIRST_LINE: Duration = Duration::from_secs(1);
 /// Steps of the bar.
@@ -50,6 +52,18 @@ impl Snapshot {
         let by_samples = Duration::try_from_secs_f64(self.elapsed.as_secs_f64() * to_come).ok();
         let by_time = self.budget.map(|b| b.saturating_sub(self.elapsed));
         by_samples.into_iter().chain(by_time).min()
+    }
+
+    /// The state for programs.
+    fn event(&self) -> Event<'static> {
+        Event::Progress {
+            done: self.before + self.samples,
+            of: self.planned,
+            unit: "samples",
+            fraction: self.fraction(),
+            seconds: self.elapsed.as_secs_f64(),
+            left: self.left().map(|left| left.as_secs_f64()),
+        }
     }
 
     /// `42 % · 108/256 spp · 3.10 Msamples/s · 12.10 Mray/s · 0:16 left · 0:12`: what matters least is where a narrow
@@ -99,6 +113,8 @@ pub enum Progress {
     Bar(ProgressBar),
     /// Elsewhere: with the moment of the last line.
     Lines(Terminal, Option<Instant>),
+    /// As events for programs: with the moment of the last one.
+    Events(Terminal, Option<Instant>),
     /// Not at all.
     Silent,
 }
@@ -108,6 +124,9 @@ impl Progress {
     pub fn new(terminal: Terminal) -> Self {
         if terminal.quiet {
             return Self::Silent;
+        }
+        if terminal.tells_events() {
+            return Self::Events(terminal, None);
         }
         if !std::io::stderr().is_terminal() {
             return Self::Lines(terminal, None);
@@ -122,13 +141,14 @@ impl Progress {
     /// Shows how far a render is.
     pub fn show(&mut self, snapshot: &Snapshot) {
         let first = if snapshot.samples < snapshot.pixels { LINE_EVERY } else { FIRST_LINE };
-        self.tell(snapshot.fraction(), snapshot.elapsed >= first, || snapshot.line());
+        self.tell(&snapshot.event(), snapshot.elapsed >= first, || snapshot.line());
     }
 
-    /// Shows which part is done, and a line about it; where there is no terminal, not before it is told to begin.
-    pub fn tell(&mut self, fraction: f64, begins: bool, line: impl FnOnce() -> String) {
+    /// Shows an [`Event::Progress`], for people as a line; where there is no terminal, not before it is told to begin.
+    pub fn tell(&mut self, event: &Event<'_>, begins: bool, line: impl FnOnce() -> String) {
         match self {
             Self::Bar(bar) => {
+                let Event::Progress { fraction, .. } = event else { return };
                 bar.set_position((fraction * STEPS as f64) as u64);
                 bar.set_message(line());
             }
@@ -136,6 +156,12 @@ impl Progress {
                 if last.map_or(begins, |last| last.elapsed() >= LINE_EVERY) {
                     *last = Some(Instant::now());
                     terminal.say(line().trim_start());
+                }
+            }
+            Self::Events(terminal, last) => {
+                if last.is_none_or(|last| last.elapsed() >= EVENT_EVERY) {
+                    *last = Some(Instant::now());
+                    terminal.event(event);
                 }
             }
             Self::Silent => {}

@@ -145,13 +145,19 @@ impl<'a> Started<'a> {
         if self.planned.render.plan.has(LayerInputs::HALVES) && !made.has_halves() {
             terminal.warn("the layer 'halves' is left out: it takes two samples of each pixel or more");
         }
-        self.filter.as_ref().map_or(Ok(()), |filter| made.denoise(filter, before, terminal))?;
+        // A picture that cannot be denoised is worth writing as it is.
+        let noisy = self.filter.as_ref().and_then(|filter| made.denoise(filter, before, terminal).err());
         let (outputs, options) = (&self.job.outputs, &self.write_options);
         let written =
             output::save(outputs, &made.picture, options, made.empty_pixels == 0).map_err(|mut failure| {
-                if let (Some(checkpoint), Ok(())) = (checkpoint, &kept) {
-                    let path = checkpoint.path.display();
-                    failure.message += &format!("\nthe render is kept in '{path}': the same command goes on from it");
+                match (checkpoint, &kept) {
+                    (_, Err(why)) => failure.message += &format!("\n{why}"),
+                    (Some(checkpoint), Ok(())) => {
+                        let path = checkpoint.path.display();
+                        failure.message +=
+                            &format!("\nthe render is kept in '{path}': the same command goes on from it");
+                    }
+                    (None, Ok(())) => {}
                 }
                 failure
             })?;
@@ -179,6 +185,10 @@ impl<'a> Started<'a> {
             terminal::json(&report)?;
         }
         before.history = session.take_history();
+        if let Some(failure) = noisy {
+            let message = format!("{}\nthe picture is not denoised", failure.message);
+            return Err(Failure { message, ..failure });
+        }
         Ok(match stop {
             Some(Stop::Signal(signal)) => 128 + signal,
             _ => failure::DONE,

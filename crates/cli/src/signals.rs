@@ -3,10 +3,10 @@
 //! once in any case, and so does the first one where a pipe that nobody reads holds the command. SIGUSR1 asks for the
 //! picture as it is, and ends nothing.
 
-use crate::terminal::Terminal;
+use crate::terminal::{Event, Talk, Terminal};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use std::sync::{
-    Arc, LazyLock,
+    Arc, LazyLock, OnceLock,
     atomic::{AtomicBool, AtomicUsize, Ordering},
 };
 
@@ -75,8 +75,19 @@ fn end_where_stuck(signal: u8) -> ! {
 /// Ends the process between two writings of files, and leaves no temporary ones.
 fn end(signal: u8) -> ! {
     let _writing = steradian::image::discard_drafts();
-    Terminal::new(false).error(&format!("stopped by {}", name(signal)));
-    std::process::exit(128 + i32::from(signal))
+    let terminal = TERMINAL.get().copied().unwrap_or_else(|| Terminal::new(Talk::default()));
+    let code = 128 + signal;
+    terminal.error(&format!("stopped by {}", name(signal)));
+    terminal.event(&Event::End { code });
+    std::process::exit(code.into())
+}
+
+/// The terminal on which ends by signals are told.
+static TERMINAL: OnceLock<Terminal> = OnceLock::new();
+
+/// Tells ends by signals on a terminal from now on.
+pub fn tell_on(terminal: Terminal) {
+    let _ = TERMINAL.set(terminal);
 }
 
 /// As long as this is there, SIGINT and SIGTERM are for the command to answer.

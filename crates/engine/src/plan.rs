@@ -2,7 +2,7 @@
 
 use crate::Sight;
 use std::sync::{
-    Arc,
+    Arc, OnceLock,
     atomic::{AtomicBool, AtomicU64},
 };
 use steradian_core::{film::LayerInputs, sampler::Sampler};
@@ -55,8 +55,10 @@ impl Plan {
 
     /// Threads that a step uses.
     pub fn threads(&self) -> usize {
+        // The system looks into files to tell.
+        static PROCESSORS: OnceLock<usize> = OnceLock::new();
         match self.threads {
-            0 => std::thread::available_parallelism().map_or(1, |n| n.get()),
+            0 => *PROCESSORS.get_or_init(|| std::thread::available_parallelism().map_or(1, |n| n.get())),
             n => n,
         }
     }

@@ -1,6 +1,10 @@
 //! Files that appear whole or not at all.
 
-use crate::{Error, Result};
+use crate::{
+    Error, Result,
+    failpoint::{self, attempt},
+};
+use std::collections::BTreeSet;
 use std::fs::{self, File, Metadata, Permissions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -51,16 +55,16 @@ pub(crate) fn place_after(
             settle()
         }
         Target::File { path, old, draft, listed: _listed } => {
-            let mut out = BufWriter::new(draft);
+            let mut out = BufWriter::new(Draft(draft));
             write(&mut out)?;
-            let draft = out.into_inner().map_err(|failed| io("write")(failed.into_error()))?;
+            let Draft(draft) = out.into_inner().map_err(|failed| io("write")(failed.into_error()))?;
             if let Some(old) = old {
-                draft.as_file().set_permissions(old).map_err(io("keep the permissions"))?;
+                attempt(|| draft.as_file().set_permissions(old)).map_err(io("keep the permissions"))?;
             }
-            draft.as_file().sync_all().map_err(io("write"))?;
+            attempt(|| draft.as_file().sync_all()).map_err(io("write"))?;
             let _naming = drafts();
             settle()?;
-            draft.persist(&path).map_err(|failed| io("rename the finished file")(failed.error))?;
+            attempt(|| Ok(draft.persist(&path)?)).map_err(io("rename the finished file"))?;
             Ok(())
         }
     };
@@ -154,6 +158,20 @@ impl Write for Stream {
     }
 }
 
+/// A file on its way.
+struct Draft(NamedTempFile);
+
+impl Write for Draft {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        // Its file by itself: the draft's name is nothing to tell.
+        attempt(|| self.0.as_file_mut().write(failpoint::part(bytes)))
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
+}
+
 /// Destination of the bytes.
 enum Target {
     /// A device or a pipe.
@@ -209,7 +227,7 @@ fn draft(directory: &Path) -> io::Result<(NamedTempFile, Listed)> {
         builder.permissions(Permissions::from_mode(0o666));
     }
     loop {
-        let (draft, listed) = Listed::new(|| builder.tempfile_in(directory), NamedTempFile::path)?;
+        let (draft, listed) = Listed::new(|| attempt(|| builder.tempfile_in(directory)), NamedTempFile::path)?;
         match draft.as_file().lock() {
             // Another process may have taken it for a dead one before it was locked.
             Ok(()) if !draft.path().exists() => {}
@@ -239,7 +257,7 @@ pub(crate) fn staging(directory: &Path) -> io::Result<Staging> {
     loop {
         let mut builder = tempfile::Builder::new();
         builder.prefix(PREFIX).suffix(FOLDER_SUFFIX);
-        let (folder, listed) = Listed::new(|| builder.tempdir_in(directory), TempDir::path)?;
+        let (folder, listed) = Listed::new(|| attempt(|| builder.tempdir_in(directory)), TempDir::path)?;
         // Not every system opens folders, and not every file system has locks.
         let lock = File::open(folder.path()).ok().filter(|lock| lock.lock().is_ok());
         // Another process may have taken it for a dead one before it was locked.
@@ -253,16 +271,21 @@ pub(crate) fn staging(directory: &Path) -> io::Result<Staging> {
 /// Writes a new file, and does not return before it is on the disk.
 pub(crate) fn write_synced(path: &Path, bytes: &[u8]) -> Result<()> {
     let write = || -> io::Result<()> {
-        let mut file = File::create_new(path)?;
-        file.write_all(bytes)?;
-        file.sync_all()
+        let mut file = attempt(|| File::create_new(path))?;
+        attempt(|| file.write_all(bytes))?;
+        attempt(|| file.sync_all())
     };
     write().map_err(io("write"))
 }
 
 /// Removes the drafts, or the folders of them, of processes of this user that ended before they could: nobody has them
-/// locked. What cannot be looked at stays.
-fn remove_dead(directory: &Path, own: &Path, suffix: &str) {
+/// locked. What cannot be looked at stays. A process looks once in each folder.
+fn remove_dead(directory: &Path, own: &Path, suffix: &'static str) {
+    static SEEN: Mutex<BTreeSet<(PathBuf, &str)>> = Mutex::new(BTreeSet::new());
+    let absolute = std::path::absolute(directory).unwrap_or_else(|_| directory.to_owned());
+    if !SEEN.lock().unwrap_or_else(PoisonError::into_inner).insert((absolute, suffix)) {
+        return;
+    }
     let Ok(ours) = fs::metadata(own) else { return };
     for entry in fs::read_dir(directory).into_iter().flatten().flatten() {
         let name = entry.file_name();

@@ -22,6 +22,7 @@ mod dds;
 pub mod encoding;
 mod error;
 mod exr_file;
+mod failpoint;
 mod false_color;
 mod hdr;
 mod image;

@@ -1,6 +1,7 @@
 //! Files that appear together or not at all: a document and what lies beside it.
 
 use crate::atomic::{self, io};
+use crate::failpoint::attempt;
 use crate::{Error, Result, read_regular};
 use std::fs;
 use std::io::Write;
@@ -58,10 +59,10 @@ struct Placed {
 impl Placed {
     fn rename(&mut self, from: &Path, to: &Path) -> Result<()> {
         if let Some(folder) = to.parent().filter(|folder| !folder.exists()) {
-            fs::create_dir_all(folder).map_err(io("create its folder"))?;
+            attempt(|| fs::create_dir_all(folder)).map_err(io("create its folder"))?;
             self.folders.push(folder.into());
         }
-        fs::rename(from, to).map_err(io("rename the finished file"))?;
+        attempt(|| fs::rename(from, to)).map_err(io("rename the finished file"))?;
         self.files.push(to.into());
         Ok(())
     }

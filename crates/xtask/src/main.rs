@@ -1,12 +1,13 @@
 //! `cargo xtask`: benchmarks, generators of what they measure, whether pictures are the same, and counts of what is
 //! untidy in the code.
 //!
-//! Nothing here is a test: no figure of time makes a command fail.
+//! No figure of time makes a command fail.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "output of the program")]
 
 mod arguments;
 mod bench;
 mod clock;
+mod fuzz;
 mod generate;
 mod instructions;
 mod loading;
@@ -41,6 +42,8 @@ enum Command {
     Same(same::Arguments),
     /// Count what is untidy in the code, against ceilings that only fall
     Tidy(tidy::Arguments),
+    /// Give damaged inputs to readers of scenes, pictures, states and archives
+    Fuzz(fuzz::Arguments),
     /// Write a scene or mesh to measure with
     Generate(generate::Arguments),
 }
@@ -50,6 +53,7 @@ fn main() -> ExitCode {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Instructions(arguments) => instructions::run(&arguments),
         Command::Same(arguments) => same::run(&arguments),
+        Command::Fuzz(arguments) => fuzz::run(&arguments),
         Command::Tidy(arguments) => tidy::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments),
     };

@@ -9,7 +9,7 @@ use crate::{
     progress::Progress,
     render::Started,
     sequence_state::SequenceState,
-    terminal::{self, Terminal},
+    terminal::{self, Talk, Terminal},
     values::{self, Chunks},
     watch::{self, Stop},
 };
@@ -44,9 +44,9 @@ pub struct ChunkArgs {
     #[arg(long, value_name = "N", default_value_t = 0)]
     #[arg(value_parser = clap::value_parser!(u16).range(0..=MAX_THREADS as i64))]
     pub threads: u16,
-    /// Print errors only
-    #[arg(short, long)]
-    pub quiet: bool,
+    /// Messages.
+    #[command(flatten)]
+    pub talk: Talk,
 }
 
 /// Answer to a number on standard input.

@@ -6,7 +6,7 @@ use crate::{
     frames, output,
     render::Started,
     sequence_state::SequenceState,
-    terminal::{self, Terminal},
+    terminal::{self, Talk, Terminal},
 };
 use clap::Args;
 use serde::Serialize;
@@ -32,9 +32,9 @@ pub struct MergeArgs {
     /// The scene, where it lies elsewhere on this machine
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
-    /// Print errors only
-    #[arg(short, long)]
-    pub quiet: bool,
+    /// Messages.
+    #[command(flatten)]
+    pub talk: Talk,
     /// Print one line of JSON about each picture to stdout
     #[arg(long)]
     pub json: bool,
@@ -49,7 +49,7 @@ pub fn run(args: &MergeArgs, terminal: Terminal) -> Outcome {
     let job = JobFile::read(folder)?;
     check(&job, folder)?;
     let mut render = job.render_args(folder, args.scene.as_deref())?;
-    (render.output, render.json, render.quiet) = (args.output.clone(), args.json, args.quiet);
+    (render.output, render.json, render.talk) = (args.output.clone(), args.json, args.talk);
     let framing = render.frames.and_then(|all| frames::framing(&render, all));
     for frame in job.all_frames() {
         let mut one = frame.map_or_else(|| render.clone(), |frame| frames::one(&render, frame, framing));

@@ -140,7 +140,10 @@ fn words(matches: &ArgMatches) -> Result<Vec<String>, Failure> {
     for arg in render.get_arguments() {
         let id = arg.get_id().as_str();
         let is_given = matches.try_contains_id(id).unwrap_or(false);
-        if !is_given || matches.value_source(id) != Some(ValueSource::CommandLine) || ["output", "json"].contains(&id) {
+        if !is_given
+            || matches.value_source(id) != Some(ValueSource::CommandLine)
+            || ["output", "json", "quiet", "progress"].contains(&id)
+        {
             continue;
         }
         let name = match (arg.get_long(), arg.get_short()) {

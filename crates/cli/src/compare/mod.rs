@@ -149,6 +149,7 @@ fn judge(pairs: &[Pair], args: &CompareArgs) -> Outcome {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::terminal::Talk;
     use crate::values::METRICS;
     use steradian::image::Value;
 
@@ -163,7 +164,7 @@ mod tests {
 
     fn compared((name, picture): (&str, &Image), (other, reference): (&str, &Image)) -> Result<Pair, Failure> {
         let (a, b) = ((Path::new(name), picture), Path::new(other));
-        let reference = fitted(a, (b, reference), Terminal::new(true))?;
+        let reference = fitted(a, (b, reference), Terminal::new(Talk { quiet: true, ..Talk::default() }))?;
         Pair::of(a, (b, &reference), &Noise::by_layers(a, (b, &reference)))
     }
 

@@ -129,7 +129,7 @@ fn local(args: &FarmArgs, job: &JobFile, workers: (u32, u32), terminal: Terminal
         return Ok(128 + signal);
     }
     let (parts, output) = (vec![render.output[0].clone()], args.picture.clone());
-    merge::run(&MergeArgs { parts, output, scene: None, quiet: render.quiet, json: render.json }, terminal)
+    merge::run(&MergeArgs { parts, output, scene: None, talk: render.talk, json: render.json }, terminal)
 }
 
 /// A path from the root on, as generated files can hold it.

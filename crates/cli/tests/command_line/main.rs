@@ -7,9 +7,14 @@ mod baking;
 mod benches;
 mod chunks;
 mod denoising;
+mod events;
 mod exchange;
 mod experiments;
 mod farm;
+#[cfg(unix)]
+mod full_disks;
+#[cfg(unix)]
+mod kills;
 mod layers;
 mod lightmaps;
 mod lists;

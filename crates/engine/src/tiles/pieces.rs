@@ -82,7 +82,9 @@ impl Frame {
                 *self.done[at].get_mut() = 0;
             } else {
                 let mut tile = lock(&self.tiles[t]);
-                *tile = Tile::hollow(tile.area, self.round.length());
+                if !tile.is_hollow(self.round.length()) {
+                    *tile = Tile::hollow(tile.area, self.round.length());
+                }
             }
         }
     }

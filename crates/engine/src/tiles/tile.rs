@@ -93,6 +93,12 @@ impl Tile {
         }
     }
 
+    /// True for what [`Self::hollow`] makes with this target.
+    pub fn is_hollow(&self, target: u32) -> bool {
+        let is_fresh = |cell: &Cell| cell.target == target && cell.rays == 0 && cell.samples == 0;
+        self.pixels.is_empty() && self.cells.iter().all(is_fresh)
+    }
+
     /// Adds a sample that was taken in a tick to a pixel of the round under way; `false` where it is not finite and
     /// counts as black.
     pub fn add(&mut self, at: usize, value: Vec3, tick: u32) -> bool {

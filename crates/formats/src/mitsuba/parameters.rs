@@ -60,7 +60,8 @@ impl Parameters {
 
     /// The name of the parameter that a text starts with.
     fn at_start<'t>(&self, text: &'t str) -> Option<&'t str> {
-        let mut candidates = self.lengths.range(1..=text.len()).rev().filter_map(|&length| text.get(..length));
+        // Half open: of an empty text there is no range from 1 to 0.
+        let mut candidates = self.lengths.range(1..text.len() + 1).rev().filter_map(|&length| text.get(..length));
         candidates.find(|name| self.by_name.contains_key(*name))
     }
 
@@ -106,6 +107,7 @@ mod tests {
         p.default("spp", "16");
         assert_eq!(p.substitute("$resx/$res-$spp\\$res"), Ok("22/1-16$res".into()));
         assert_eq!(p.substitute("a$other b"), Err(Fault::Undefined("other".into())));
+        assert_eq!(p.substitute("a$"), Err(Fault::Undefined(String::new())));
         assert_eq!(p.unused().count(), 0);
         assert_eq!(Parameters::new(&[("a".to_owned(), String::new())].into()).unused().collect::<Vec<_>>(), ["a"]);
     }

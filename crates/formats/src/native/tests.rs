@@ -308,3 +308,21 @@ fn no_text_does_harm() {
     assert!(said(&("steradian: 1 shapes: ".to_owned() + &"[".repeat(1_000_000))).contains("nested more than"));
     assert!(said("steradian: 1 lights: \"\\ud800\\u").contains("hexadecimal"));
 }
+
+/// A film, or another node that stands alone, may refer to nodes, even in parameters that it does not have.
+#[test]
+fn nodes_of_nodes_that_stand_alone_are_written() {
+    for film in
+        ["{film: rgb, odd: {light: sky, hour: 12}}", "{film: rgb, odd: [@clay, {shape: sphere, material: @clay}]}"]
+    {
+        let text = format!("steradian: 1\nmaterials: {{clay: {{material: diffuse}}}}\nfilm: {film}\n");
+        let read = |bytes: Vec<u8>| {
+            let import = import_bytes(Path::new("a.steradian"), bytes, &Options::default());
+            assert!(!import.diagnostics.has_errors(), "{:?}", import.diagnostics);
+            import.desc
+        };
+        let written = write(&read(text.into_bytes()), Path::new("a.steradian")).unwrap();
+        let again = write(&read(written.text.clone().into_bytes()), Path::new("a.steradian")).unwrap();
+        assert_eq!(again.text, written.text);
+    }
+}

@@ -83,24 +83,23 @@ impl Writer<'_> {
             let name = CONVENTIONS.iter().find(|c| c.1 == desc.format).map_or("steradian", |c| c.0);
             let _ = writeln!(self.text, "conventions: {name}");
         }
-        for (section, id) in
-            [("film", desc.film), ("filter", desc.filter), ("sampler", desc.sampler), ("integrator", desc.integrator)]
-        {
-            if let Some(id) = id {
-                // Their nodes are simple and stand alone.
-                let node = self.map(desc.node(id), &mut Vec::new(), 0);
-                let _ = writeln!(self.text, "{section}: {node}");
-            }
-        }
         let mut named = self.choose();
         named.retain(|id| !self.inline.contains(id));
         let ids = super::unique(named.iter().map(|id| desc.node(*id)).map(|n| (n.name.as_deref(), n.kind.as_str())));
         self.ids = named.iter().copied().zip(ids).collect();
+        // Those that refer to nodes stand after them.
+        let (late, early): (Vec<_>, Vec<_>) =
+            [("film", desc.film), ("filter", desc.filter), ("sampler", desc.sampler), ("integrator", desc.integrator)]
+                .into_iter()
+                .filter_map(|(section, id)| Some((section, id?)))
+                .partition(|(_, id)| parts(desc.node(*id)).next().is_some());
+        self.singles(early);
         self.section("nodes", '{', named, |w, id| {
             let mut line = String::new();
             value::string(&mut line, &w.ids[&id]);
             line + ": " + &w.map(w.desc.node(id), &mut Vec::new(), 1)
         });
+        self.singles(late);
         let meshes: Vec<usize> = (0..desc.meshes.len()).collect();
         self.section("meshes", '{', meshes, |w, i| format!("mesh{i}: {}", w.mesh(i)));
         self.section("cameras", '[', desc.cameras.clone(), |w, id| w.node(id, 1));
@@ -128,6 +127,14 @@ impl Writer<'_> {
             }
             out + "}"
         });
+    }
+
+    /// Sections of one node each.
+    fn singles(&mut self, sections: Vec<(&str, NodeId)>) {
+        for (section, id) in sections {
+            let node = self.map(self.desc.node(id), &mut Vec::new(), 0);
+            let _ = writeln!(self.text, "{section}: {node}");
+        }
     }
 
     fn section<T>(&mut self, name: &str, open: char, entries: Vec<T>, mut write: impl FnMut(&mut Self, T) -> String) {
