@@ -9,7 +9,11 @@ use crate::{
     values::Frames,
 };
 use std::path::{Path, PathBuf};
-use steradian::{Layer, math::DVec3};
+use steradian::{
+    Layer,
+    archive::{self, ArchiveError, UnpackedScene},
+    math::DVec3,
+};
 
 /// Most moments by which automatic cameras are framed.
 const MOST_FRAMED: u32 = 17;
@@ -20,6 +24,13 @@ const DIGITS: usize = 4;
 /// do so.
 pub fn run(args: &RenderArgs, frames: Frames, terminal: Terminal) -> Outcome {
     check(args)?;
+    // An archive is unpacked once for all frames.
+    let unpacked = args.scene.as_deref().map_or(Ok(None), unpacked)?;
+    let named = RenderArgs { output: outputs(args), ..args.clone() };
+    let args = &match &unpacked {
+        Some(there) => RenderArgs { scene: Some(there.scene.clone()), ..named },
+        None => named,
+    };
     if args.temporal && args.aov.iter().any(|layers| layers.0.contains(&Layer::HALVES)) {
         terminal.warn("the error that remains is not estimated where frames are denoised with those before");
     }
@@ -36,7 +47,8 @@ pub fn run(args: &RenderArgs, frames: Frames, terminal: Terminal) -> Outcome {
 
 /// Refuses what no sequence can be rendered with.
 pub fn check(args: &RenderArgs) -> Result<(), Failure> {
-    if !args.scene.as_deref().is_some_and(open::is_gltf) {
+    let unpacked = args.scene.as_deref().map_or(Ok(None), unpacked)?;
+    if !unpacked.as_ref().map(|there| &*there.scene).or(args.scene.as_deref()).is_some_and(open::is_gltf) {
         return Err(Failure::bad_input("--frames takes a scene with animations, which .gltf and .glb files have"));
     }
     if args.resume.is_some() {
@@ -51,15 +63,26 @@ pub fn check(args: &RenderArgs) -> Result<(), Failure> {
 /// The render of a frame alone, with the [`framing`] of all of them.
 pub fn one(args: &RenderArgs, frame: u32, framing: Option<[DVec3; 2]>) -> RenderArgs {
     let mut one = args.clone();
-    let outputs = match (&*args.output, &args.scene) {
-        ([], Some(scene)) => output::default_names(scene),
-        (outputs, _) => outputs.to_vec(),
-    };
-    one.output = outputs.iter().map(|path| numbered(path, frame)).collect();
+    one.output = outputs(args).iter().map(|path| numbered(path, frame)).collect();
     one.frame = frame;
     one.scene_options.framing = framing;
     one.scene_options.define.push(("at".into(), (f64::from(frame) / args.fps).to_string()));
     one
+}
+
+/// The pictures, by the names that they have without the frame's number.
+fn outputs(args: &RenderArgs) -> Vec<PathBuf> {
+    match (&*args.output, &args.scene) {
+        ([], Some(scene)) => output::default_names(scene),
+        (outputs, _) => outputs.to_vec(),
+    }
+}
+
+/// The scene of an archive; `None` for one that is in none.
+fn unpacked(scene: &Path) -> Result<Option<UnpackedScene>, Failure> {
+    let Some((path, name)) = archive::split(scene) else { return Ok(None) };
+    let failed = |why: ArchiveError| Failure::bad_input(format!("'{}' {why}", path.display()));
+    archive::unpack(path, name).map(Some).map_err(failed)
 }
 
 /// The box that automatic cameras show, so that they stand still: of some frames, first and last among them.
@@ -70,7 +93,10 @@ pub fn framing(args: &RenderArgs, frames: Frames) -> Option<[DVec3; 2]> {
         (f64::from(frames.first) + share * f64::from(frames.last - frames.first)) / args.fps
     };
     let moments: Vec<f64> = (0..=steps).map(moment).collect();
-    steradian::load::framing(args.scene.as_deref()?, &open::reading(&args.scene_options.define, None), &moments)
+    let scene = args.scene.as_deref()?;
+    let unpacked = unpacked(scene).ok()?;
+    let scene = unpacked.as_ref().map_or(scene, |there| &there.scene);
+    steradian::load::framing(scene, &open::reading(&args.scene_options.define, None), &moments)
 }
 
 /// `walk.exr` becomes `walk.0012.exr`.

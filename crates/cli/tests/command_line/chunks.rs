@@ -84,9 +84,18 @@ fn frames_are_planned_together() {
     place.succeed(&[&["plan", "-o", "job", "--chunks", "4"], &options[..]].concat());
     place.succeed(&["chunk", "job", "0..3"]);
     place.succeed(&["merge", "job", "-o", "merged.exr"]);
+    // Of an archive, too.
+    place.succeed(&["pack", scene.to_str().unwrap(), "-o", "windmill.zip"]);
+    let packed = [&["windmill.zip"], &options[1..]].concat();
+    place.succeed(&[&["render", "-o", "packed.exr"], &*packed].concat());
+    place.succeed(&[&["plan", "-o", "job2", "--chunks", "2"], &*packed].concat());
+    place.succeed(&["chunk", "job2", "0..1"]);
+    place.succeed(&["merge", "job2", "-o", "both.exr"]);
     for frame in 2..=4 {
         let name = |stem: &str| format!("{stem}.{frame:04}.exr");
-        same(&place.picture(&name("merged")), &place.picture(&name("one")));
+        for other in ["merged", "packed", "both"] {
+            same(&place.picture(&name(other)), &place.picture(&name("one")));
+        }
     }
 }
 
