@@ -34,7 +34,8 @@ impl<'b> Beginning<'b> {
     }
 }
 
-const MODEL_DEFINITIONS: &[&str] = &["azimuth", "crease", "elevation", "ground", "handedness", "sky", "sun", "up"];
+const MODEL_DEFINITIONS: &[&str] =
+    &["azimuth", "crease", "elevation", "ground", "handedness", "sky", "strength", "sun", "turn", "up"];
 
 /// Models of one extension.
 const fn model(extensions: &'static [(&'static str, &'static str)], looks_like: fn(&Beginning<'_>) -> bool) -> Reader {
@@ -83,7 +84,9 @@ pub const READERS: &[Reader] = &[
             "scene",
             "shutter",
             "sky",
+            "strength",
             "sun",
+            "turn",
             "variant",
         ]),
         looks_like: |b| b.bytes.starts_with(b"glTF") || b.first == b'{',

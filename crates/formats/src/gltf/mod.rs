@@ -209,7 +209,9 @@ impl Reader<'_> {
             self.bounds = [DVec3::NEG_ONE, DVec3::ONE];
         }
         self.is_framed = desc.cameras.is_empty();
-        stage::complete(&mut self.import, self.options, self.bounds, self.uses_lights);
+        // What Steradian wrote has all the light there was.
+        let is_whole = root.get("asset").and_then(|a| a.get("generator")).is_some_and(|g| g.value == "Steradian");
+        stage::complete(&mut self.import, self.options, self.bounds, self.uses_lights, !is_whole);
     }
 
     fn check_version(&mut self, root: &At<'_>) {

@@ -124,7 +124,7 @@ fn cameras_look_along_minus_z_and_lights_too() {
         r#""nodes": [{ "mesh": 0 }, { "camera": 0, "translation": [0, 0, 5], "rotation": [0, 0.7071067811865476, 0, 0.7071067811865476],
             "extensions": { "KHR_lights_punctual": { "light": 0 } } }]"#,
     );
-    let desc = sound(text).desc;
+    let desc = sound(text.clone()).desc;
     let camera = desc.node(desc.cameras[0]);
     let forward = camera.transform("to_world").unwrap().matrix.transform_vector3(DVec3::Z);
     // A quarter turn about y takes −z to −x.
@@ -134,7 +134,15 @@ fn cameras_look_along_minus_z_and_lights_too() {
     assert_eq!((film.int("width"), film.int("height")), (Some(1536), Some(768)));
     let light = desc.node(desc.lights[0]);
     assert!((DVec3::from(light.vec3("direction").unwrap()) - DVec3::NEG_X).length() < 1e-9);
-    assert_eq!(desc.lights.len(), 1);
+    // Shadows get a little light from all sides, of a share of the lamp's, unless there is to be none, and in files of
+    // our own.
+    let dim = desc.node(desc.lights[1]);
+    let radiance = dim.float("radiance").unwrap();
+    assert!(dim.kind == "environment" && (0.02..0.04).contains(&radiance), "{dim:?}");
+    assert_eq!(desc.lights.len(), 2);
+    assert_eq!(read_with(&text, &[("sky", "none")]).desc.lights.len(), 1);
+    let own = text.replace(r#""version": "2.0""#, r#""version": "2.0", "generator": "Steradian""#);
+    assert!(own != text && sound(own).desc.lights.len() == 1);
 }
 
 #[test]

@@ -5,6 +5,7 @@ mod material;
 mod sky;
 mod smooth;
 pub(crate) mod stage;
+mod studio;
 
 use super::{MeshError, Place, bpt, mtl, obj, ply, text};
 use crate::{
@@ -17,7 +18,7 @@ use std::{
 };
 use steradian_scene::{Attribute, Domain, Family, FileId, Format, Mesh, Node, NodeId, Shape, Span};
 
-/// Opens an OBJ, PLY or BPT file. What is needed to see it is added: a camera, a sky with a sun, and a ground, unless
+/// Opens an OBJ, PLY or BPT file. What is needed to see it is added: a camera, a studio, and a ground, unless
 /// [`Options::defines`] has `ground=false`. Meshes without normals get those of
 /// smooth surfaces. A file that starts as PLY is PLY, whatever it is called.
 ///

@@ -1,7 +1,7 @@
 //! Camera, film, ground and light for a model that comes without, by the user's words where there are any
 //! ([`Options::defines`]).
 
-use super::sky;
+use super::{sky, studio};
 use crate::{Import, Options, files::SearchPath};
 use glam::DMat3;
 use std::{
@@ -9,7 +9,7 @@ use std::{
     sync::Arc,
 };
 use steradian_math::{DMat4, DVec3};
-use steradian_scene::{Family, Mesh, Node, SceneDesc, Shape, Transform, Value};
+use steradian_scene::{ColorSpace, Family, Mesh, Node, SceneDesc, Shape, SpectrumValue, Transform, Value};
 
 /// Horizontal angle of view in degrees.
 const FOV: f64 = 40.0;
@@ -22,10 +22,13 @@ const AZIMUTH: f64 = 28.810_793_742_973_065;
 const ELEVATION: f64 = 19.314_867_909_262_31;
 /// Places of the corners of a box that turns.
 const TURNS: usize = 64;
-/// Reflectance of the ground.
-const GROUND: f64 = 0.3;
-/// Radius of the ground, and how far it lies below the model, in diagonals of the box.
-const GROUND_RADIUS: f64 = 20.0;
+/// Reflectance of the ground: in the studio as bright as the wall behind, elsewhere.
+const GROUND_IN_STUDIO: [f64; 3] = [0.068, 0.074, 0.084];
+const GROUND: [f64; 3] = [0.3; 3];
+/// Radius of the ground, share of it from which on it fades, and how far it lies below the model, in diagonals of the
+/// box.
+const GROUND_RADIUS: f64 = 4.0;
+const GROUND_CORE: f64 = 0.2;
 const GROUND_GAP: f64 = 1e-3;
 const GROUND_TO_HORIZON: f64 = 2000.0;
 /// Diagonal of the largest model that gets a ground.
@@ -36,17 +39,57 @@ const SKIES: [(&str, &str); 2] = [("clear", "sky"), ("atmosphere", "atmosphere")
 /// Factor on their light, so that by default the ground is as bright under them as under that picture.
 const SUN_SCALE: f64 = 2.85;
 
-/// Surroundings that the user names.
+/// Share of the light of lamps that surfaces get from all sides, where there are lamps and no sky.
+const DIM: f64 = 0.06;
+
+/// Surroundings of a model.
 #[derive(Clone, Debug)]
 enum Sky {
+    /// None: lamps alone give light.
+    None,
+    /// A picture of a formula, by its name.
+    Formula(&'static str, fn(DVec3) -> [f64; 3]),
+    /// A plain sky with a sun, as a picture.
+    Outdoor,
     /// A picture.
     Picture(PathBuf),
     /// A kind of light, with the height of its sun in degrees.
     Sun(&'static str, f64),
 }
 
-/// Azimuth of the sun from the front to the right, and its height above the horizon, in radians: as in the picture that
-/// is there unless the user names another sky.
+impl Sky {
+    /// The sky of a name, or of a file that the user names.
+    fn of(word: &str, options: &Options, sun: f64) -> Result<Self, String> {
+        if let Some((_, kind)) = SKIES.iter().find(|(name, _)| *name == word) {
+            return Ok(Self::Sun(kind, sun));
+        }
+        if let Some((name, radiance)) = studio::FORMULAS.iter().find(|(name, _)| *name == word) {
+            return Ok(Self::Formula(name, *radiance));
+        }
+        match word {
+            "none" => Ok(Self::None),
+            "outdoor" => Ok(Self::Outdoor),
+            // As the user writes it, from where the program is run.
+            _ => match SearchPath::new(Some(Path::new("")), options).find(word) {
+                Ok(file) => Ok(Self::Picture(file)),
+                Err(e) => {
+                    let names = studio::FORMULAS.iter().map(|f| f.0).chain(SKIES.map(|s| s.0));
+                    let names = names.collect::<Vec<_>>().join(", ");
+                    Err(format!("'sky': {e}; the skies that need no file are {names}, outdoor and none"))
+                }
+            },
+        }
+    }
+
+    /// The sky without the user's word.
+    fn usual() -> Self {
+        let [(name, radiance), ..] = studio::FORMULAS;
+        Self::Formula(name, radiance)
+    }
+}
+
+/// Azimuth of the sun from the front to the right, and its height above the horizon, in radians: as in the picture of
+/// `sky=outdoor`.
 fn usual_sun() -> [f64; 2] {
     let [x, y, z] = sky::SUN;
     [x.atan2(z), y.atan2(x.hypot(z))]
@@ -60,8 +103,11 @@ struct StageOptions {
     elevation: f64,
     /// True if the user gave an azimuth: the distance is then the one for all sides.
     is_turned: bool,
-    /// Sky around the model.
+    /// Sky that the user names.
     sky: Option<Sky>,
+    /// Turn of the sky from the front to the right, in degrees, and factor on its light.
+    turn: f64,
+    strength: f64,
     /// From the model's axes to those of the world, where +y is up and +z is the front.
     axes: DMat3,
 }
@@ -82,14 +128,13 @@ impl StageOptions {
             Some("false") => false,
             Some(other) => return Err(format!("'ground' is 'true' or 'false', not '{other}'")),
         };
-        // As the user writes it, from where the program is run.
-        let found = |name| SearchPath::new(Some(Path::new("")), options).find(name);
-        let sky = match word("sky") {
-            None => None,
-            Some(word) => Some(match SKIES.iter().find(|(name, _)| *name == word) {
-                Some((_, kind)) => Sky::Sun(kind, angle("sun", usual_sun()[1].to_degrees(), 90.0)?),
-                None => Sky::Picture(found(word).map_err(|e| format!("'sky': {e}"))?),
-            }),
+        let sun = angle("sun", usual_sun()[1].to_degrees(), 90.0)?;
+        let sky = word("sky").map(|word| Sky::of(word, options, sun)).transpose()?;
+        let strength = match word("strength") {
+            None => 1.0,
+            Some(text) => text.parse().ok().filter(|v| (0.0..=1e6).contains(v)).ok_or_else(|| {
+                format!("'strength' is a factor on the light of the sky from 0 to 1000000, not '{text}'")
+            })?,
         };
         if word("sun").is_some() && !matches!(sky, Some(Sky::Sun(..))) {
             let skies = SKIES.map(|(name, _)| format!("sky={name}")).join(" or ");
@@ -113,6 +158,8 @@ impl StageOptions {
             elevation: angle("elevation", ELEVATION, 89.0)?,
             is_turned: word("azimuth").is_some(),
             sky,
+            turn: angle("turn", 0.0, 360.0)?,
+            strength,
             axes: hand * up,
         })
     }
@@ -137,10 +184,10 @@ pub(super) fn set(import: &mut Import, options: &Options) {
     add_missing(desc, &stage, corners, emits);
 }
 
-/// Adds what a scene lacks: a camera that frames the box of its shapes, a sky with a sun where it has no light of its
-/// own, and a ground where it has neither, unless the user defines `ground=false`. A sky that the user names is always
-/// there.
-pub(crate) fn complete(import: &mut Import, options: &Options, corners: [DVec3; 2], has_lights: bool) {
+/// Adds what a scene lacks: a camera that frames the box of its shapes, a studio where it has no light of its own, and a
+/// ground where it has neither, unless the user defines `ground=false`. A sky that the user names is always there.
+/// Where there are lamps and no sky, shadows get a little light from all sides, and a note says so.
+pub(crate) fn complete(import: &mut Import, options: &Options, corners: [DVec3; 2], has_lights: bool, dim: bool) {
     let Import { desc, diagnostics } = import;
     let stage = match StageOptions::of(options) {
         Ok(stage) => stage,
@@ -151,20 +198,62 @@ pub(crate) fn complete(import: &mut Import, options: &Options, corners: [DVec3; 
         let what = format!("the document has a camera of its own, so '{name}' has no effect");
         diagnostics.unused(&desc.sources, None, what, None);
     }
-    add_missing(desc, &stage, options.framing.unwrap_or(corners), has_lights);
+    let corners = options.framing.unwrap_or(corners);
+    add_missing(desc, &stage, corners, has_lights);
+    if stage.sky.is_none() && dim && !desc.lights.is_empty() && add_dim_light(desc, &stage, corners) {
+        let what =
+            "the document has lamps and no sky: shadows get a little light from all sides (not with -D sky=none)";
+        diagnostics.note(&desc.sources, None, what);
+    }
 }
 
 fn add_missing(desc: &mut SceneDesc, stage: &StageOptions, corners: [DVec3; 2], has_lights: bool) {
     let is_lit = has_lights || !desc.lights.is_empty();
+    let viewer = viewer(desc, stage);
     if desc.cameras.is_empty() {
         add_camera(desc, stage, corners);
         if !is_lit && stage.ground {
             add_ground(desc, stage, corners);
         }
     }
-    if !is_lit || stage.sky.is_some() {
-        add_sky(desc, stage);
+    if let Some(sky) = stage.sky.clone().or_else(|| (!is_lit).then(Sky::usual)) {
+        add_sky(desc, stage, &sky, viewer);
     }
+}
+
+/// Irradiance that the lamps of a document give its middle, of green, whatever is between.
+fn lamp_light(desc: &SceneDesc, [low, high]: [DVec3; 2]) -> f64 {
+    let middle = (low + high) * 0.5;
+    let nearest = ((high - low).length() * 0.25).max(1e-6);
+    let green = |value: Option<&Value>| match value {
+        Some(Value::Spectrum(SpectrumValue::Rgb(rgb, _))) => rgb[1].max(0.3 * rgb[0]).max(0.1 * rgb[2]),
+        _ => 0.0,
+    };
+    let one = |light: &Node| match light.kind.as_str() {
+        "distant" => green(light.get("radiance")),
+        kind => {
+            let place = match light.get("position") {
+                Some(Value::Vec3(place)) => DVec3::from_array(*place),
+                _ => light.transform("to_world").map_or(middle, |t| t.point(DVec3::ZERO)),
+            };
+            let distance = (place - middle).length().max(nearest);
+            if matches!(kind, "point" | "spot") { green(light.get("intensity")) / (distance * distance) } else { 0.0 }
+        }
+    };
+    desc.lights.iter().map(|&light| one(desc.node(light))).sum()
+}
+
+/// Adds dim light from all sides to a document with lamps; false where that would be none.
+fn add_dim_light(desc: &mut SceneDesc, stage: &StageOptions, corners: [DVec3; 2]) -> bool {
+    let radiance = DIM * lamp_light(desc, corners) / std::f64::consts::PI * stage.strength;
+    if !(radiance > 0.0 && radiance.is_finite()) {
+        return false;
+    }
+    let mut sky = Node::new(Family::Light, "environment", None).with("radiance", radiance);
+    sky.name = Some("sky".into());
+    let sky = desc.add(sky);
+    desc.lights.push(sky);
+    true
 }
 
 fn add_camera(desc: &mut SceneDesc, stage: &StageOptions, corners: [DVec3; 2]) {
@@ -178,43 +267,60 @@ fn add_camera(desc: &mut SceneDesc, stage: &StageOptions, corners: [DVec3; 2]) {
     desc.film = Some(film);
 }
 
-/// The picture that the user names, or a sky with a sun that stays where it is for the viewer, from whichever side the
-/// model is seen.
-fn add_sky(desc: &mut SceneDesc, stage: &StageOptions) {
-    let picture = |file: PathBuf| {
-        Node::new(Family::Light, "environment", None).with("file", file).with("parametrization", "latlong")
+/// Azimuth of the viewer in degrees: that of the document's camera, where it has one and nothing moves.
+fn viewer(desc: &SceneDesc, stage: &StageOptions) -> f64 {
+    let camera = desc.cameras.first().filter(|_| desc.animations.is_empty()).map(|&camera| desc.node(camera));
+    let forward = camera.and_then(|camera| camera.transform("to_world")).map(|place| place.vector(DVec3::Z));
+    match forward.filter(|f| f.is_finite() && f.x.hypot(f.z) > 1e-3 * f.y.abs()) {
+        Some(forward) => (-forward.x).atan2(-forward.z).to_degrees(),
+        None => stage.azimuth,
+    }
+}
+
+/// The sky, which stays where it is for the viewer, from whichever side the model is seen; a picture that the user names
+/// stays where it is in the world.
+fn add_sky(desc: &mut SceneDesc, stage: &StageOptions, sky: &Sky, viewer: f64) {
+    let picture = |file: PathBuf, turn: f64| {
+        let light = Node::new(Family::Light, "environment", None).with("file", file).with("parametrization", "latlong");
+        match turn {
+            0.0 => light,
+            _ => light.with("to_world", Transform::linear(DMat3::from_rotation_y(turn.to_radians()))),
+        }
     };
-    let turn = stage.azimuth - AZIMUTH;
-    let mut sky = match &stage.sky {
-        Some(Sky::Picture(file)) => picture(file.clone()),
-        Some(Sky::Sun(kind, height)) => {
+    let turn = viewer - AZIMUTH + stage.turn;
+    let mut made = |name: &str, bytes: Vec<u8>, turn: f64| {
+        let file = PathBuf::from(name);
+        desc.embedded.insert(file.clone(), bytes.into());
+        picture(file, turn)
+    };
+    let mut light = match sky {
+        Sky::None => return,
+        Sky::Picture(file) => picture(file.clone(), stage.turn),
+        Sky::Formula(name, radiance) => {
+            made(&format!("{name} of the viewer"), studio::pfm(radiance), viewer + stage.turn)
+        }
+        Sky::Outdoor => made("sky of the viewer", sky::pfm(), turn),
+        Sky::Sun(kind, height) => {
             let (azimuth, height) = (turn.to_radians() + usual_sun()[0], height.to_radians());
             let sun = [azimuth.sin() * height.cos(), height.sin(), azimuth.cos() * height.cos()];
             // The sun is given in the world; the sky's own +z is up.
             let axes = DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y);
             Node::new(Family::Light, *kind, None)
                 .with("sun_direction", Value::Vec3(sun))
-                .with("scale", SUN_SCALE)
                 .with("to_world", Transform::linear(axes))
         }
-        None => {
-            let file = PathBuf::from("sky of the viewer");
-            desc.embedded.insert(file.clone(), sky::pfm().into());
-            let sky = picture(file);
-            if turn == 0.0 {
-                sky
-            } else {
-                sky.with("to_world", Transform::linear(DMat3::from_rotation_y(turn.to_radians())))
-            }
-        }
     };
-    sky.name = Some("sky".into());
-    let sky = desc.add(sky);
-    desc.lights.push(sky);
+    let scale = stage.strength * if matches!(sky, Sky::Sun(..)) { SUN_SCALE } else { 1.0 };
+    if scale != 1.0 {
+        light.set("scale", scale, None);
+    }
+    light.name = Some("sky".into());
+    let light = desc.add(light);
+    desc.lights.push(light);
 }
 
-/// A wide grey disk under the model, which catches its shadow. There is none under models so large that places on it
-/// could not be told in single precision.
+/// A grey disk under the model, which catches its shadow and fades into what is behind. There is none under models so
+/// large that places on it could not be told in single precision.
 fn add_ground(desc: &mut SceneDesc, stage: &StageOptions, [low, high]: [DVec3; 2]) {
     let diagonal = (high - low).length().max(1e-6);
     if diagonal > LARGEST {
@@ -225,12 +331,31 @@ fn add_ground(desc: &mut SceneDesc, stage: &StageOptions, [low, high]: [DVec3; 2
     // The disk's +z is the world's +y.
     let axes = [DVec3::X, DVec3::NEG_Z, DVec3::Y].map(|axis| axis.extend(0.0));
     let to_world = Transform { matrix: DMat4::from_cols(axes[0], axes[1], axes[2], origin.extend(1.0)) };
+    let is_studio = matches!(&stage.sky, None | Some(Sky::Formula("studio", _)));
+    let reflectance = if is_studio { GROUND_IN_STUDIO } else { GROUND };
+    let mut material = desc.add(
+        Node::new(Family::Material, "diffuse", None)
+            .with("reflectance", SpectrumValue::Rgb(reflectance, ColorSpace::Srgb)),
+    );
     // Skies that are black below the horizon have the ground reach there.
-    let radius = if matches!(stage.sky, Some(Sky::Sun(..))) { GROUND_TO_HORIZON } else { GROUND_RADIUS };
+    let radius = if matches!(stage.sky, Some(Sky::Sun(..) | Sky::None)) {
+        GROUND_TO_HORIZON
+    } else {
+        // A disk's v is 0 at its rim and 1 at its middle.
+        let inward = desc.add(Node::new(Family::Texture, "gradient", None).with("type", "v"));
+        let opacity = Node::new(Family::Texture, "curve", None)
+            .with("input", inward)
+            .with("places", vec![0.0, 1.0 - GROUND_CORE])
+            .with("values", vec![0.0, 1.0])
+            .with("interpolation", "smooth");
+        let opacity = desc.add(opacity);
+        let mask = Node::new(Family::Material, "mask", None).with("opacity", opacity).with("material", material);
+        material = desc.add(mask);
+        GROUND_RADIUS
+    };
     let mut disk = Node::new(Family::Shape, "disk", None).with("radius", radius * diagonal);
     disk.name = Some("ground".into());
     let disk = desc.add(disk);
-    let material = desc.add(Node::new(Family::Material, "diffuse", None).with("reflectance", GROUND));
     desc.shapes.push(Shape { world_from_object: to_world, material: Some(material), ..Shape::new(disk) });
 }
 

@@ -1,7 +1,7 @@
 use super::*;
 use crate::mesh::test_files::assets;
 use steradian_math::DVec3;
-use steradian_scene::{SpectrumValue, Value};
+use steradian_scene::{SceneDesc, SpectrumValue, Value};
 
 /// A folder with these files, and the scene that the first of them opens as.
 fn open(files: &[(&str, &[u8])]) -> Import {
@@ -325,6 +325,25 @@ fn models_are_seen_as_the_user_says() {
         let ground = &desc.shapes[1].world_from_object;
         assert!(ground.point(DVec3::ZERO).y <= tip.y.min(0.0), "{defines:?}: the ground is above");
     }
+    // Skies that need no file, their turn and the factor on their light.
+    for (name, file) in [
+        ("studio", Some("studio of the viewer")),
+        ("overcast", Some("overcast of the viewer")),
+        ("dim", Some("dim of the viewer")),
+        ("outdoor", Some("sky of the viewer")),
+        ("none", None),
+    ] {
+        let desc = with(&[("sky", name), ("turn", "90"), ("strength", "2")]).desc;
+        let light = desc.lights.first().map(|&light| desc.node(light));
+        assert_eq!(light.and_then(|l| l.get("file")), file.map(|f| Value::Path(f.into())).as_ref(), "{name}");
+        assert!(light.is_none_or(|l| l.float("scale") == Some(2.0)) && desc.embedded.len() == desc.lights.len());
+        let x = |desc: &SceneDesc| desc.node(desc.lights[0]).transform("to_world").map(|t| t.vector(DVec3::X));
+        let turned = [desc, with(&[("sky", name), ("turn", "0.25")]).desc];
+        if file.is_some() {
+            let [a, b] = turned.map(|desc| x(&desc).expect("it is turned"));
+            assert!((b.cross(a).y - 89.75f64.to_radians().sin()).abs() < 1e-9, "{name}: {a} {b}");
+        }
+    }
     // A sky with a sun: its height, and where it stands for the viewer.
     for (height, azimuth) in [("47.0746658610554", "28.810793742973065"), ("5", "118.810793742973065")] {
         let desc = with(&[("sky", "clear"), ("sun", height), ("azimuth", azimuth)]).desc;
@@ -348,6 +367,9 @@ fn models_are_seen_as_the_user_says() {
         ("elevation", "90", "'elevation' is an angle in degrees from -89 to 89, not '90'"),
         ("crease", "181", "'crease' is an angle in degrees from 0 to 180, not '181'"),
         ("sky", "nothing.hdr", "'sky': cannot find 'nothing.hdr'"),
+        ("sky", "studoi", "the skies that need no file are studio, overcast, dim, clear, atmosphere, outdoor and none"),
+        ("strength", "-1", "'strength' is a factor on the light of the sky from 0 to 1000000, not '-1'"),
+        ("turn", "round", "'turn' is an angle in degrees from -360 to 360, not 'round'"),
         ("sun", "10", "'sun' is the height of the sun of sky=clear or sky=atmosphere"),
     ] {
         let import = with(&[(name, value)]);
