@@ -1,10 +1,10 @@
 //! The file that keeps a render, to go on with, and the one before it, for the case that the file is damaged.
 
 use crate::{failure::Failure, terminal::Terminal};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use steradian::{
     Session,
-    resume::{self, Recipe, StateError},
+    resume::{Recipe, StateError},
 };
 
 /// Refuses what a render cannot be kept in.
@@ -21,23 +21,6 @@ pub fn check_state(state: &Path) -> Result<(), Failure> {
 
 pub fn unusable(state: &Path, why: &StateError) -> Failure {
     Failure::bad_input(format!("{} {why}; without that file the render begins anew", state.display()))
-}
-
-/// The file of the state before that in `state`.
-pub fn before(state: &Path) -> PathBuf {
-    let mut name = state.as_os_str().to_owned();
-    name.push(".before");
-    name.into()
-}
-
-/// The file to go on from: that of a state, or of the one before where that is damaged. `None` where there is none.
-pub fn source(state: &Path) -> Option<PathBuf> {
-    if !state.exists() {
-        return None;
-    }
-    let is_damaged = |path: &Path| matches!(resume::state_file(path), Err(StateError::Damaged | StateError::NotAState));
-    let before = before(state);
-    Some(if is_damaged(state) && resume::state_file(&before).is_ok() { before } else { state.to_path_buf() })
 }
 
 /// Keeps a session in a file.
@@ -74,18 +57,7 @@ impl Checkpoint<'_> {
 
     /// Saves the session. The state before gets a name of its own first.
     pub fn save(&self, session: &mut dyn Session) -> Result<(), String> {
-        if self.path.exists() {
-            let before = before(self.path);
-            // A second name of the file: that of the state is never without a file. A draft that a killed process left
-            // may be such a name, too: nothing is written into it.
-            let draft = before.with_extension("draft");
-            let _ = std::fs::remove_file(&draft);
-            let linked = std::fs::hard_link(self.path, &draft).or_else(|_| std::fs::copy(self.path, &draft).map(drop));
-            let _ = linked.and_then(|()| std::fs::rename(&draft, &before));
-            // Where both are names of one file already, renaming leaves both.
-            let _ = std::fs::remove_file(&draft);
-        }
-        self.recipe.save(session, self.path).map_err(|e| format!("the render cannot be kept: {e}"))
+        self.recipe.keep(session, self.path).map_err(|e| format!("the render cannot be kept: {e}"))
     }
 
     /// Saves on the way: what fails now may go well later.

@@ -3,7 +3,7 @@
 use crate::{
     args::{DenoiseArgs, Denoiser},
     failure::{self, Failure, Outcome},
-    oidn, open, output,
+    open, output,
     terminal::Terminal,
 };
 use std::{
@@ -36,7 +36,11 @@ impl Filter {
             }
             (Some(Denoiser::Atrous), None) => Ok(Self::Atrous),
             (None | Some(Denoiser::Nlm), None) => Ok(Self::NonLocalMeans(strength)),
-            (_, library) => Ok(Self::Oidn(oidn::load(library, usize::from(threads))?)),
+            (_, library) => {
+                let path = denoise::oidn_library(library).map_err(Failure::bad_input)?;
+                let oidn = Oidn::load(&path, usize::from(threads));
+                Ok(Self::Oidn(oidn.map_err(|e| Failure::bad_input(format!("'{}': {e}", path.display())))?))
+            }
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::{
     args::{Color, Denoiser, RenderArgs, SceneOptions},
-    checkpoint::{self, check_state, unusable},
+    checkpoint::{check_state, unusable},
     denoise::guides,
     failure::Failure,
     memory,
@@ -19,9 +19,7 @@ use steradian::{
     ColorMode, Inputs, Layer, Quality, Render, Scene, SensorNoise,
     engine::{Feature, Support},
     image::{FileKind, WriteOptions},
-    radiosity,
-    resume::{self},
-    suited_mode,
+    radiosity, resume, suited_mode,
 };
 
 /// The scene that is rendered when none is named.
@@ -96,7 +94,7 @@ impl<'a> Job<'a> {
                 "{what}; render takes a scene, as in steradian render {DEFAULT_SCENE}"
             )));
         }
-        let state = args.resume.as_deref().and_then(checkpoint::source);
+        let state = args.resume.as_deref().and_then(resume::source);
         let job = Self { args, terminal, path, name: open::shown(path), quality, solution, state, outputs, kinds };
         output::claim(job.outputs.iter().chain(&job.kept()).map(PathBuf::as_path), &Inputs::of([path]))?;
         args.resume.as_deref().map_or(Ok(()), check_state)?;
@@ -107,7 +105,7 @@ impl<'a> Job<'a> {
     fn kept(&self) -> Vec<PathBuf> {
         let states = self.args.resume.iter().flat_map(|state| {
             // A process that was killed as it saved may have left both as names of one file.
-            let before = Some(checkpoint::before(state)).filter(|b| Inputs::of([&**state]).find(b).is_none());
+            let before = Some(resume::before(state)).filter(|b| Inputs::of([&**state]).find(b).is_none());
             [state.clone()].into_iter().chain(before)
         });
         states.chain(self.solution.clone()).collect()

@@ -31,7 +31,6 @@ mod material;
 mod material_summary;
 mod memory;
 mod meter;
-mod oidn;
 mod open;
 mod output;
 mod pack;

@@ -4,11 +4,12 @@ use crate::{
     args::ViewArgs,
     diagnostics,
     failure::{DONE, Failure, Outcome},
-    memory, oidn, open, terminal,
+    memory, open, terminal,
     terminal::Terminal,
     values::Size,
 };
 use std::{path::PathBuf, process::Command, sync::Arc};
+use steradian::denoise;
 use steradian_server::{Error, Options, SettingsChange, Source, View};
 
 /// The built-in scene that is shown where none is named.
@@ -21,9 +22,9 @@ pub fn run(args: &ViewArgs, terminal: Terminal) -> Outcome {
     if open::is_stdin(&name) {
         return Err(Failure::bad_input("a scene that is looked at is a file, not standard input"));
     }
-    let library = oidn::path(args.oidn.as_deref());
+    let library = denoise::oidn_library(args.oidn.as_deref());
     if args.oidn.is_some() {
-        library.as_ref().map_err(|failure| Failure::bad_input(failure.message.clone()))?;
+        library.as_ref().map_err(|why| Failure::bad_input(why.clone()))?;
     }
     let size = args.size.map(|Size(w, h)| (w, h));
     let options = Options {
@@ -42,7 +43,7 @@ pub fn run(args: &ViewArgs, terminal: Terminal) -> Outcome {
         },
         bind: args.bind.clone(),
         port: args.port,
-        oidn: library.map_err(|failure| failure.message),
+        oidn: library,
         log: Arc::new(move |line| terminal.say(line)),
     };
     let view = View::start(&options).map_err(|e| match e {

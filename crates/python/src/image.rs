@@ -1,6 +1,11 @@
 //! Pictures: named planes that are NumPy arrays.
 
-use crate::{guard, metadata};
+use crate::{
+    comparison::Comparison,
+    denoise::Denoiser,
+    guard, message, metadata,
+    mix::{self, Weight},
+};
 use numpy::{
     IntoPyArray, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2,
     ndarray::{Array2, Array3},
@@ -10,10 +15,10 @@ use pyo3::{
     prelude::*,
     types::{PyBytes, PyDict},
 };
-use std::{path::PathBuf, sync::Arc};
+use std::{collections::HashMap, path::PathBuf, sync::Arc};
 use steradian::{
     Layer,
-    image::{self, FileKind, Limits, WriteOptions, metrics, tone::Tone},
+    image::{self, FileKind, Limits, WriteOptions, tone::Tone},
 };
 
 /// A plane of a picture.
@@ -81,6 +86,11 @@ impl Image {
         let planes = picture.into_channels().into_iter().map(plane).collect::<PyResult<_>>()?;
         let Facts { spp, seconds, error, stopped, files } = facts;
         Ok(Self { planes, rest, width, height, spp, seconds, error, stopped, files })
+    }
+
+    fn facts(&self) -> Facts {
+        let Self { spp, seconds, error, stopped, .. } = *self;
+        Facts { spp, seconds, error, stopped, files: self.files.clone() }
     }
 
     /// The planes whose names these are.
@@ -332,23 +342,47 @@ impl Image {
         Ok(array.map_err(|e| PyValueError::new_err(e.to_string()))?.into_pyarray(py))
     }
 
-    /// Error of the picture against a reference of its size: `mse`, `rmse`, `rel_mse`, `psnr`, `max_abs`, `mean`,
-    /// `reference_mean`, `ratio`, `non_finite`.
+    /// Figures of the picture against a reference; one of another size is resampled by area.
     fn compare<'py>(&self, py: Python<'py>, reference: &Self) -> PyResult<Bound<'py, PyDict>> {
-        let colours = |name: &str| matches!(name, "R" | "G" | "B");
-        let (a, b) = (self.picture(py, colours)?, reference.picture(py, colours)?);
-        let c = py.detach(|| metrics::compare(&a, &b)).map_err(|e| PyValueError::new_err(e.to_string()))?;
-        let all = PyDict::new(py);
-        for (name, v) in
-            [("mse", c.mse), ("rmse", c.rmse), ("rel_mse", c.rel_mse), ("psnr", c.psnr), ("max_abs", c.max_abs)]
-        {
-            all.set_item(name, v)?;
+        let wanted = |name: &str| matches!(name, "R" | "G" | "B") || name.starts_with("variance.");
+        let (own, other) = (self.picture(py, wanted)?, reference.picture(py, wanted)?);
+        let found = py.detach(|| Comparison::of(&own, &other)).map_err(PyValueError::new_err)?;
+        if let Some([w, h]) = found.resampled_from {
+            let (width, height) = (self.width, self.height);
+            message::warn(
+                py,
+                &format!("the reference has {w} x {h} pixels, and is resampled by area to {width} x {height}"),
+            )?;
         }
-        for (name, v) in [("mean", c.mean), ("reference_mean", c.reference_mean), ("ratio", c.ratio)] {
-            all.set_item(name, v)?;
+        found.to_python(py)
+    }
+
+    /// The picture without its noise, by `nlm`, `atrous` or `oidn`, guided by the layers that it has. It keeps its layers,
+    /// and the noisy picture as the layer `raw`.
+    #[pyo3(signature = (method = "nlm", *, half = None, strength = None))]
+    fn denoise(&self, py: Python<'_>, method: &str, half: Option<&Self>, strength: Option<f32>) -> PyResult<Self> {
+        let denoiser = Denoiser::named(method)?;
+        if denoiser != Denoiser::Nlm && (half.is_some() || strength.is_some()) {
+            return Err(PyValueError::new_err("half and strength are of the denoiser nlm"));
         }
-        all.set_item("non_finite", c.non_finite)?;
-        Ok(all)
+        let noisy = self.picture(py, |_| true)?;
+        let half = half.map(|half| half.picture(py, |_| true)).transpose()?;
+        let denoised = py.detach(|| denoiser.picture(&noisy, half.as_ref(), strength.unwrap_or(1.0)));
+        let denoised = denoised.map_err(PyValueError::new_err)?;
+        if !denoised.missing.is_empty() {
+            let missing: Vec<&str> = denoised.missing.iter().map(|layer| layer.name()).collect();
+            let what = format!("the layers {} are missing, which would guide better", missing.join(", "));
+            message::warn(py, &what)?;
+        }
+        Self::new(py, denoised.picture, self.facts())
+    }
+
+    /// The picture with the lights of groups weighted, by their names; of a render with the layer `light_groups`.
+    fn mix(&self, py: Python<'_>, weights: HashMap<String, Weight>) -> PyResult<Self> {
+        let weights = weights.into_iter().map(|(name, weight)| (name, weight.rgb())).collect();
+        let whole = self.picture(py, |_| true)?;
+        let mixed = py.detach(|| mix::mixed(&whole, &weights)).map_err(PyValueError::new_err)?;
+        Self::new(py, mixed, self.facts())
     }
 
     fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {

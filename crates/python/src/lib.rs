@@ -6,18 +6,24 @@
 //! nothing. The interpreter's
 //! lock is released while anything takes long.
 
+mod comparison;
 mod convert;
+mod denoise;
+mod frames;
 mod guard;
 mod image;
+mod look;
 mod material;
 mod mesh;
 mod message;
 mod metadata;
+mod mix;
 mod parameter;
 mod parts;
 mod progress;
 mod rays;
 mod render;
+mod resume;
 mod scene;
 mod settings;
 mod shape;
@@ -36,6 +42,8 @@ mod _steradian {
     const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
     use super::SceneError;
+    #[pymodule_export]
+    use super::frames::Frames;
     #[pymodule_export]
     use super::image::{Image, read_image};
     #[pymodule_export]

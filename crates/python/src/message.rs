@@ -1,7 +1,8 @@
 //! Messages of reading and compiling.
 
 use crate::SceneError;
-use pyo3::prelude::*;
+use pyo3::{exceptions::PyUserWarning, prelude::*};
+use std::ffi::CString;
 use steradian::scene::{Diagnostic, Diagnostics, Severity};
 
 /// One thing that reading or compiling had to say.
@@ -55,4 +56,10 @@ pub fn error(diagnostics: &Diagnostics) -> PyErr {
     let texts: Vec<String> =
         diagnostics.iter().filter(|d| d.severity == Severity::Error).map(ToString::to_string).collect();
     SceneError::new_err(texts.join("\n"))
+}
+
+/// Warns the caller of the package's function.
+pub fn warn(py: Python<'_>, what: &str) -> PyResult<()> {
+    let text = CString::new(what.replace('\0', " "))?;
+    PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 2)
 }

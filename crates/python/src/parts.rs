@@ -3,7 +3,7 @@
 use crate::{
     image::{Facts, Image},
     settings::Settings,
-    stepping::{begin, passes},
+    stepping::{develop, passes, plan, session},
 };
 use pyo3::{exceptions::PyValueError, prelude::*, types::PyBytes};
 use std::{
@@ -48,12 +48,16 @@ impl Parts {
         settings: &Settings,
         fingerprint: [u8; 32],
     ) -> PyResult<Self> {
-        let Settings { quality, options, time } = settings;
+        let Settings { quality, options, time, .. } = settings;
         if time.is_some() {
             let why = "a render up to a time cannot be computed in parts: where it ended would depend on the machines";
             return Err(PyValueError::new_err(why));
         }
-        let (render, session) = py.detach(|| begin(quality, scene))?;
+        let (render, session) = py.detach(|| {
+            let render = plan(settings, scene)?;
+            let session = session(&render, scene)?;
+            Ok::<_, PyErr>((render, session))
+        })?;
         let pieces = session.pieces().map_err(|why| {
             PyValueError::new_err(format!("this render cannot be computed in parts by '{}': {why}", render.name))
         })?;
@@ -89,7 +93,7 @@ impl Parts {
     fn part(&self, pieces: &Range<u32>) -> PyResult<Option<Vec<u8>>> {
         let session = &mut *self.state().session;
         session.restrict(pieces.clone()).map_err(|why| PyValueError::new_err(why.to_string()))?;
-        passes(session, &self.control);
+        passes(session, &self.control, |_| ());
         if let Some(why) = session.failure() {
             return Err(PyValueError::new_err(why));
         }
@@ -146,9 +150,7 @@ impl Parts {
                 stopped: stopped.and_then(Facts::end),
                 files: self.files.clone(),
             };
-            let film = (state.joined > 0).then(|| state.session.film());
-            drop(state);
-            film.map(|film| (steradian::develop(&self.scene, &film, &self.layers), facts))
+            (state.joined > 0).then(|| (develop(&self.scene, &*state.session, &self.layers), facts))
         });
         developed.map(|(picture, facts)| Image::new(py, picture, facts)).transpose()
     }

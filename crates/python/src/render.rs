@@ -1,9 +1,13 @@
 //! Rendering under watch: a thread takes the samples, while the calling one looks at signals and tells how far it is.
 
 use crate::{
+    frames::Frames,
     image::{Facts, Image},
+    message::warn,
     progress::Progress,
-    stepping::{begin, passes},
+    resume::Kept,
+    settings::Settings,
+    stepping::{develop, passes, plan, session},
 };
 use pyo3::{
     exceptions::{PyKeyboardInterrupt, PyValueError},
@@ -18,33 +22,43 @@ use std::{
     thread,
     time::{Duration, Instant},
 };
-use steradian::{Control, Quality, Scene, Session};
+use steradian::{Control, Scene, Session};
 
 /// Interval at which the watcher looks.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
+/// Interval at which the state of the render is kept.
+const KEEP_EVERY: Duration = Duration::from_secs(30);
 
 /// Scene to render, and settings.
 pub struct Request<'a> {
     pub scene: &'a Arc<Scene>,
     /// All files that the scene is made of.
     pub files: &'a Arc<[PathBuf]>,
-    pub quality: &'a Quality,
-    /// Seconds after which to stop.
-    pub time: Option<f64>,
+    pub settings: &'a Settings,
     /// Called with a [`Progress`]; `False` stops the render.
     pub progress: Option<&'a Py<PyAny>>,
+    /// File that keeps the render, and the fingerprint of the scene's description.
+    pub resume: Option<(PathBuf, [u8; 32])>,
+    /// Frames before this one.
+    pub before: Option<&'a Frames>,
 }
 
 /// Renders until all samples are taken, or something ends it.
 pub fn run(py: Python<'_>, request: &Request<'_>) -> PyResult<Image> {
-    let Request { scene, quality, .. } = request;
-    let (render, mut session) = begin(quality, scene)?;
+    let Request { scene, settings, resume, before, .. } = request;
+    let mut render = plan(settings, scene)?;
     let crop = scene.film().crop;
     let pixels = f64::from(crop.width()) * f64::from(crop.height());
     let planned = pixels * f64::from(render.plan.sampler.spp);
-    let ended = py.detach(|| {
+    let kept =
+        resume.as_ref().map(|(path, print)| Kept::new(path, *print, scene, settings, &mut render)).transpose()?;
+    let mut session = py.detach(|| session(&render, scene))?;
+    before.iter().for_each(|before| before.begin(&mut *session));
+    kept.as_ref().map_or(Ok(()), |kept| kept.restore(py, &mut *session))?;
+    let (ended, fault) = py.detach(|| {
         let control = Control::default();
-        let end = watch(&mut *session, &control, request, pixels, planned);
+        let end = watch(&mut *session, &control, request, kept.as_ref(), (pixels, planned));
+        let fault = kept.as_ref().and_then(|kept| kept.save(&mut *session).err());
         let facts = Facts {
             spp: session.counters().samples as f64 / pixels,
             seconds: session.wall().as_secs_f64(),
@@ -59,11 +73,13 @@ pub fn run(py: Python<'_>, request: &Request<'_>) -> PyResult<Image> {
             },
         };
         if let Some(why) = session.failure() {
-            return (Some(End::Raised(PyValueError::new_err(why))), facts, None);
+            return ((Some(End::Raised(PyValueError::new_err(why))), facts, None), fault);
         }
-        let picture = (facts.spp > 0.0).then(|| steradian::develop(scene, &session.film(), &quality.layers));
-        (end, facts, picture)
+        let picture = (facts.spp > 0.0).then(|| develop(scene, &*session, &settings.quality.layers));
+        before.iter().for_each(|before| before.end(&mut *session));
+        ((end, facts, picture), fault)
     });
+    fault.map_or(Ok(()), |why| warn(py, &why))?;
     match ended {
         // Ctrl-C keeps the picture; what a callback raised goes on.
         (Some(End::Raised(e)), _, Some(_)) if !e.is_instance_of::<PyKeyboardInterrupt>(py) => Err(e),
@@ -84,10 +100,11 @@ fn watch(
     session: &mut dyn Session,
     control: &Control,
     request: &Request<'_>,
-    pixels: f64,
-    planned: f64,
+    kept: Option<&Kept<'_>>,
+    (pixels, planned): (f64, f64),
 ) -> Option<End> {
     let start = Instant::now();
+    let before = session.counters().samples;
     let done = AtomicBool::new(false);
     let watcher = thread::current();
     let mut end = None;
@@ -96,7 +113,14 @@ fn watch(
         scope.spawn(move || {
             // Also when rendering panics the watcher must learn of it.
             let _done = Done(done, watcher);
-            passes(session, control);
+            let mut last = Instant::now();
+            passes(session, control, |session| {
+                if let Some(kept) = kept.filter(|_| last.elapsed() >= KEEP_EVERY) {
+                    // What fails on the way may go well at the end, which tells of it.
+                    let _ = kept.save(session);
+                    last = Instant::now();
+                }
+            });
         });
         while !done.load(Ordering::Acquire) {
             thread::park_timeout(LOOK_EVERY);
@@ -104,7 +128,7 @@ fn watch(
                 continue;
             }
             let seconds = start.elapsed().as_secs_f64();
-            let samples = control.samples.load(Ordering::Relaxed) as f64;
+            let samples = (before + control.samples.load(Ordering::Relaxed)) as f64;
             let progress = Progress { fraction: samples / planned, spp: samples / pixels, seconds, parts: None };
             end = look(request, progress);
             if end.is_some() {
@@ -116,7 +140,7 @@ fn watch(
 }
 
 fn look(request: &Request<'_>, progress: Progress) -> Option<End> {
-    if request.time.is_some_and(|t| progress.seconds >= t) {
+    if request.settings.time.is_some_and(|t| progress.seconds >= t) {
         return Some(End::Time);
     }
     Python::attach(|py| {

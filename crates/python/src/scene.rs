@@ -3,6 +3,7 @@
 use crate::{
     SceneError,
     convert::to_python,
+    frames::Frames,
     guard,
     image::Image,
     material::Material,
@@ -22,7 +23,7 @@ use pyo3::{
 };
 use std::{
     collections::{BTreeMap, HashMap},
-    path::PathBuf,
+    path::{Path, PathBuf},
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 use steradian::{
@@ -52,12 +53,16 @@ pub struct Ready {
 #[pyclass(frozen, module = "steradian")]
 pub struct Scene {
     options: Options,
+    /// Name by which it was loaded.
+    source: Option<PathBuf>,
     state: Mutex<State>,
 }
 
 /// Mutable state of a scene.
 struct State {
     desc: Arc<SceneDesc>,
+    /// True if it was changed since it was read.
+    is_edited: bool,
     diagnostics: Diagnostics,
     ready: Vec<Ready>,
     /// State kept from the last compilation, which an edit leaves as it is for the most part.
@@ -77,8 +82,8 @@ impl Scene {
     }
 
     fn of(desc: Arc<SceneDesc>, diagnostics: Diagnostics, options: Options) -> Self {
-        let state = State { desc, diagnostics, ready: Vec::new(), kept: Kept::default() };
-        Self { options, state: Mutex::new(state) }
+        let state = State { desc, is_edited: false, diagnostics, ready: Vec::new(), kept: Kept::default() };
+        Self { options, source: None, state: Mutex::new(state) }
     }
 
     /// The state, for this thread alone; the interpreter goes on while another one has it. It is whole even if that one
@@ -88,8 +93,23 @@ impl Scene {
     }
 
     /// The scene as it is rendered, compiled anew only where something changed.
-    pub fn ready(&self, py: Python<'_>, options: &CompileOptions) -> PyResult<Ready> {
-        self.state(py).ready(py, options)
+    pub fn ready(&self, py: Python<'_>, settings: &Settings) -> PyResult<Ready> {
+        let mut state = self.state(py);
+        let Some(look) = &settings.look else { return state.ready(py, &settings.options, "") };
+        let own = state.desc.clone();
+        state.desc = look.place(&own, settings.options.camera.as_deref(), &self.options)?;
+        let ready = state.ready(py, &settings.options, &format!("{look:?}"));
+        state.desc = own;
+        ready
+    }
+
+    /// Hash of the description with the camera where it is rendered from, and of the contents of the files that it names.
+    fn print(&self, py: Python<'_>, settings: Option<&Settings>) -> PyResult<[u8; 32]> {
+        let mut desc = self.state(py).desc.clone();
+        if let Some((look, settings)) = settings.and_then(|settings| Some((settings.look.as_ref()?, settings))) {
+            desc = look.place(&desc, settings.options.camera.as_deref(), &self.options)?;
+        }
+        py.detach(|| steradian::resume::fingerprint(&desc)).map_err(|e| PyIOError::new_err(e.to_string()))
     }
 
     /// The scene for rays and materials, which need no camera.
@@ -97,16 +117,36 @@ impl Scene {
         let mut state = self.state(py);
         let options = CompileOptions { mode, ..CompileOptions::default() };
         if !state.desc.cameras.is_empty() {
-            return state.ready(py, &options);
+            return state.ready(py, &options, "");
         }
         let own = state.desc.clone();
         let desc = Arc::make_mut(&mut state.desc);
         let camera = desc.add(Node::new(Family::Camera, "perspective", None));
         desc.cameras.push(camera);
-        let ready = state.ready(py, &options);
+        let ready = state.ready(py, &options, "");
         // A render of it lacks a camera as before.
         state.desc = own;
         ready
+    }
+
+    /// The file of a scene that has animations and is as it was read.
+    fn animated(&self, py: Python<'_>) -> PyResult<&Path> {
+        let fault = |what: &str| Err(PyValueError::new_err(what.to_owned()));
+        let is_gltf = |path: &&PathBuf| {
+            path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf") || e.eq_ignore_ascii_case("glb"))
+        };
+        let Some(path) = self.source.as_ref().filter(is_gltf) else {
+            return fault("frames are of scenes with animations, which are loaded from .gltf and .glb files");
+        };
+        if self.options.defines.contains_key("at") {
+            return fault(
+                "frames name the moments of all pictures; the scene was loaded with a moment of its own, at=",
+            );
+        }
+        if self.state(py).is_edited {
+            return fault("frames are read anew from the file, without the changes that were made to the scene since");
+        }
+        Ok(path)
     }
 
     /// Looks at a node.
@@ -129,6 +169,7 @@ impl Scene {
     ) -> PyResult<()> {
         let mut state = self.state(py);
         let id = state.find(node)?;
+        state.is_edited = true;
         edit(Arc::make_mut(&mut state.desc), id)?;
         state.ready.clear();
         Ok(())
@@ -146,9 +187,9 @@ impl State {
         })
     }
 
-    /// As [`Scene::ready`].
-    fn ready(&mut self, py: Python<'_>, options: &CompileOptions) -> PyResult<Ready> {
-        let key = format!("{options:?} {}", self.desc.cameras.len());
+    /// The scene as it is rendered from a place, which tells compilations apart.
+    fn ready(&mut self, py: Python<'_>, options: &CompileOptions, place: &str) -> PyResult<Ready> {
+        let key = format!("{options:?} {} {place}", self.desc.cameras.len());
         if let Some(at) = self.ready.iter().position(|r| r.key == key) {
             self.ready[..=at].rotate_right(1);
             return Ok(self.ready[0].clone());
@@ -180,7 +221,25 @@ impl Scene {
     ) -> PyResult<Self> {
         let options = Options { defines, search, ..Options::default() };
         let loaded = py.detach(|| steradian::load(&path, &options));
-        Self::new((loaded.desc, loaded.diagnostics), options, strict)
+        Ok(Self { source: Some(path), ..Self::new((loaded.desc, loaded.diagnostics), options, strict)? })
+    }
+
+    /// Boxes that automatic cameras show at moments of an animation, seconds, all of them together, for
+    /// [`Scene::moment`]; refuses scenes without animations.
+    fn framing(&self, py: Python<'_>, moments: Vec<f64>) -> PyResult<Option<[[f64; 3]; 2]>> {
+        let path = self.animated(py)?;
+        let found = py.detach(|| steradian::load::framing(path, &self.options, &moments));
+        Ok(found.map(|corners| corners.map(|corner| corner.to_array())))
+    }
+
+    /// The scene at a moment of its animation, seconds, read anew.
+    #[pyo3(signature = (seconds, framing = None))]
+    fn moment(&self, py: Python<'_>, seconds: f64, framing: Option<[[f64; 3]; 2]>) -> PyResult<Self> {
+        let path = self.animated(py)?;
+        let mut options = Options { framing: framing.map(|box_| box_.map(Into::into)), ..self.options.clone() };
+        options.defines.insert("at".into(), seconds.to_string());
+        let loaded = py.detach(|| steradian::load(path, &options));
+        Self::new((loaded.desc, loaded.diagnostics), options, false)
     }
 
     /// Reads a document in Steradian's own language, with meshes and files that are in memory, by their names in it.
@@ -207,7 +266,10 @@ impl Scene {
     /// A scene of its own that is as this one.
     fn copy(&self, py: Python<'_>) -> Self {
         let state = self.state(py);
-        Self::of(state.desc.clone(), state.diagnostics.clone(), self.options.clone())
+        let copy = Self::of(state.desc.clone(), state.diagnostics.clone(), self.options.clone());
+        let state =
+            State { is_edited: state.is_edited, ..copy.state.into_inner().unwrap_or_else(PoisonError::into_inner) };
+        Self { source: self.source.clone(), state: Mutex::new(state), ..copy }
     }
 
     /// Path of the scene's file, and the folders that are searched for others.
@@ -319,25 +381,34 @@ impl Scene {
     }
 
     /// Renders the scene. Ctrl-C ends it, and the picture of the samples that there are is returned.
-    #[pyo3(signature = (settings, progress = None))]
-    fn render(&self, py: Python<'_>, settings: &Settings, progress: Option<Py<PyAny>>) -> PyResult<Image> {
-        let Ready { scene, files, .. } = self.ready(py, &settings.options)?;
-        let Settings { quality, time, .. } = settings;
-        let (time, progress) = (*time, progress.as_ref());
-        render::run(py, &Request { scene: &scene, files: &files, quality, time, progress })
+    #[pyo3(signature = (settings, progress = None, *, resume = None, before = None))]
+    fn render(
+        &self,
+        py: Python<'_>,
+        settings: &Settings,
+        progress: Option<Py<PyAny>>,
+        resume: Option<PathBuf>,
+        before: Option<&Frames>,
+    ) -> PyResult<Image> {
+        let resume = resume.map(|path| Ok::<_, PyErr>((path, self.print(py, Some(settings))?))).transpose()?;
+        let Ready { scene, files, .. } = self.ready(py, settings)?;
+        if let Some((path, _)) = &resume {
+            let kept = [path.clone(), steradian::resume::before(path)];
+            kept.iter().try_for_each(|path| guard::claim(path, files.iter().map(PathBuf::as_path)))?;
+        }
+        let progress = progress.as_ref();
+        render::run(py, &Request { scene: &scene, files: &files, settings, progress, resume, before })
     }
 
     /// A render in parts, of a scene with that fingerprint.
     fn parts(&self, py: Python<'_>, settings: &Settings, fingerprint: [u8; 32]) -> PyResult<Parts> {
-        let Ready { scene, files, .. } = self.ready(py, &settings.options)?;
+        let Ready { scene, files, .. } = self.ready(py, settings)?;
         Parts::new(py, &scene, &files, settings, fingerprint)
     }
 
     /// Hash of the description, and of the contents of the files that it names.
     fn fingerprint<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let desc = self.state(py).desc.clone();
-        let hash = py.detach(|| steradian::resume::fingerprint(&desc));
-        Ok(PyBytes::new(py, &hash.map_err(|e| PyIOError::new_err(e.to_string()))?))
+        Ok(PyBytes::new(py, &self.print(py, None)?))
     }
 
     /// The description in bytes, as it is but for texts of files that were read, and the files that nodes name, by

@@ -1,5 +1,6 @@
 //! Denoising of finished pictures, guided by their layers.
 
+pub use crate::oidn_library::oidn_library;
 use crate::{Error, Layer};
 pub use steradian_denoise::oidn::Oidn;
 use steradian_denoise::{

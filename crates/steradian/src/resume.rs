@@ -4,6 +4,10 @@
 //! session, and the BLAKE3 hash of all that. Only a render that would have made the same picture goes on from it.
 //! The state of a part of the work is one like others, with the pieces among its settings; parts are joined.
 
+mod kept;
+
+pub use kept::{before, source};
+
 use crate::{CompileOptions, Render, Scene, Session, hashing::Hashing};
 use std::{
     borrow::Cow,

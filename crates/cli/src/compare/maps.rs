@@ -1,8 +1,10 @@
 //! Maps of a page: where two pictures of one size differ, in colours.
 
-use super::noise::Noise;
 use crate::html;
-use steradian::image::{self, Image, metrics};
+use steradian::{
+    compare::Noise,
+    image::{self, Image, metrics},
+};
 
 /// Share of the pixels that the scale of relative errors holds.
 const SHOWN: f64 = 0.99;

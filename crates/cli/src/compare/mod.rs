@@ -1,12 +1,10 @@
 //! `steradian compare`: how far pictures are apart.
 
 mod maps;
-mod noise;
 mod page;
 mod pair;
-mod reference;
 
-use self::{noise::Noise, pair::Pair, reference::Reference};
+use self::pair::Pair;
 use crate::{
     args::CompareArgs,
     csv,
@@ -18,6 +16,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use steradian::{
     Inputs,
+    compare::{Noise, Reference},
     image::{self, FileKind, Image, Limits, WriteOptions, metrics},
 };
 
@@ -62,7 +61,9 @@ pub fn run(args: &CompareArgs, terminal: Terminal) -> Outcome {
             let fitted = fitted((path, &picture), (reference_path, &reference), terminal)?;
             let (of_picture, of_reference) = ((*path, &picture), (reference_path, &fitted));
             let noise = match &variance {
-                Some(variance) => Ok(Some(Noise::given(of_picture, variance, args.samples)?)),
+                Some(variance) => {
+                    Ok(Some(Noise::given(of_picture, variance, args.samples).map_err(Failure::bad_input)?))
+                }
                 None => Noise::by_layers(of_picture, of_reference),
             };
             let pair = Pair::of(of_picture, of_reference, &noise)?;

@@ -3,11 +3,13 @@
 
 use super::{
     maps,
-    noise::Noise,
     pair::{self, Pair},
 };
 use crate::html::{self, FULL, Scale, command_line, escaped, slider};
-use steradian::image::{self, Image, WriteOptions, metrics};
+use steradian::{
+    compare::Noise,
+    image::{self, Image, WriteOptions, metrics},
+};
 
 /// The whole page, with the sections of its pairs.
 pub fn page(pairs: &[Pair], sections: &[String]) -> String {

@@ -1,15 +1,17 @@
 //! The figures of one picture against another.
 
-use super::{noise::Noise, reference::Reference};
 use crate::{failure::Failure, values::METRICS};
 use serde::Serialize;
 use std::{
     fmt::Write,
     path::{Path, PathBuf},
 };
-use steradian::image::{
-    self, Image,
-    metrics::{self, Comparison, DeltaE, ZTest},
+use steradian::{
+    compare::{Noise, Reference},
+    image::{
+        self, Image,
+        metrics::{self, Comparison, DeltaE, ZTest},
+    },
 };
 
 /// The figures of one picture against another.

@@ -17,13 +17,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _describe, _rays, _steradian
+from ._look import LookAt, look_at
 from ._rays import BsdfSamples, Hits, Material
 from ._scene import Node, Parameters, Scene, SceneWarning, StrPath
 from ._steradian import Image, Message, Parameter, Progress, SceneError, View, __version__, read_image, registry
 
 __all__ = [
-    "BsdfSamples", "Hits", "Image", "Material", "Message", "Node", "Parameter", "Parameters", "Progress", "Scene", "SceneError",
-    "SceneWarning", "View", "__version__", "compare", "load", "material", "read_image", "registry", "scene", "spectrum",
+    "BsdfSamples", "Hits", "Image", "LookAt", "Material", "Message", "Node", "Parameter", "Parameters", "Progress", "Scene", "SceneError",
+    "SceneWarning", "View", "__version__", "compare", "load", "look_at", "material", "read_image", "registry", "scene", "spectrum",
 ]
 
 
@@ -72,7 +73,12 @@ def material(kind: str, *, wavelengths: Sequence[float] | None = None, **paramet
 
 
 def compare(image: Image, reference: Image) -> dict[str, Any]:
-    """Errors of a picture against a reference of its size: mse, rmse, rel_mse, psnr (dB), max_abs, mean, reference_mean, ratio, non_finite."""
+    """Figures of a picture against a reference, by the names of `steradian compare --json`: mse, rmse, relmse (also rel_mse), mape,
+    smape, psnr (dB), ssim, flip, delta_e_76, delta_e_94, delta_e_2000, delta_e_max, max_abs, mean, reference_mean, ratio, nonfinite.
+
+    A reference of another size is resampled by area, with a warning; `resampled_from` is its size then. Where both have the layer
+    `variance`, `z_test` has samples, accepted, level, min_p and passes; where only one has it, `no_z_test` says so.
+    """
     return image.compare(reference)
 
 

@@ -6,13 +6,14 @@ import os
 import warnings
 import webbrowser
 from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
-from typing import Any, Union
+from typing import Any, Union, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _rays, _steradian
+from . import _frames, _rays, _steradian
 from ._describe import PARTS, mesh_arrays, text
+from ._look import LookAt, camera_settings
 from ._progress import is_notebook, shown
 from ._rays import Hits, Material
 from ._steradian import Image, Message, Parameter, Progress, SceneError, View
@@ -268,13 +269,14 @@ class Scene(Mapping[str, Node]):
         """
         return _rays.occluded(self._inner, origins, directions, max_distance, time)
 
+    @overload
     def render(
         self,
         *,
         spp: int | None = None,
         size: tuple[int, int] | None = None,
         crop: Sequence[int] | None = None,
-        camera: str | int | None = None,
+        camera: str | int | LookAt | None = None,
         integrator: str | None = None,
         sampler: str | None = None,
         max_depth: int | None = None,
@@ -285,12 +287,54 @@ class Scene(Mapping[str, Node]):
         error: float | None = None,
         time: float | None = None,
         layers: Sequence[str] = (),
+        aov: Sequence[str] = (),
         transparent: bool = False,
+        denoise: bool | str | None = None,
+        resume: StrPath | None = None,
+        frames: None = None,
+        fps: float = 24.0,
         progress: bool | Callable[[Progress], Any] = False,
         client: Any = None,
         chunks: int | None = None,
-    ) -> Image:
+    ) -> Image: ...
+
+    @overload
+    def render(self, *, frames: range | tuple[int, int], fps: float = 24.0, **settings: Any) -> Iterator[Image]: ...
+
+    def render(
+        self,
+        *,
+        spp: int | None = None,
+        size: tuple[int, int] | None = None,
+        crop: Sequence[int] | None = None,
+        camera: str | int | LookAt | None = None,
+        integrator: str | None = None,
+        sampler: str | None = None,
+        max_depth: int | None = None,
+        seed: int | None = None,
+        threads: int = 0,
+        color: str = "auto",
+        adaptive: bool = False,
+        error: float | None = None,
+        time: float | None = None,
+        layers: Sequence[str] = (),
+        aov: Sequence[str] = (),
+        transparent: bool = False,
+        denoise: bool | str | None = None,
+        resume: StrPath | None = None,
+        frames: range | tuple[int, int] | None = None,
+        fps: float = 24.0,
+        progress: bool | Callable[[Progress], Any] = False,
+        client: Any = None,
+        chunks: int | None = None,
+    ) -> Image | Iterator[Image]:
         """Renders the scene; all is as the options of `steradian render` of the same names say.
+
+        `aov` is another name of `layers`. `camera` is the name or number of one, or a free viewpoint, `look_at(origin, target)`.
+        `denoise` is True, or the name of a denoiser: "nlm", "atrous", "oidn". `resume` is a file that keeps the render: it goes
+        on from there where the file is there, and is kept at the end and every half minute.
+
+        `frames` of an animation, a range or (first, last), give an iterator of pictures, `fps` of them a second.
 
         `progress` is True for a line in the terminal or notebook, or called with a Progress about twenty times a second; if it returns
         False, the render ends. Ctrl-C ends it too. In both cases the picture of the samples that there are is returned, and its
@@ -299,22 +343,44 @@ class Scene(Mapping[str, Node]):
         With a `client`, a distributed.Client, the workers of its Dask cluster render, in `chunks` parts; the picture has the same bits.
         `progress` is then called when a part has come, and `image` of the Progress is the picture so far.
         """
-        settings = dict(
-            spp=spp, size=size, crop=crop, camera=None if camera is None else str(camera), integrator=integrator, sampler=sampler,
-            max_depth=max_depth, seed=seed, threads=threads, color=color, adaptive=adaptive, error=error, time=time,
-            layers=list(layers), transparent=transparent,
-        )
+        if layers and aov:
+            raise ValueError("layers and aov are two names of one setting: give one of them")
         if chunks is not None and client is None:
             raise ValueError("chunks are parts that workers compute: give a client, too")
+        if resume is not None and (client is not None or frames is not None):
+            raise ValueError("resume keeps one picture that is rendered here: it cannot go with client or frames")
+        settings = dict(
+            spp=spp, size=size, crop=crop, integrator=integrator, sampler=sampler, max_depth=max_depth, seed=seed, threads=threads,
+            color=color, adaptive=adaptive, error=error, time=time, layers=list(layers or aov), transparent=transparent,
+            denoise="nlm" if denoise is True else denoise or None,
+            **camera_settings(camera),
+        )
+        if frames is not None:
+            if client is not None:
+                raise ValueError("frames go on from those before, which are here: they cannot go with client")
+            return _frames.rendered(self, settings, frames, fps, progress)
+        image = self._rendered(settings, progress, resume=resume, client=client, chunks=chunks)
+        self._warn(self._inner.messages, 3)
+        return image
+
+    def _rendered(
+        self,
+        settings: dict[str, Any],
+        progress: bool | Callable[[Progress], Any],
+        *,
+        resume: StrPath | None = None,
+        before: _steradian.Frames | None = None,
+        client: Any = None,
+        chunks: int | None = None,
+    ) -> Image:
         with shown(progress) as show:
             if client is None:
-                image = self._inner.render(_steradian.Settings(**settings), show)
+                image = self._inner.render(_steradian.Settings(**settings), show, resume=resume, before=before)
             else:
                 from . import _dask
 
                 image = _dask.render(self, settings, client, chunks, show)
-        self._warn(self._inner.messages, 3)
-        return image
+        return image.denoise(settings["denoise"]) if settings["denoise"] else image
 
     def view(
         self,

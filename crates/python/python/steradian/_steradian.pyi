@@ -132,7 +132,17 @@ class Settings:
         time: float | None = None,
         layers: Sequence[str] = ...,
         transparent: bool = False,
+        denoise: str | None = None,
+        look_at: Sequence[Sequence[float]] | None = None,
+        fov: float | None = None,
+        frame: int | None = None,
     ) -> Settings: ...
+
+@final
+class Frames:
+    """State that each frame of an animation leaves to the next one."""
+
+    def __new__(cls) -> Frames: ...
 
 @final
 class Parts:
@@ -220,7 +230,18 @@ class Image:
     def to_uint8(self, *, tonemap: str | None = None, exposure: float | None = None) -> NDArray[np.uint8]:
         """Display values: height × width × 3 numbers from 0 to 255, after exposure and tone curve."""
     def compare(self, reference: Image) -> dict[str, Any]:
-        """Errors of the picture against a reference of its size."""
+        """Figures of the picture against a reference; one of another size is resampled by area."""
+    def denoise(self, method: str = "nlm", *, half: Image | None = None, strength: float | None = None) -> Image:
+        """The picture without its noise, by "nlm", "atrous" or "oidn", guided by the layers that it has.
+
+        It keeps its layers, and the noisy picture as the layer `raw`. Of nlm alone: `half` is another picture of the view with as
+        many samples and another seed; the two guide each other. `strength` is 1 by default; more filters more.
+        """
+    def mix(self, weights: Mapping[str, float | Sequence[float]]) -> Image:
+        """The picture with the lights of groups weighted by name, each by a number or by three; rendered with the layer `light_groups`.
+
+        Groups that are not named count as they are. Of other layers those of first hits stay.
+        """
     def _repr_png_(self) -> bytes: ...
 
 @final
@@ -312,7 +333,18 @@ class Scene:
         """Path of the scene's file, and the folders that are searched for others."""
     def material(self, name: str, *, color: str = "auto") -> Material:
         """A material by its name, to be evaluated."""
-    def render(self, settings: Settings, progress: Callable[[Progress], Any] | None = None) -> Image:
+    def framing(self, moments: Sequence[float]) -> list[list[float]] | None:
+        """Box that an automatic camera shows at all of some moments of the animation, seconds; None where there is a camera."""
+    def moment(self, seconds: float, framing: Sequence[Sequence[float]] | None = None) -> Scene:
+        """The scene at a moment of its animation, read anew."""
+    def render(
+        self,
+        settings: Settings,
+        progress: Callable[[Progress], Any] | None = None,
+        *,
+        resume: str | os.PathLike[str] | None = None,
+        before: Frames | None = None,
+    ) -> Image:
         """Renders the scene."""
     def parts(self, settings: Settings, fingerprint: bytes) -> Parts:
         """A render in parts, of a scene with that fingerprint."""

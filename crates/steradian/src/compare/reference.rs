@@ -1,7 +1,7 @@
 //! The reference at the size of a picture.
 
 use std::borrow::Cow;
-use steradian::image::{self, Image, metrics};
+use steradian_image::{self as image, Image, metrics};
 
 /// A reference that has a picture's size.
 #[derive(Debug)]

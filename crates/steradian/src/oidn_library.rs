@@ -1,11 +1,9 @@
 //! Search for the library of Open Image Denoise.
 
-use crate::failure::Failure;
 use std::{
     env, fs,
     path::{Path, PathBuf},
 };
-use steradian::denoise::Oidn;
 
 /// The environment variable that names it.
 const VARIABLE: &str = "STERADIAN_OIDN";
@@ -30,42 +28,35 @@ const USUAL: [&str; 9] = [
 const HOW: &str =
     "`pip install --no-deps --target oidn pyoidn` brings it into the folder oidn, which --oidn oidn then names";
 
-/// The file of the library that `named`, the environment or a usual place has.
-pub fn path(named: Option<&Path>) -> Result<PathBuf, Failure> {
+/// The file of the library of Open Image Denoise that `named`, the environment or a usual place has.
+///
+/// # Errors
+/// Where it was looked for, and how it can be had.
+pub fn oidn_library(named: Option<&Path>) -> Result<PathBuf, String> {
     find(named, env::var_os(VARIABLE).filter(|v| !v.is_empty()).map(PathBuf::from))
 }
 
-/// Loads it.
-pub fn load(named: Option<&Path>, threads: usize) -> Result<Oidn, Failure> {
-    let path = path(named)?;
-    Oidn::load(&path, threads).map_err(|e| Failure::bad_input(format!("'{}': {e}", path.display())))
-}
-
-fn find(named: Option<&Path>, variable: Option<PathBuf>) -> Result<PathBuf, Failure> {
+fn find(named: Option<&Path>, variable: Option<PathBuf>) -> Result<PathBuf, String> {
     let variable = match variable {
         Some(path) if path.is_relative() && named.is_none() => {
-            return Err(Failure::bad_input(format!("{VARIABLE} is an absolute path, not '{}'", path.display())));
+            return Err(format!("{VARIABLE} is an absolute path, not '{}'", path.display()));
         }
         variable => variable,
     };
     if let Some(path) = named.or(variable.as_deref()) {
-        let whole = fs::canonicalize(path).map_err(|e| Failure::bad_input(format!("'{}': {e}", path.display())))?;
+        let whole = fs::canonicalize(path).map_err(|e| format!("'{}': {e}", path.display()))?;
         return match whole.is_dir() {
             false => Ok(whole),
-            true => in_folder(&whole).ok_or_else(|| {
-                Failure::bad_input(format!(
-                    "'{}' has no {NAME}, in it or where packages have it; {HOW}",
-                    path.display()
-                ))
-            }),
+            true => in_folder(&whole)
+                .ok_or_else(|| format!("'{}' has no {NAME}, in it or where packages have it; {HOW}", path.display())),
         };
     }
     USUAL.iter().find_map(|folder| directly_in(Path::new(folder))).ok_or_else(|| {
         let places = USUAL.join(", ");
-        Failure::bad_input(format!(
+        format!(
             "Open Image Denoise 2 is not found: {HOW}. It is looked for where --oidn says, where {VARIABLE} says, \
              and as {NAME} in {places}"
-        ))
+        )
     })
 }
 
@@ -107,13 +98,13 @@ mod tests {
         fs::create_dir(&old).unwrap();
         fs::write(old.join("libOpenImageDenoise.so.1"), "").unwrap();
         let refusal = find(Some(&old), None).unwrap_err();
-        assert!(refusal.message.contains("pip install"), "{}", refusal.message);
+        assert!(refusal.contains("pip install"), "{refusal}");
         // What is named is taken, whatever the environment says; else what that says.
         let (file, other) = (old.join("libOpenImageDenoise.so.1"), root.join("none"));
         assert_eq!(find(Some(&file), Some(other.clone())).ok(), Some(file.clone()));
         assert_eq!(find(None, Some(file.clone())).ok(), Some(file));
         assert!(find(None, Some(other)).is_err());
         let relative = find(None, Some("lib".into())).unwrap_err();
-        assert!(relative.message.contains("absolute"), "{}", relative.message);
+        assert!(relative.contains("absolute"), "{relative}");
     }
 }

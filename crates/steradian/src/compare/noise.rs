@@ -1,9 +1,8 @@
 //! Noise of a picture and its reference, which the z-test goes by.
 
-use super::reference::Reference;
-use crate::failure::Failure;
+use super::Reference;
 use std::path::Path;
-use steradian::image::{Image, RgbPlanes, Value};
+use steradian_image::{Image, RgbPlanes, Value};
 
 /// Variances of the difference of two pictures.
 #[derive(Debug)]
@@ -24,9 +23,9 @@ impl<'a> Noise<'a> {
     /// Noise by a picture of the variance of one sample.
     ///
     /// # Errors
-    /// [`Failure`] where the number of samples is not known, or the sizes differ.
-    pub fn given((path, picture): (&Path, &Image), variance: &'a Image, samples: Option<f64>) -> Result<Self, Failure> {
-        let refused = |what: String| Failure::bad_input(format!("'{}' {what}", path.display()));
+    /// Where the number of samples is not known, or the sizes differ.
+    pub fn given((path, picture): (&Path, &Image), variance: &'a Image, samples: Option<f64>) -> Result<Self, String> {
+        let refused = |what: String| format!("'{}' {what}", path.display());
         let samples = samples
             .or_else(|| samples_per_pixel(picture))
             .ok_or_else(|| refused("does not say how many samples it has; give --samples for the z-test".into()))?;
@@ -35,7 +34,7 @@ impl<'a> Noise<'a> {
             let what = format!("has {}x{} pixels, and --variance {}x{}", own[0], own[1], other[0], other[1]);
             return Err(refused(what));
         }
-        let planes = variance.require_rgb().map_err(|e| Failure::bad_input(format!("--variance: {e}")))?;
+        let planes = variance.require_rgb().map_err(|e| format!("--variance: {e}"))?;
         Ok(Self { samples, source: Source::Given(planes) })
     }
 
