@@ -1,6 +1,7 @@
 //! Arguments of the subcommands.
 
 use crate::{
+    brightness::Exposure,
     terminal::Talk,
     values::{self, Frames, Layers, Rectangle, Size, Threshold},
 };
@@ -186,9 +187,10 @@ pub struct FileOptions {
     /// `pbr-neutral` for models and glTF. A .ppm without it keeps linear values, scaled by the #MAX= in its comment
     #[arg(long, value_name = "NAME[:key=value,…]", value_parser = values::tone, help_heading = "Files")]
     pub tonemap: Option<Tone>,
-    /// Exposure of .png, .jpg and .ppm in stops, -64 to 64
-    #[arg(long, value_name = "EV", allow_negative_numbers = true, help_heading = "Files")]
-    pub exposure: Option<f32>,
+    /// Exposure of .png, .jpg and .ppm in stops, -64 to 64; or auto: what is lit becomes grey on average. Default: 0;
+    /// auto where a model or glTF scene would be white or black
+    #[arg(long, value_name = "EV|auto", allow_negative_numbers = true, help_heading = "Files")]
+    pub exposure: Option<Exposure>,
     /// Precision of .exr
     #[arg(long, value_enum, default_value_t, help_heading = "Files")]
     pub exr: ExrPrecision,
@@ -227,9 +229,14 @@ impl FileOptions {
     /// Options for the image library.
     ///
     /// # Errors
-    /// An exposure out of range.
+    /// An exposure out of range, or one that the picture is to tell.
     pub fn write_options(&self) -> Result<WriteOptions, String> {
-        self.write_options_or(Tone::default())
+        match self.exposure {
+            Some(Exposure::Auto) => {
+                Err("--exposure auto is for pictures that are rendered, converted or denoised: give stops".into())
+            }
+            _ => self.write_options_or(Tone::default()),
+        }
     }
 
     /// [`write_options`](Self::write_options) with another tone curve where the command line names none.
@@ -238,7 +245,7 @@ impl FileOptions {
     /// An exposure out of range.
     pub fn write_options_or(&self, tone: Tone) -> Result<WriteOptions, String> {
         let mut tone = self.tonemap.clone().unwrap_or(tone);
-        if let Some(ev) = self.exposure {
+        if let Some(Exposure::Stops(ev)) = self.exposure {
             tone = tone.with_exposure(ev).map_err(|e| e.to_string())?;
         }
         Ok(WriteOptions {

@@ -2,14 +2,14 @@
 
 use crate::{
     args::ConvertArgs,
-    convert_scene,
+    brightness, convert_scene,
     failure::{self, Failure, Outcome},
     output,
     terminal::Terminal,
 };
 use steradian::{
     Inputs, Layer,
-    image::{self, FileKind, Image, Limits, WriteOptions},
+    image::{self, FileKind, Image, Limits, WriteOptions, tone::Tone},
     scene::names::did_you_mean,
 };
 
@@ -25,11 +25,11 @@ pub fn run(args: &ConvertArgs, terminal: Terminal) -> Outcome {
     }
     let kind = output::kind(&args.output)?;
     output::claim([args.output.as_path()], &Inputs::of([args.input.as_path()]))?;
-    let mut options = args.files.write_options().map_err(Failure::bad_input)?;
+    let mut options = args.files.write_options_or(Tone::default()).map_err(Failure::bad_input)?;
     // Colours of a legend are no radiance.
     options.ppm_radiance &= args.false_color.is_none();
     let premultiplied = matches!(FileKind::from_extension(&args.input), Some(FileKind::Exr));
-    let options = WriteOptions { premultiplied, ..options };
+    let mut options = WriteOptions { premultiplied, ..options };
     let picture = image::read(&args.input, &Limits::default()).map_err(|e| Failure::bad_input(e.to_string()))?;
     let mut doubts = picture.metadata.notes.clone();
     let is_data = args.false_color.is_none() && is_data(&picture, args.layer.as_deref());
@@ -57,6 +57,8 @@ pub fn run(args: &ConvertArgs, terminal: Terminal) -> Outcome {
         }
         picture = shown;
     }
+    let exposure = brightness::automatic(&picture, &[args.output.clone()], args.files.exposure, false);
+    brightness::expose(&mut options, exposure, Some(terminal));
     image::write(&args.output, &picture, &options).map_err(|e| Failure::failed(e.to_string()))?;
     let cut = match kind {
         FileKind::Exr => output::clamped(std::slice::from_ref(&args.output), &picture, &options),

@@ -2,6 +2,7 @@
 
 use crate::{
     args::{DenoiseArgs, Denoiser},
+    brightness,
     failure::{self, Failure, Outcome},
     open, output,
     terminal::Terminal,
@@ -13,7 +14,7 @@ use std::{
 use steradian::{
     Inputs, Layer,
     denoise::{self, GUIDES, OIDN_GUIDES, Oidn},
-    image::{self, FileKind, Image, Limits, WriteOptions},
+    image::{self, FileKind, Image, Limits, WriteOptions, tone::Tone},
 };
 
 /// Denoiser with its settings.
@@ -83,8 +84,8 @@ pub fn run(args: &DenoiseArgs, terminal: Terminal) -> Outcome {
     let inputs = Inputs::of(std::iter::once(&args.input).chain(&args.half).map(PathBuf::as_path));
     output::claim(args.output.iter().map(PathBuf::as_path), &inputs)?;
     let premultiplied = matches!(FileKind::from_extension(&args.input), Some(FileKind::Exr));
-    let options = args.files.write_options().map_err(Failure::bad_input)?;
-    let options = WriteOptions { premultiplied, ..options };
+    let options = args.files.write_options_or(Tone::default()).map_err(Failure::bad_input)?;
+    let mut options = WriteOptions { premultiplied, ..options };
     let read = |path: &Path| image::read(path, &Limits::default()).map_err(|e| Failure::bad_input(e.to_string()));
     let filter = Filter::new(args.with, args.oidn.as_deref(), args.strength.unwrap_or(1.0), args.threads)?;
     if !matches!(filter, Filter::NonLocalMeans(_)) && (args.half.is_some() || args.strength.is_some()) {
@@ -96,6 +97,8 @@ pub fn run(args: &DenoiseArgs, terminal: Terminal) -> Outcome {
     let denoised = denoised.map_err(|e| Failure::bad_input(format!("'{}': {e}", args.input.display())))?;
     tell(&denoised, filter.guides(), terminal);
     filter.tell(start.elapsed().as_secs_f64(), terminal);
+    let exposure = brightness::automatic(&denoised.picture, &args.output, args.files.exposure, false);
+    brightness::expose(&mut options, exposure, Some(terminal));
     let written = output::save(&args.output, &denoised.picture, &options, true)?;
     terminal.say(&format!("wrote {}", output::listed(&written)));
     Ok(failure::DONE)

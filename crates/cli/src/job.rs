@@ -18,8 +18,10 @@ use std::{
 use steradian::{
     ColorMode, Inputs, Layer, Quality, Render, Scene, SensorNoise,
     engine::{Feature, Support},
-    image::{FileKind, WriteOptions},
-    radiosity, resume, suited_mode,
+    image::{FileKind, WriteOptions, tone::Tone},
+    radiosity, resume,
+    scene::Format,
+    suited_mode,
 };
 
 /// The scene that is rendered when none is named.
@@ -45,6 +47,8 @@ pub struct Job<'a> {
 pub struct OpenedScene {
     pub ready: Ready,
     pub write_options: WriteOptions,
+    /// True for models and glTF scenes, whose lights have no brightness to rely on.
+    pub is_model: bool,
     pub fingerprint: Option<[u8; 32]>,
     pub lit: Option<[u8; 32]>,
 }
@@ -78,7 +82,7 @@ impl<'a> Job<'a> {
                 "the layer 'motion' tells what has moved since the frame before: it takes --frames A..B",
             ));
         }
-        args.files.write_options().map_err(Failure::bad_input)?;
+        args.files.write_options_or(Tone::default()).map_err(Failure::bad_input)?;
         let is_toned = args.files.tonemap.is_some() || args.files.exposure.is_some();
         if is_toned && !kinds.iter().any(|kind| kind.is_display()) {
             terminal.warn(
@@ -122,6 +126,7 @@ impl<'a> Job<'a> {
         let opened = open::open(path, &scene_options(args), self.quality.spp);
         let write_options = args.files.write_options_or(opened.tone()).map_err(Failure::bad_input)?;
         let write_options = WriteOptions { premultiplied: args.transparent, ..write_options };
+        let is_model = matches!(opened.desc.format, Format::Model | Format::Gltf);
         let unreadable = |e| Failure::failed(format!("cannot read the scene's files again: {e}"));
         let is_kept = args.resume.is_some() || args.is_of_job;
         let fingerprint = is_kept.then(|| resume::fingerprint(&opened.desc)).transpose();
@@ -129,7 +134,7 @@ impl<'a> Job<'a> {
         let lit = self.solution.as_ref().map(|_| radiosity::fingerprint(&opened.desc)).transpose();
         let lit = lit.map_err(unreadable)?;
         let ready = open::ready(opened, path, args.scene_options.strict, self.terminal)?;
-        Ok(OpenedScene { ready, write_options, fingerprint, lit })
+        Ok(OpenedScene { ready, write_options, is_model, fingerprint, lit })
     }
 
     /// Finds names for pictures that nothing is read from.

@@ -48,7 +48,9 @@ pub fn run_after(args: &RenderArgs, terminal: Terminal, before: &mut SequenceSta
         }
         if due.picture && session.counters().samples > 0 {
             let RenderedImage { picture, empty_pixels, .. } = making.picture(session);
-            match output::save(&started.job.outputs, &picture, &started.write_options, empty_pixels == 0) {
+            let mut options = started.write_options.clone();
+            brightness::expose(&mut options, started.exposure(&picture), None);
+            match output::save(&started.job.outputs, &picture, &options, empty_pixels == 0) {
                 Ok(written) => terminal.say(&format!("wrote {} on the way", output::listed(&written))),
                 Err(failure) => terminal.warn(&failure.message),
             }
@@ -68,6 +70,7 @@ pub struct Started<'a> {
     pub job: Job<'a>,
     pub ready: Ready,
     pub write_options: WriteOptions,
+    is_model: bool,
     pub planned: Planned,
     filter: Option<Filter>,
     pub signals: Signals,
@@ -84,7 +87,7 @@ impl<'a> Started<'a> {
         before: &mut SequenceState,
     ) -> Result<(Self, Box<dyn Session>), Failure> {
         let mut job = Job::new(args, terminal)?;
-        let OpenedScene { ready, write_options, fingerprint, lit } = job.open()?;
+        let OpenedScene { ready, write_options, is_model, fingerprint, lit } = job.open()?;
         let scene = &ready.scene;
         job.place_outputs(&ready)?;
         let mut planned = job.plan(scene)?;
@@ -100,7 +103,7 @@ impl<'a> Started<'a> {
             let options = open::compile_options(&args.scene_options, job.quality.spp);
             Recipe::new(scene, fingerprint, &options, render)
         });
-        Ok((Self { job, ready, write_options, planned, filter, signals, effort, recipe }, session))
+        Ok((Self { job, ready, write_options, is_model, planned, filter, signals, effort, recipe }, session))
     }
 
     /// Tells what is rendered.
@@ -108,6 +111,11 @@ impl<'a> Started<'a> {
         let (crop, integrator) = (&self.ready.scene.film().crop, self.planned.render.name);
         let (width, height) = (crop.width(), crop.height());
         self.job.terminal.say(&format!("rendering {} with {integrator}, {width} x {height}", self.job.name));
+    }
+
+    /// Exposure of a picture in stops, and its reason.
+    fn exposure(&self, picture: &steradian::image::Image) -> (f32, &'static str) {
+        brightness::automatic(picture, &self.job.outputs, self.job.args.files.exposure, self.is_model)
     }
 
     fn making(&self) -> ImageMaker<'_> {
@@ -147,7 +155,12 @@ impl<'a> Started<'a> {
         }
         // A picture that cannot be denoised is worth writing as it is.
         let noisy = self.filter.as_ref().and_then(|filter| made.denoise(filter, before, terminal).err());
-        let (outputs, options) = (&self.job.outputs, &self.write_options);
+        let outputs = &self.job.outputs;
+        // Pictures of a sequence have one exposure, that of the first.
+        let exposure = *before.exposure.get_or_insert_with(|| self.exposure(&made.picture));
+        let mut options = self.write_options.clone();
+        brightness::expose(&mut options, exposure, Some(terminal));
+        let options = &options;
         let written =
             output::save(outputs, &made.picture, options, made.empty_pixels == 0).map_err(|mut failure| {
                 match (checkpoint, &kept) {
@@ -178,7 +191,8 @@ impl<'a> Started<'a> {
             terminal.warn(&format!("{outputs} stays as it was, for this picture is not whole"));
         }
         terminal.say(&format!("wrote {}", output::listed(&written)));
-        if let Some(hint) = brightness::hint(&made.picture, &written, args.files.exposure) {
+        let is_exposed = exposure.0 != 0.0;
+        if let Some(hint) = brightness::hint(&made.picture, &written, args.files.exposure).filter(|_| !is_exposed) {
             terminal.say(&hint);
         }
         if args.json {

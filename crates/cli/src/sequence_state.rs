@@ -12,6 +12,8 @@ use steradian::{
 pub struct SequenceState {
     /// History of its method.
     pub history: Option<History>,
+    /// Exposure in stops, and its reason.
+    pub exposure: Option<(f32, &'static str)>,
     /// State of its denoiser, and the number of frames that this has seen.
     pub denoiser: Option<(Sequence, u64)>,
 }

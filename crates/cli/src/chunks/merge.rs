@@ -51,6 +51,7 @@ pub fn run(args: &MergeArgs, terminal: Terminal) -> Outcome {
     let mut render = job.render_args(folder, args.scene.as_deref())?;
     (render.output, render.json, render.talk) = (args.output.clone(), args.json, args.talk);
     let framing = render.frames.and_then(|all| frames::framing(&render, all));
+    let mut before = SequenceState::default();
     for frame in job.all_frames() {
         let mut one = frame.map_or_else(|| render.clone(), |frame| frames::one(&render, frame, framing));
         one.is_of_job = true;
@@ -63,7 +64,7 @@ pub fn run(args: &MergeArgs, terminal: Terminal) -> Outcome {
                 .join(&mut *session, &path)
                 .map_err(|why| Failure::bad_input(format!("chunk {chunk}: {} {why}", path.display())))?;
         }
-        let code = started.finish(session, None, None, &mut SequenceState::default())?;
+        let code = started.finish(session, None, None, &mut before)?;
         if code != failure::DONE {
             return Ok(code);
         }
