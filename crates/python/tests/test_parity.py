@@ -1,8 +1,8 @@
 """What the command line does, too: with the same bits."""
 
-import csv
 import json
 import os
+import warnings
 
 import numpy as np
 import pytest
@@ -228,3 +228,21 @@ def test_groups_of_lights_are_mixed():
         image.mix({"lamp": "bright"})
     with pytest.raises(ValueError, match="no groups of lights: render it with"):
         lit(1, 1).render(spp=1, size=(4, 4)).mix({"lamp": 1})
+
+
+def test_names_of_nodes_are_the_same_in_each_load(tmp_path):
+    text = "\n".join([
+        'Camera "perspective"', "WorldBegin", 'LightSource "infinite"', 'Material "diffuse" "rgb reflectance" [0.5 0.4 0.3]', 'Shape "sphere"',
+        *(f'AttributeBegin\nMaterial "conductor" "float roughness" {k / 64}\nTranslate {k} 0 0\nShape "sphere"\nAttributeEnd' for k in range(40)),
+    ])
+    (tmp_path / "unnamed.pbrt").write_text(text)
+    for path in [tmp_path / "unnamed.pbrt", WINDMILL, *(os.path.join(ROOT, "scenes", f"showcase.{kind}") for kind in ("pbrt", "xml"))]:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", st.SceneWarning)
+            first, *others = (st.load(path) for _ in range(4))
+        assert len(set(first)) == len(first.nodes) > 3
+        for other in others:
+            assert list(other.nodes.items()) == list(first.nodes.items())
+            assert all(dict(other[name]) == dict(first[name]) for name in first)
+    unnamed = st.load(tmp_path / "unnamed.pbrt")
+    assert sum(name.startswith("#") for name in unnamed) > 40
