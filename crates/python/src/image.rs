@@ -357,8 +357,8 @@ impl Image {
         found.to_python(py)
     }
 
-    /// The picture without its noise, by `nlm`, `atrous` or `oidn`, guided by the layers that it has. It keeps its layers,
-    /// and the noisy picture as the layer `raw`.
+    /// The picture without its noise, by `nlm`, `atrous` or `oidn`, guided by the layers that it has. It keeps its
+    /// layers, and the noisy picture as the layer `raw`.
     #[pyo3(signature = (method = "nlm", *, half = None, strength = None))]
     fn denoise(&self, py: Python<'_>, method: &str, half: Option<&Self>, strength: Option<f32>) -> PyResult<Self> {
         let denoiser = Denoiser::named(method)?;

@@ -103,7 +103,8 @@ impl Scene {
         ready
     }
 
-    /// Hash of the description with the camera where it is rendered from, and of the contents of the files that it names.
+    /// Hash of the description with the camera where it is rendered from, and of the contents of the files that it
+    /// names.
     fn print(&self, py: Python<'_>, settings: Option<&Settings>) -> PyResult<[u8; 32]> {
         let mut desc = self.state(py).desc.clone();
         if let Some((look, settings)) = settings.and_then(|settings| Some((settings.look.as_ref()?, settings))) {
