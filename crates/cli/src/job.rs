@@ -123,7 +123,7 @@ impl<'a> Job<'a> {
     pub fn open(&self) -> Result<OpenedScene, Failure> {
         let Self { args, path, .. } = self;
         open::limit_threads(args.scene_options.threads);
-        let opened = open::open(path, &scene_options(args), self.quality.spp);
+        let opened = open::open(path, &scene_options(args, path), self.quality.spp);
         let write_options = args.files.write_options_or(opened.tone()).map_err(Failure::bad_input)?;
         let write_options = WriteOptions { premultiplied: args.transparent, ..write_options };
         let is_model = matches!(opened.desc.format, Format::Model | Format::Gltf);
@@ -203,13 +203,19 @@ impl<'a> Job<'a> {
 }
 
 /// Options of opening the scene: in the colours that suit the integrator, unless others are asked for.
-fn scene_options(args: &RenderArgs) -> SceneOptions {
+fn scene_options(args: &RenderArgs, path: &Path) -> SceneOptions {
     let mut options = args.scene_options.clone();
     let suited = args.integrator.as_deref().and_then(suited_mode);
     if let (Some(ColorMode::Rgb), Color::Auto) = (suited, options.color) {
         options.color = Color::Rgb;
     }
     options.sensor_noise = SensorNoise::OfFrame(args.frame);
+    // The ground that models get is part of what is left out behind them.
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    let is_model = ["obj", "ply", "bpt", "gltf", "glb"].iter().any(|known| extension == *known);
+    if args.transparent && is_model && !options.define.iter().any(|d| d.0 == "ground") {
+        options.define.push(("ground".into(), "false".into()));
+    }
     options
 }
 

@@ -233,7 +233,14 @@ fn with_definitions_told(mut import: Import, known: Option<&[&str]>, options: &O
 
 fn unknown(name: &str) -> Import {
     let known = extensions().map(|e| format!(".{}", e.0)).collect::<Vec<_>>().join(", ");
+    let extension = Path::new(name).extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let help = match steradian_image::FileKind::from_extension(Path::new(name)) {
+        _ if matches!(extension.as_str(), "stl" | "3mf" | "off" | "step" | "stp") => {
+            format!("save it as .ply or .obj (MeshLab, Blender and CAD programs do); known are {known}")
+        }
+        _ if matches!(extension.as_str(), "usd" | "usda" | "usdc" | "usdz" | "fbx" | "blend" | "dae" | "abc") => {
+            format!("save it as .glb, with its materials (Blender: File, Export, glTF 2.0); known are {known}")
+        }
         Some(_) => "it is a picture, which `steradian info`, compare, convert and signal read".into(),
         None => format!("known are {known}"),
     };
@@ -276,6 +283,9 @@ mod tests {
             };
             assert_eq!(said(&[]), "", "{text}");
             assert!(said(&[defined]).contains(about), "{text} -D {defined}: {}", said(&[defined]));
+        }
+        for (name, about) in [("part.STL", "save it as .ply or .obj"), ("scene.usdz", "save it as .glb")] {
+            assert!(unknown(name).diagnostics.iter().any(|d| d.to_string().contains(about)), "{name}");
         }
         let options = Options { defines: [("foo".into(), "1".into())].into(), ..Options::default() };
         assert_eq!(load("builtin:cornell-box", &options).diagnostics.iter().count(), 1);

@@ -81,6 +81,21 @@ fn transparent_pictures_have_no_background() {
     assert!((at(&drawn, "B", 12) / full - 1.0).abs() < 0.1, "premultiplied");
 }
 
+/// The ground that models get is left out with the background, unless it is asked for.
+#[test]
+fn transparent_pictures_of_models_have_no_ground() {
+    let place = Place::new();
+    place.file("m.obj", "v 0 0 0\nv 1 2 0\nv -1 2 0\nf 1 2 3\n");
+    let common = ["render", "m.obj", "--size", "32x24", "--spp", "16", "-q", "--transparent"];
+    let bottom = |more: &[&str]| {
+        place.succeed(&[&common[..], more, &["-D", "material=gold", "-o", "m.exr"]].concat());
+        place.picture("m.exr").channel("A").unwrap()[23 * 32 + 2]
+    };
+    assert_eq!((bottom(&[]), bottom(&["-D", "ground=true"])), (0.0, 1.0));
+    place.refuse(2, &[&common[..], &["-D", "ground=shadow", "-o", "m.exr"]].concat(), &["ground=shadow"]);
+    place.refuse(2, &["render", "m.obj", "-D", "material=godl", "-o", "m.exr"], &["'material'", "gold"]);
+}
+
 #[test]
 fn layers_and_differences_become_pictures() {
     let place = Place::new();

@@ -1,7 +1,7 @@
 //! Camera, film, ground and light for a model that comes without, by the user's words where there are any
 //! ([`Options::defines`]).
 
-use super::{sky, studio};
+use super::{finish, sky, studio};
 use crate::{Import, Options, files::SearchPath};
 use glam::DMat3;
 use std::{
@@ -126,6 +126,11 @@ impl StageOptions {
         let ground = match word("ground") {
             None | Some("true") => true,
             Some("false") => false,
+            Some("shadow") => {
+                return Err("'ground=shadow' (a ground that is its shadow alone) does not exist yet: \
+                            with --transparent the ground is left out, with -D ground=true it is opaque"
+                    .into());
+            }
             Some(other) => return Err(format!("'ground' is 'true' or 'false', not '{other}'")),
         };
         let sun = angle("sun", usual_sun()[1].to_degrees(), 90.0)?;
@@ -179,6 +184,9 @@ pub(super) fn set(import: &mut Import, options: &Options) {
         desc.shapes.iter_mut().for_each(|s| s.world_from_object = axes * s.world_from_object);
         let [a, b] = corners.map(|c| stage.axes * c);
         corners = [a.min(b), a.max(b)];
+    }
+    if let Some(Err(fault)) = options.defines.get("material").map(|word| finish::apply(desc, word)) {
+        return diagnostics.error(&desc.sources, None, fault);
     }
     let emits = desc.shapes.iter().any(|s| s.emission.is_some());
     add_missing(desc, &stage, corners, emits);

@@ -127,8 +127,8 @@ mod tests {
         sum * (PI / rows as f64).powi(2)
     }
 
-    /// Surfaces of an albedo of 0.8 are as bright as white, the lit side is much brighter than the shaded one, and an overcast
-    /// sky has the illuminance of the standard.
+    /// Surfaces of an albedo of 0.8 are as bright as white, the lit side is much brighter than the shaded one, and an
+    /// overcast sky has the illuminance of the standard.
     #[test]
     fn skies_have_their_brightness() {
         let up = irradiance(studio, DVec3::Y);
