@@ -533,7 +533,7 @@ pub struct DenoiseArgs {
     /// More removes more noise, and more detail [default: 1]
     #[arg(long, value_name = "S", value_parser = values::strength)]
     pub strength: Option<f32>,
-    /// Denoiser [default: nlm, or oidn where --oidn names it]
+    /// Denoiser [default: oidn where it is found or --oidn names it, else nlm]
     #[arg(long, value_name = "NAME", value_enum)]
     pub with: Option<Denoiser>,
     /// The library of Open Image Denoise 2, or a folder that has it: an archive of it, or where `pip install --target

@@ -62,6 +62,11 @@ fn average(picture: &Image) -> f32 {
     (10.0 * stops).round().clamp(-640.0, 640.0) / 10.0
 }
 
+/// True for a picture without any light.
+pub fn is_black(picture: &Image) -> bool {
+    lit(picture).is_empty()
+}
+
 /// Luminances of the pixels that are not black, from the lowest on.
 fn lit(picture: &Image) -> Vec<f32> {
     let Some(rgb) = picture.rgb() else { return Vec::new() };

@@ -29,18 +29,18 @@ pub enum Filter {
 }
 
 impl Filter {
-    /// The one that is asked for, by its name or by the library's path.
-    pub fn new(name: Option<Denoiser>, library: Option<&Path>, strength: f32, threads: u16) -> Result<Self, Failure> {
-        match (name, library) {
-            (Some(Denoiser::Nlm | Denoiser::Atrous), Some(_)) => {
-                Err(Failure::bad_input("--oidn names a library, which the denoisers nlm and atrous have no use for"))
-            }
-            (Some(Denoiser::Atrous), None) => Ok(Self::Atrous),
-            (None | Some(Denoiser::Nlm), None) => Ok(Self::NonLocalMeans(strength)),
-            (_, library) => {
+    /// A denoiser; Open Image Denoise from a library, or where that is found.
+    pub fn new(name: Denoiser, library: Option<&Path>, strength: f32, threads: u16) -> Result<Self, Failure> {
+        match name {
+            Denoiser::Atrous => Ok(Self::Atrous),
+            Denoiser::Nlm => Ok(Self::NonLocalMeans(strength)),
+            Denoiser::Oidn => {
                 let path = denoise::oidn_library(library).map_err(Failure::bad_input)?;
-                let oidn = Oidn::load(&path, usize::from(threads));
-                Ok(Self::Oidn(oidn.map_err(|e| Failure::bad_input(format!("'{}': {e}", path.display())))?))
+                let failed = |e| {
+                    let path = path.display();
+                    Failure::bad_input(format!("'{path}': {e}; the denoiser nlm is built in"))
+                };
+                Ok(Self::Oidn(Oidn::load(&path, usize::from(threads)).map_err(failed)?))
             }
         }
     }
@@ -72,6 +72,13 @@ impl Filter {
     }
 }
 
+/// The denoiser of a name. Without one it is Open Image Denoise where a library is named, or one is found and it can do
+/// what is asked for: it works neither on sequences nor with halves.
+pub fn chosen(name: Option<Denoiser>, library: Option<&Path>, is_plain: bool) -> Denoiser {
+    let has_oidn = || library.is_some() || is_plain && denoise::oidn_library(None).is_ok();
+    name.unwrap_or_else(|| if has_oidn() { Denoiser::Oidn } else { Denoiser::Nlm })
+}
+
 /// The layers that guide the built-in filters, or Open Image Denoise.
 pub fn guides(is_oidn: bool) -> &'static [Layer] {
     if is_oidn { &OIDN_GUIDES } else { &GUIDES }
@@ -87,11 +94,17 @@ pub fn run(args: &DenoiseArgs, terminal: Terminal) -> Outcome {
     let options = args.files.write_options_or(Tone::default()).map_err(Failure::bad_input)?;
     let mut options = WriteOptions { premultiplied, ..options };
     let read = |path: &Path| image::read(path, &Limits::default()).map_err(|e| Failure::bad_input(e.to_string()));
-    let filter = Filter::new(args.with, args.oidn.as_deref(), args.strength.unwrap_or(1.0), args.threads)?;
+    let (noisy, half) = (read(&args.input)?, args.half.as_deref().map(read).transpose()?);
+    let has_halves = noisy.layer_rgb(Layer::HALVES.prefix()).is_some();
+    let is_plain = half.is_none() && args.strength.is_none() && !has_halves;
+    let name = chosen(args.with, args.oidn.as_deref(), is_plain);
+    if args.oidn.is_some() && name != Denoiser::Oidn {
+        terminal.warn("--oidn has no effect: --with names another denoiser");
+    }
+    let filter = Filter::new(name, args.oidn.as_deref(), args.strength.unwrap_or(1.0), args.threads)?;
     if !matches!(filter, Filter::NonLocalMeans(_)) && (args.half.is_some() || args.strength.is_some()) {
         return Err(Failure::bad_input("--half and --strength are of the denoiser nlm"));
     }
-    let (noisy, half) = (read(&args.input)?, args.half.as_deref().map(read).transpose()?);
     let start = Instant::now();
     let denoised = filter.picture(&noisy, half.as_ref());
     let denoised = denoised.map_err(|e| Failure::bad_input(format!("'{}': {e}", args.input.display())))?;

@@ -121,6 +121,9 @@ pub fn run(args: &InfoArgs, terminal: Terminal) -> Outcome {
     if let Some(kind) = picture::kind(&args.scene) {
         return picture::tell(&args.scene, kind, args.json);
     }
+    if image::FileKind::from_extension(&args.scene).is_some() && !args.scene.exists() {
+        return Err(Failure::bad_input(format!("there is no picture '{name}'")));
+    }
     let mut opened = open::open(&args.scene, &args.scene_options, None);
     if args.scene_options.strict {
         opened.diagnostics = diagnostics::refuse_losses(&opened.diagnostics);

@@ -3,7 +3,7 @@
 use crate::{
     args::{Color, Denoiser, RenderArgs, SceneOptions},
     checkpoint::{check_state, unusable},
-    denoise::guides,
+    denoise::{chosen, guides},
     failure::Failure,
     memory,
     open::{self, Ready},
@@ -35,6 +35,7 @@ pub struct Job<'a> {
     /// Name of the scene in messages.
     pub name: Cow<'a, str>,
     pub quality: Quality,
+    pub denoiser: Option<Denoiser>,
     /// The file of a solution of radiosity.
     pub solution: Option<PathBuf>,
     /// The file of a state to go on from.
@@ -69,12 +70,15 @@ impl<'a> Job<'a> {
         let path = args.scene.as_deref().unwrap_or(Path::new(DEFAULT_SCENE));
         let outputs = if args.output.is_empty() { output::default_names(path) } else { args.output.clone() };
         let kinds = outputs.iter().map(|o| output::kind(o)).collect::<Result<Vec<_>, _>>()?;
-        let quality = quality(args);
+        let denoiser = denoiser(args);
+        if args.oidn.is_some() && denoiser.is_some_and(|name| name != Denoiser::Oidn) {
+            terminal.warn("--oidn has no effect: --denoise names another denoiser");
+        }
+        let quality = quality(args, denoiser);
         if !args.aov.is_empty() && !kinds.contains(&FileKind::Exr) {
             return Err(Failure::bad_input("layers (--aov) are kept by .exr files only; give one with -o"));
         }
-        let is_nlm = matches!(args.denoise, Some(None | Some(Denoiser::Nlm))) && args.oidn.is_none();
-        if args.temporal && !is_nlm {
+        if args.temporal && denoiser != Some(Denoiser::Nlm) {
             return Err(Failure::bad_input("--temporal is of the denoiser nlm"));
         }
         if args.frames.is_none() && quality.layers.contains(&Layer::MOTION) {
@@ -99,7 +103,8 @@ impl<'a> Job<'a> {
             )));
         }
         let state = args.resume.as_deref().and_then(resume::source);
-        let job = Self { args, terminal, path, name: open::shown(path), quality, solution, state, outputs, kinds };
+        let job =
+            Self { args, terminal, path, name: open::shown(path), quality, denoiser, solution, state, outputs, kinds };
         output::claim(job.outputs.iter().chain(&job.kept()).map(PathBuf::as_path), &Inputs::of([path]))?;
         args.resume.as_deref().map_or(Ok(()), check_state)?;
         Ok(job)
@@ -219,8 +224,14 @@ fn scene_options(args: &RenderArgs, path: &Path) -> SceneOptions {
     options
 }
 
+/// The denoiser that is asked for.
+fn denoiser(args: &RenderArgs) -> Option<Denoiser> {
+    let has_halves = args.aov.iter().any(|layers| layers.0.contains(&Layer::HALVES));
+    args.denoise.map(|name| chosen(name, args.oidn.as_deref(), !args.temporal && !has_halves))
+}
+
 /// Quality from the command line.
-fn quality(args: &RenderArgs) -> Quality {
+fn quality(args: &RenderArgs, denoiser: Option<Denoiser>) -> Quality {
     let mut layers: Vec<Layer> = Vec::new();
     for &layer in args.aov.iter().flat_map(|l| &l.0) {
         if !layers.contains(&layer) {
@@ -229,7 +240,7 @@ fn quality(args: &RenderArgs) -> Quality {
     }
     let needed = args.transparent.then_some(Layer::ALPHA).into_iter();
     let needed = needed.chain(args.temporal.then_some(Layer::MOTION));
-    let is_oidn = args.oidn.is_some() || args.denoise == Some(Some(Denoiser::Oidn));
+    let is_oidn = denoiser == Some(Denoiser::Oidn);
     for layer in needed.chain(guides(is_oidn).iter().copied().filter(|_| args.denoise.is_some())) {
         if !layers.contains(&layer) {
             layers.push(layer);

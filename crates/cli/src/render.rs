@@ -92,7 +92,7 @@ impl<'a> Started<'a> {
         job.place_outputs(&ready)?;
         let mut planned = job.plan(scene)?;
         let filter = |name| Filter::new(name, args.oidn.as_deref(), 1.0, args.scene_options.threads);
-        let filter = args.denoise.map(filter).transpose()?;
+        let filter = job.denoiser.map(filter).transpose()?;
         let render = &mut planned.render;
         before.begin(args.temporal, render);
         let signals = Signals::watch();
@@ -181,7 +181,7 @@ impl<'a> Started<'a> {
         (report.missing_light, report.outputs, report.diagnostics) = (missing_light, &written, self.ready.counts);
         self.effort.add_to(&mut report.render_seconds, &mut report.rays);
         session.notes().iter().for_each(|note| terminal.say(note));
-        tell(&report, stop, terminal);
+        tell(&report, stop, brightness::is_black(&made.picture), terminal);
         kept.map_err(Failure::failed)?;
         if let (Some(checkpoint), Some(_)) = (checkpoint, stop) {
             terminal.say(&format!("the same command goes on from {}", checkpoint.path.display()));
@@ -223,7 +223,7 @@ fn without_a_sample(stop: Option<Stop>, terminal: Terminal) -> Outcome {
 }
 
 /// The summary and what is remarkable about it.
-pub fn tell(report: &Report<'_>, stop: Option<Stop>, terminal: Terminal) {
+pub fn tell(report: &Report<'_>, stop: Option<Stop>, is_black: bool, terminal: Terminal) {
     terminal.say(&report.line());
     match stop {
         Some(Stop::Signal(signal)) => {
@@ -245,6 +245,9 @@ pub fn tell(report: &Report<'_>, stop: Option<Stop>, terminal: Terminal) {
             100.0 * share,
             report.integrator
         ));
+    }
+    if is_black && report.integrator == "ao" {
+        terminal.say("all is black: no direction is free within the scene; ao:distance=D counts what is nearer than D");
     }
     if report.empty_pixels > 0 {
         terminal.warn(&format!("{} pixels have no sample yet and are black", report.empty_pixels));

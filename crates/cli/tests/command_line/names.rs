@@ -178,5 +178,5 @@ fn pictures_are_told_too() {
     place.file("broken.png", "no picture");
     place.refuse(2, &["info", "broken.png"], &["broken.png"]);
     place.refuse(2, &["render", "a.exr"], &["is a picture", "steradian info"]);
-    place.refuse(2, &["info", "none.png"], &["cannot find"]);
+    place.refuse(2, &["info", "none.png"], &["no picture 'none.png'"]);
 }
