@@ -53,7 +53,8 @@ pub fn expose(options: &mut WriteOptions, (stops, why): (f32, &str), terminal: O
     }
 }
 
-/// Stops, to a tenth, by which the geometric mean of what is lit becomes mid-grey, but no more than one tenth of it white.
+/// Stops, to a tenth, by which the geometric mean of what is lit becomes mid-grey, but no more than one tenth of it
+/// white.
 fn average(picture: &Image) -> f32 {
     let lit = lit(picture);
     let Some(high) = lit.get(lit.len() * 9 / 10) else { return 0.0 };

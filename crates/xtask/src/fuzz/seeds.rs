@@ -40,7 +40,8 @@ pub fn glb() -> Vec<Vec<u8>> {
 
 pub fn ply() -> Vec<Vec<u8>> {
     let mut all = scenes("ply");
-    let mut binary = b"ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+    let mut binary = b"ply\nformat binary_little_endian 1.0\n\
+        element vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
         element face 1\nproperty list uchar int vertex_indices\nend_header\n"
         .to_vec();
     for number in [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0] {
@@ -54,7 +55,8 @@ pub fn ply() -> Vec<Vec<u8>> {
 
 pub fn obj() -> Vec<Vec<u8>> {
     let texts = [
-        "# a square\no square\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 1\nvn 0 0 1\nusemtl a\nf 1/1/1 2/2/1 3/2/1 4/1/1\n",
+        "# a square\no square\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 1\nvn 0 0 1\n\
+         usemtl a\nf 1/1/1 2/2/1 3/2/1 4/1/1\n",
         "v -1 -1 0 1 0 0\nv 1 -1 0 0 1 0\nv 0 1 .5 0 0 1\ng one two\ns 1\nf -3 -2 -1\nf 1 \\\n2 3\nl 1 2 3\np 1\n",
     ];
     texts.map(|text| text.as_bytes().to_vec()).into()

@@ -192,8 +192,8 @@ pub(super) fn set(import: &mut Import, options: &Options) {
     add_missing(desc, &stage, corners, emits);
 }
 
-/// Adds what a scene lacks: a camera that frames the box of its shapes, a studio where it has no light of its own, and a
-/// ground where it has neither, unless the user defines `ground=false`. A sky that the user names is always there.
+/// Adds what a scene lacks: a camera that frames the box of its shapes, a studio where it has no light of its own, and
+/// a ground where it has neither, unless the user defines `ground=false`. A sky that the user names is always there.
 /// Where there are lamps and no sky, shadows get a little light from all sides, and a note says so.
 pub(crate) fn complete(import: &mut Import, options: &Options, corners: [DVec3; 2], has_lights: bool, dim: bool) {
     let Import { desc, diagnostics } = import;
@@ -285,8 +285,8 @@ fn viewer(desc: &SceneDesc, stage: &StageOptions) -> f64 {
     }
 }
 
-/// The sky, which stays where it is for the viewer, from whichever side the model is seen; a picture that the user names
-/// stays where it is in the world.
+/// The sky, which stays where it is for the viewer, from whichever side the model is seen; a picture that the user
+/// names stays where it is in the world.
 fn add_sky(desc: &mut SceneDesc, stage: &StageOptions, sky: &Sky, viewer: f64) {
     let picture = |file: PathBuf, turn: f64| {
         let light = Node::new(Family::Light, "environment", None).with("file", file).with("parametrization", "latlong");
