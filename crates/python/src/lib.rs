@@ -17,6 +17,7 @@ mod material;
 mod mesh;
 mod message;
 mod metadata;
+mod meter;
 mod mix;
 mod parameter;
 mod parts;
@@ -24,6 +25,7 @@ mod progress;
 mod rays;
 mod render;
 mod resume;
+mod samples;
 mod scene;
 mod settings;
 mod shape;
@@ -51,6 +53,8 @@ mod _steradian {
     #[pymodule_export]
     use super::message::Message;
     #[pymodule_export]
+    use super::meter::meter;
+    #[pymodule_export]
     use super::parameter::Parameter;
     #[pymodule_export]
     use super::parts::Parts;
@@ -60,6 +64,8 @@ mod _steradian {
     use super::rays::{occluded, trace};
     #[pymodule_export]
     use super::registry;
+    #[pymodule_export]
+    use super::samples::{sample_emitter, sample_ray};
     #[pymodule_export]
     use super::scene::Scene;
     #[pymodule_export]

@@ -159,16 +159,31 @@ pub fn occluded<'py>(
     Ok(found.into_pyarray(py))
 }
 
-fn column<'py, T: Element>(py: Python<'py>, found: &[Found], of: impl Fn(&Found) -> T) -> Bound<'py, PyArray1<T>> {
+/// Rows of an array, of which so many are expected.
+pub fn rows<T: Element + Copy, const N: usize>(
+    name: &str,
+    array: &PyReadonlyArray2<'_, T>,
+    count: usize,
+) -> PyResult<Vec<[T; N]>> {
+    let array = array.as_array();
+    if array.dim() != (count, N) {
+        return Err(PyValueError::new_err(format!("{name} has the shape {:?}, not ({count}, {N})", array.shape())));
+    }
+    Ok(array.rows().into_iter().map(|row| std::array::from_fn(|k| row[k])).collect())
+}
+
+/// An array of one number for each.
+pub fn column<'py, S, T: Element>(py: Python<'py>, found: &[S], of: impl Fn(&S) -> T) -> Bound<'py, PyArray1<T>> {
     Array1::from_iter(found.iter().map(of)).into_pyarray(py)
 }
 
-fn columns<'py, const N: usize>(
+/// An array of a row for each.
+pub fn columns<'py, S, T: Element, const N: usize>(
     py: Python<'py>,
-    found: &[Found],
-    of: impl Fn(&Found) -> [f32; N],
+    found: &[S],
+    of: impl Fn(&S) -> [T; N],
 ) -> PyResult<Bound<'py, PyAny>> {
-    let flat: Vec<f32> = found.iter().flat_map(of).collect();
+    let flat: Vec<T> = found.iter().flat_map(of).collect();
     let array = Array2::from_shape_vec((found.len(), N), flat).map_err(|e| PyValueError::new_err(e.to_string()))?;
     Ok(array.into_pyarray(py).into_any())
 }

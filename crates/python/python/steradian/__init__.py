@@ -19,12 +19,14 @@ from numpy.typing import ArrayLike, NDArray
 from . import _describe, _rays, _steradian
 from ._look import LookAt, look_at
 from ._rays import BsdfSamples, Hits, Material
+from ._samples import CameraRays, EmitterSamples, MeterReadings
 from ._scene import Node, Parameters, Scene, SceneWarning, StrPath
 from ._steradian import Image, Message, Parameter, Progress, SceneError, View, __version__, read_image, registry
 
 __all__ = [
-    "BsdfSamples", "Hits", "Image", "LookAt", "Material", "Message", "Node", "Parameter", "Parameters", "Progress", "Scene", "SceneError",
-    "SceneWarning", "View", "__version__", "compare", "load", "look_at", "material", "read_image", "registry", "scene", "spectrum",
+    "BsdfSamples", "CameraRays", "EmitterSamples", "Hits", "Image", "LookAt", "Material", "Message", "MeterReadings", "Node", "Parameter",
+    "Parameters", "Progress", "Scene", "SceneError", "SceneWarning", "View", "__version__", "compare", "load", "look_at", "material",
+    "read_image", "registry", "scene", "spectrum",
 ]
 
 

@@ -49,18 +49,19 @@ class Hits:
     @property
     def shape_name(self) -> NDArray[Any]:
         """Names of the shapes; empty where nothing was met."""
-        return _named(self.shape, self.shape_names)
+        return named(self.shape, self.shape_names)
 
     @property
     def material_name(self) -> NDArray[Any]:
         """Names of the materials; empty where nothing was met."""
-        return _named(self.material, self.material_names)
+        return named(self.material, self.material_names)
 
     def __repr__(self) -> str:
         return f"<steradian.Hits: {int(self.hit.sum())} of {self.t.size} rays>"
 
 
-def _named(numbers: NDArray[Any], names: dict[int, str]) -> NDArray[Any]:
+def named(numbers: NDArray[Any], names: dict[int, str]) -> NDArray[Any]:
+    """Names by numbers; empty for those that have none."""
     table = np.full(max([int(numbers.max(initial=0)), *names]) + 1, "", dtype=object)
     for number, name in names.items():
         table[number] = name
@@ -97,7 +98,7 @@ def vectors(name: str, value: ArrayLike, columns: tuple[int, ...] = (3,)) -> NDA
     return array.astype(np.float32, copy=False)
 
 
-def together(**arrays: tuple[NDArray[Any], int]) -> tuple[tuple[int, ...], list[NDArray[np.float32]]]:
+def together(**arrays: tuple[NDArray[Any], int]) -> tuple[tuple[int, ...], list[NDArray[Any]]]:
     """Broadcasts arrays of rows to one shape but for their columns; returns that shape, and the rows of each."""
     try:
         shape = np.broadcast_shapes(*(a.shape[: a.ndim - columns] for a, columns in arrays.values()))

@@ -11,11 +11,12 @@ from typing import Any, Union, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _frames, _rays, _steradian
+from . import _frames, _rays, _samples, _steradian
 from ._describe import PARTS, mesh_arrays, text
 from ._look import LookAt, camera_settings
 from ._progress import is_notebook, shown
 from ._rays import Hits, Material
+from ._samples import CameraRays, EmitterSamples, MeterReadings
 from ._steradian import Image, Message, Parameter, Progress, SceneError, View
 
 StrPath = Union[str, "os.PathLike[str]"]
@@ -268,6 +269,56 @@ class Scene(Mapping[str, Node]):
         Rays that start at surfaces meet these, unless they start a little off: `hits.position + 1e-4 * hits.normal`.
         """
         return _rays.occluded(self._inner, origins, directions, max_distance, time)
+
+    def sample_ray(
+        self,
+        xy: ArrayLike,
+        *,
+        u_lens: ArrayLike = (0.5, 0.5),
+        time: ArrayLike = 0.0,
+        camera: str | int | LookAt | None = None,
+        size: tuple[int, int] | None = None,
+    ) -> CameraRays:
+        """Camera rays through points of the film, (…, 2), in pixels of the whole picture: (0.5, 0.5) is the middle of the top left one.
+
+        `u_lens`, (…, 2) from 0 to 1, chooses points on the lens, whose middle is (0.5, 0.5); `time`, (…), from 0 to 1, moments of
+        the exposure. All are broadcast. `camera` and `size` are those of `render`.
+        """
+        settings = _steradian.Settings(size=size, **camera_settings(camera))
+        return _samples.sample_ray(self._inner, settings, xy, u_lens, time)
+
+    def sample_emitter(
+        self, points: ArrayLike, u: ArrayLike, *, normals: ArrayLike | None = None, time: ArrayLike = 0.0
+    ) -> EmitterSamples:
+        """Draws for each point, (…, 3), a light and a point on it by numbers u from 0 to 1, (…, 3): one for the light, two for the point.
+
+        What is in between does not count: `occluded` tells. With `normals` only light from their side is drawn, by what it can give.
+        Left out is light that only paths find: of media, and of surfaces given by equations or distances.
+        """
+        return _samples.sample_emitter(self._inner, points, u, normals, time)
+
+    def meter(
+        self,
+        points: ArrayLike,
+        *,
+        normals: ArrayLike | None = None,
+        directions: ArrayLike | None = None,
+        flux: float | None = None,
+        spp: int = 64000,
+        error: float | None = None,
+        seed: int = 0,
+        max_depth: int | None = None,
+        integrator: str | None = None,
+        color: str = "auto",
+    ) -> MeterReadings:
+        """Light at points, (…, 3), with the numbers of `steradian meter`: scalar irradiance; irradiance of planes with `normals`; radiance
+        from `directions`, which point away from the meter; flux with a radius, of discs with normals, else out of balls.
+
+        Each reading takes `spp` samples, or goes on until half the width of its confidence interval is the part `error` of it.
+        """
+        return _samples.meter(
+            self._inner, points, normals, directions, flux, spp=spp, error=error, seed=seed, max_depth=max_depth, integrator=integrator, color=color
+        )
 
     @overload
     def render(

@@ -54,6 +54,32 @@ def occluded(
 ) -> NDArray[np.bool_]:
     """True for rays that meet anything that scatters before their distance."""
 
+def sample_ray(
+    scene: Scene, settings: Settings, xy: NDArray[np.float32], lens: NDArray[np.float32], times: NDArray[np.float32]
+) -> dict[str, Any]:
+    """Camera rays through points of the full frame, as a dictionary of arrays."""
+
+def sample_emitter(
+    scene: Scene, points: NDArray[np.float32], normals: NDArray[np.float32], u: NDArray[np.float32], times: NDArray[np.float32]
+) -> dict[str, Any]:
+    """A light for each point, and a point on it, as a dictionary of arrays."""
+
+def meter(
+    scene: Scene,
+    points: NDArray[np.float64],
+    aims: NDArray[np.float32] | None = None,
+    *,
+    are_directions: bool = False,
+    flux: float | None = None,
+    spp: int = 64000,
+    error: float | None = None,
+    seed: int = 0,
+    max_depth: int | None = None,
+    integrator: str | None = None,
+    color: str = "auto",
+) -> dict[str, Any]:
+    """Readings of a meter at points, as a dictionary of arrays."""
+
 @final
 class Message:
     """Message of reading or compiling."""
