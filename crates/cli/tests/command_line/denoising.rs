@@ -16,9 +16,9 @@ fn renders_are_denoised() {
     let place = Place::new();
     let guides = ["--integrator", "path:reuse=1", "--aov", "albedo,normal,depth,variance", "-o", "noisy.exr"];
     place.succeed(&[&BOX[..], &["4"], &guides].concat());
-    place.succeed(&[&BOX[..], &["4", "--denoise", "-o", "whole.exr", "-o", "whole.png"]].concat());
+    place.succeed(&[&BOX[..], &["4", "--denoise=nlm", "-o", "whole.exr", "-o", "whole.png"]].concat());
     place.succeed(&[&BOX[..], &["1k", "--seed", "9", "-o", "reference.exr"]].concat());
-    let said = place.succeed(&["denoise", "noisy.exr", "-o", "after.exr", "-o", "after.png"]).stderr;
+    let said = place.succeed(&["denoise", "noisy.exr", "-o", "after.exr", "-o", "after.png", "--with", "nlm"]).stderr;
     assert!(said.contains("albedo, normal, depth, variance") && !said.contains("missing"), "{said}");
     let picture = |name: &str| place.picture(name);
     let (noisy, after, whole, reference) =
@@ -34,7 +34,7 @@ fn renders_are_denoised() {
     assert!(left < before / 3.5, "{before} to {left}");
     assert_eq!(picture("after.png").width(), 40);
     // Again, from what was noisy.
-    place.succeed(&["denoise", "after.exr", "-o", "again.exr", "--threads", "1"]);
+    place.succeed(&["denoise", "after.exr", "-o", "again.exr", "--threads", "1", "--with", "nlm"]);
     assert_eq!(picture("again.exr").channels(), after.channels());
     place.succeed(&["denoise", "noisy.exr", "-o", "strong.exr", "--strength", "3"]);
     assert_ne!(picture("strong.exr").channel("R"), after.channel("R"));
@@ -48,7 +48,7 @@ fn halves_tell_what_remains() {
     let layers = ["--integrator", "path:reuse=1", "--aov", "albedo,normal,depth,variance,halves", "-o", "noisy.exr"];
     place.succeed(&[&BOX[..], &["16"], &layers].concat());
     place.succeed(&[&BOX[..], &["1k", "--seed", "9", "-o", "reference.exr"]].concat());
-    let said = place.succeed(&["denoise", "noisy.exr", "-o", "after.exr"]).stderr;
+    let said = place.succeed(&["denoise", "noisy.exr", "-o", "after.exr", "--with", "nlm"]).stderr;
     assert!(said.contains("estimated relative error of what remains"), "{said}");
     let whole =
         place.succeed(&[&BOX[..], &["16", "--denoise", "--aov", "halves", "--json", "-o", "whole.exr"]].concat());
@@ -64,7 +64,7 @@ fn halves_tell_what_remains() {
     }
     let [before, error] = [&noisy, &after].map(|picture| relative_error(picture, &reference).sqrt());
     assert!(error < 0.7 * before && (0.5..1.2).contains(&(told / error)), "{told} for {error} of {before}");
-    let plain = place.succeed(&[&BOX[..], &["4", "--denoise", "--json", "-o", "plain.exr"]].concat());
+    let plain = place.succeed(&[&BOX[..], &["4", "--denoise=nlm", "--json", "-o", "plain.exr"]].concat());
     assert!(plain.json()["denoised_relative_error"].is_null() && !plain.stderr.contains("what remains"));
 }
 
@@ -115,7 +115,7 @@ fn missing_layers_are_named() {
         place.succeed(&[&BOX[..], &["4", "--integrator", "path:reuse=1", "--seed", seed, "-o", name]].concat());
     }
     place.succeed(&[&BOX[..], &["1k", "--seed", "9", "-o", "reference.exr"]].concat());
-    let said = place.succeed(&["denoise", "c.pfm", "-o", "after.pfm"]).stderr;
+    let said = place.succeed(&["denoise", "c.pfm", "-o", "after.pfm", "--with", "nlm"]).stderr;
     for word in ["colour alone", "albedo, normal, depth, variance are missing", "--aov albedo,normal,depth,variance"] {
         assert!(said.contains(word), "{said}");
     }
@@ -195,7 +195,7 @@ fn what_cannot_be_denoised_is_refused() {
 fn frames_are_denoised_with_those_before() {
     let place = Place::new();
     place.file("s.gltf", &crate::exchange::seen_slide());
-    let size = ["--size", "40x30", "--spp", "4", "-q", "--denoise"];
+    let size = ["--size", "40x30", "--spp", "4", "-q", "--denoise=nlm"];
     let frames = |more: &[&str]| {
         place.succeed(&[&["render", "s.gltf", "--frames", "2..4", "--fps", "8"][..], &size, more].concat());
     };
