@@ -140,16 +140,20 @@ pub struct RenderArgs {
     /// Write the outputs at these intervals while rendering (10s, 2m); SIGUSR1 writes them at once
     #[arg(long, value_name = "DURATION", value_parser = values::duration)]
     pub watch: Option<Duration>,
-    /// Render frames A to B of a glTF animation, both included, into NAME.0000.exr and so on
+    /// Render frames A to B of a glTF animation, both included, into NAME.0000.exr and so on, or films: -o with .apng,
+    /// .gif, or by ffmpeg .mp4, .webm, .webp
     #[arg(long, value_name = "A..B", value_parser = values::frames)]
     pub frames: Option<Frames>,
+    /// Turn a model or glTF scene once around in N frames, as --frames does
+    #[arg(long, value_name = "N", conflicts_with = "frames", value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    pub turntable: Option<u32>,
     /// Which of them this is.
     #[arg(skip)]
     pub frame: u32,
     /// True for a render of a job, which is held against the scene's fingerprint.
     #[arg(skip)]
     pub is_of_job: bool,
-    /// Frames per second of --frames
+    /// Frames per second
     #[arg(long, value_name = "N", default_value_t = 24.0, value_parser = values::rate)]
     pub fps: f64,
     /// Transparent background: write coverage as alpha (premultiplied in .exr, straight in .png)

@@ -3,6 +3,7 @@
 use crate::{
     args::RenderArgs,
     failure::{self, Failure, Outcome},
+    film::Films,
     open, output, render,
     sequence_state::SequenceState,
     terminal::Terminal,
@@ -10,7 +11,7 @@ use crate::{
 };
 use std::path::{Path, PathBuf};
 use steradian::{
-    Layer,
+    Inputs, Layer,
     archive::{self, ArchiveError, UnpackedScene},
     math::DVec3,
 };
@@ -26,7 +27,12 @@ pub fn run(args: &RenderArgs, frames: Frames, terminal: Terminal) -> Outcome {
     check(args)?;
     // An archive is unpacked once for all frames.
     let unpacked = args.scene.as_deref().map_or(Ok(None), unpacked)?;
-    let named = RenderArgs { output: outputs(args), ..args.clone() };
+    let mut named = RenderArgs { output: outputs(args), ..args.clone() };
+    let films = Films::among(&mut named.output)?;
+    if let Some(films) = &films {
+        output::claim(films.paths(), &Inputs::of(args.scene.as_deref()))?;
+        named.output.push(films.picture());
+    }
     let args = &match &unpacked {
         Some(there) => RenderArgs { scene: Some(there.scene.clone()), ..named },
         None => named,
@@ -36,23 +42,47 @@ pub fn run(args: &RenderArgs, frames: Frames, terminal: Terminal) -> Outcome {
     }
     let mut before = SequenceState::default();
     let framing = framing(args, frames);
+    let mut pictures = Vec::new();
     for frame in frames.first..=frames.last {
+        let (number, all) = (frame - frames.first + 1, frames.last - frames.first + 1);
+        terminal.say(&format!("frame {number} of {all}"));
         let code = render::run_after(&one(args, frame, framing), terminal, &mut before)?;
         if code != failure::DONE {
             return Ok(code);
         }
+        pictures.extend(films.as_ref().map(|films| numbered(&films.picture(), frame)));
+    }
+    if let Some(films) = films {
+        films.make(&pictures, args.fps)?;
+        let made: Vec<PathBuf> = films.paths().map(Path::to_path_buf).collect();
+        terminal.say(&format!("wrote {}", output::listed(&made)));
     }
     Ok(failure::DONE)
+}
+
+/// The frames of a sequence that is asked for.
+pub fn of(args: &RenderArgs) -> Option<Frames> {
+    args.frames.or(args.turntable.map(|count| Frames { first: 0, last: count - 1 }))
 }
 
 /// Refuses what no sequence can be rendered with.
 pub fn check(args: &RenderArgs) -> Result<(), Failure> {
     let unpacked = args.scene.as_deref().map_or(Ok(None), unpacked)?;
-    if !unpacked.as_ref().map(|there| &*there.scene).or(args.scene.as_deref()).is_some_and(open::is_gltf) {
+    if args.turntable.is_some() {
+        let scene = unpacked.as_ref().map(|there| &*there.scene).or(args.scene.as_deref());
+        if !scene.is_some_and(|scene| open::is_gltf(scene) || open::is_model(scene)) {
+            return Err(Failure::bad_input(
+                "--turntable takes a model or a glTF scene, whose camera is the program's own",
+            ));
+        }
+        if args.scene_options.look_at.is_some() || args.scene_options.camera.is_some() {
+            return Err(Failure::bad_input("--turntable places the camera; it cannot go with --look-at and --camera"));
+        }
+    } else if !unpacked.as_ref().map(|there| &*there.scene).or(args.scene.as_deref()).is_some_and(open::is_gltf) {
         return Err(Failure::bad_input("--frames takes a scene with animations, which .gltf and .glb files have"));
     }
     if args.resume.is_some() {
-        return Err(Failure::bad_input("--resume keeps one picture; it cannot go with --frames"));
+        return Err(Failure::bad_input("--resume keeps one picture; it cannot go with a sequence"));
     }
     if args.scene_options.define.iter().any(|(name, _)| name == "at") {
         return Err(Failure::bad_input("--frames names the moments of all frames; it cannot go with -D at=SECONDS"));
@@ -66,7 +96,17 @@ pub fn one(args: &RenderArgs, frame: u32, framing: Option<[DVec3; 2]>) -> Render
     one.output = outputs(args).iter().map(|path| numbered(path, frame)).collect();
     one.frame = frame;
     one.scene_options.framing = framing;
-    one.scene_options.define.push(("at".into(), (f64::from(frame) / args.fps).to_string()));
+    let define = &mut one.scene_options.define;
+    match args.turntable {
+        Some(count) => {
+            // From the side that was asked for, or the front.
+            let named = define.iter().rposition(|(name, _)| name == "azimuth").map(|at| define.remove(at).1);
+            let first: f64 = named.and_then(|side| side.parse().ok()).unwrap_or(0.0);
+            let side = (first + 360.0 * f64::from(frame) / f64::from(count)) % 360.0;
+            define.push(("azimuth".into(), side.to_string()));
+        }
+        None => define.push(("at".into(), (f64::from(frame) / args.fps).to_string())),
+    }
     one
 }
 
@@ -87,6 +127,9 @@ fn unpacked(scene: &Path) -> Result<Option<UnpackedScene>, Failure> {
 
 /// The box that automatic cameras show, so that they stand still: of some frames, first and last among them.
 pub fn framing(args: &RenderArgs, frames: Frames) -> Option<[DVec3; 2]> {
+    if args.turntable.is_some() {
+        return None;
+    }
     let steps = (frames.last - frames.first).min(MOST_FRAMED - 1);
     let moment = |k: u32| {
         let share = f64::from(k) / f64::from(steps.max(1));

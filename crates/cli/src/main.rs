@@ -21,6 +21,7 @@ mod estimate;
 mod experiment;
 mod failure;
 mod farm;
+mod film;
 mod frames;
 mod html;
 mod info;
@@ -123,7 +124,7 @@ fn manual(name: Option<&str>) -> Outcome {
 
 fn run(command: &Command, terminal: Terminal) -> Outcome {
     match command {
-        Command::Render(args) => match args.frames {
+        Command::Render(args) => match frames::of(args) {
             Some(range) => frames::run(args, range, terminal),
             None => render::run(args, terminal),
         },

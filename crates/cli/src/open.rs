@@ -88,6 +88,12 @@ pub fn is_gltf(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf") || e.eq_ignore_ascii_case("glb"))
 }
 
+/// True for names of models, which have no camera of their own.
+pub fn is_model(path: &Path) -> bool {
+    let is = |known: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(known));
+    ["obj", "ply", "bpt"].into_iter().any(is)
+}
+
 /// Name of a scene in messages and files.
 pub fn shown(name: &Path) -> Cow<'_, str> {
     if is_stdin(name) { STDIN.into() } else { name.to_string_lossy() }

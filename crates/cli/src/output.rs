@@ -1,6 +1,6 @@
 //! The files a render is written to: which, whether they can be, and what they carry.
 
-use crate::failure::Failure;
+use crate::{failure::Failure, film};
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
@@ -27,6 +27,7 @@ pub fn kind(path: &Path) -> Result<FileKind, Failure> {
             Err(refuse("is of a kind that can be read, but not written".into()))
         }
         Some(kind) => Ok(kind),
+        None if film::kind(path).is_some() => Err(refuse("is a film, which --frames and --turntable make".into())),
         None => {
             let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
             let known = WRITTEN.split(' ').map(|e| e.trim_start_matches('.'));

@@ -31,7 +31,8 @@ pub struct PlanArgs {
 }
 
 /// Options of `render` that belong to no job, by the names of their arguments, and why.
-const REFUSED: [(&str, &str); 10] = [
+const REFUSED: [(&str, &str); 11] = [
+    ("turntable", "each side is a job of its own: -D azimuth=DEGREES"),
     ("resume", "every chunk keeps its own state"),
     ("watch", "the picture is there when it is merged"),
     ("time", "where it ended would depend on the machines"),

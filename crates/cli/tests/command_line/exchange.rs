@@ -208,3 +208,35 @@ fn a_report_counts_what_is_exact() {
     assert_eq!(run.stderr.matches("the coat of 'coated_conductor'").count(), 1, "{}", run.stderr);
     assert!(run.stderr.contains("at 3 more places"), "{}", run.stderr);
 }
+
+/// A turntable sees a model from all sides, as `azimuth` does, and films hold its frames.
+#[test]
+fn models_are_turned_and_films_made() {
+    let place = Place::new();
+    place.file("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    let small = ["render", "a.obj", "--size", "24x18", "--integrator", "raster", "--spp", "1"];
+    let turn = [&small[..], &["-D", "azimuth=30", "--turntable", "3", "--fps", "10"]].concat();
+    let said = place.succeed(&[&turn[..], &["-o", "t.png", "-o", "t.gif", "-o", "t.apng"]].concat()).stderr;
+    assert!(said.contains("frame 3 of 3") && said.contains("wrote t.gif, t.apng"), "{said}");
+    for (frame, side) in [(0, "30"), (1, "150"), (2, "270")] {
+        place.succeed(&[&small[..], &["-D", &format!("azimuth={side}"), "-o", "side.png"]].concat());
+        let [turned, side] = [format!("t.{frame:04}.png"), "side.png".into()].map(|name| place.picture(&name));
+        assert_eq!(turned.channel("G"), side.channel("G"), "{frame}");
+    }
+    let film = std::fs::read(place.path("t.apng")).unwrap();
+    assert!(film.windows(8).any(|w| w == [b'a', b'c', b'T', b'L', 0, 0, 0, 3]));
+    assert!(std::fs::read(place.path("t.gif")).unwrap().starts_with(b"GIF89a"));
+    // The film alone leaves no pictures beside it.
+    let alone = Place::new();
+    alone.file("a.obj", &std::fs::read_to_string(place.path("a.obj")).unwrap());
+    alone.succeed(&[&turn[..], &["-o", "t.gif"]].concat());
+    assert_eq!(std::fs::read_dir(&alone.0).unwrap().count(), 2);
+    place.refuse(2, &[&small[..], &["-o", "t.gif"]].concat(), &["--turntable"]);
+    place.refuse(2, &["render", "builtin:cornell-box", "--turntable", "3"], &["model or a glTF scene"]);
+    place.refuse(2, &[&turn[..], &["--look-at", "0,0,5,0,0,0"]].concat(), &["--turntable"]);
+    place.refuse(2, &[&turn[..], &["--frames", "0..2"]].concat(), &["--turntable"]);
+    let mut without = place.command(&[&turn[..], &["-o", "t.mp4"]].concat());
+    let refused = without.env("PATH", "/nowhere").output().unwrap();
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("ffmpeg"));
+}
