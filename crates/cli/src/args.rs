@@ -145,7 +145,8 @@ pub struct RenderArgs {
     #[arg(long, value_name = "A..B", value_parser = values::frames)]
     pub frames: Option<Frames>,
     /// Turn a model or glTF scene once around in N frames, as --frames does
-    #[arg(long, value_name = "N", conflicts_with = "frames", value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    #[arg(long, value_name = "N", conflicts_with = "frames")]
+    #[arg(value_parser = clap::value_parser!(u32).range(2..=100_000))]
     pub turntable: Option<u32>,
     /// Which of them this is.
     #[arg(skip)]

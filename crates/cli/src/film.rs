@@ -49,7 +49,7 @@ impl Films {
             return Ok(None);
         }
         if let Some((path, _)) = films.iter().find(|film| film.1 == Kind::Ffmpeg).filter(|_| !has_ffmpeg()) {
-            let why = "takes the program ffmpeg, which is not found; .apng and .gif take none, and pictures (-o NAME.png) go to another program";
+            let why = "takes the program ffmpeg, which is not found; .apng and .gif take none";
             return Err(Failure::bad_input(format!("'{}' {why}", path.display())));
         }
         let folder = TemporaryFolder::new("steradian-")

@@ -136,8 +136,8 @@ impl<'a> Emitters<'a> {
     }
 }
 
-/// A light for each point, and a point on it, by three numbers each. Light from behind a normal is left out; a normal of
-/// zero is of both sides.
+/// A light for each point, and a point on it, by three numbers each. Light from behind a normal is left out; a normal
+/// of zero is of both sides.
 #[pyfunction]
 pub fn sample_emitter<'py>(
     py: Python<'py>,

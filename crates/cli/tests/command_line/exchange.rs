@@ -233,7 +233,7 @@ fn models_are_turned_and_films_made() {
     assert_eq!(std::fs::read_dir(&alone.0).unwrap().count(), 2);
     place.refuse(2, &[&small[..], &["-o", "t.gif"]].concat(), &["--turntable"]);
     place.refuse(2, &["render", "builtin:cornell-box", "--turntable", "3"], &["model or a glTF scene"]);
-    place.refuse(2, &[&turn[..], &["--look-at", "0,0,5,0,0,0"]].concat(), &["--turntable"]);
+    place.refuse(2, &[&turn[..], &["--look-at", "0,0,5,0,0,0,0,1,0"]].concat(), &["--turntable"]);
     place.refuse(2, &[&turn[..], &["--frames", "0..2"]].concat(), &["--turntable"]);
     let mut without = place.command(&[&turn[..], &["-o", "t.mp4"]].concat());
     let refused = without.env("PATH", "/nowhere").output().unwrap();

@@ -204,10 +204,12 @@ struct Functions<'a> {
 }
 
 impl Functions<'_> {
-    fn add(&mut self, signature: &syn::Signature, body: Option<&syn::Block>) {
+    fn add(&mut self, attributes: &[syn::Attribute], signature: &syn::Signature, body: Option<&syn::Block>) {
         let line = signature.ident.span().start().line;
         let place = || format!("{}:{line} {}", self.source.path.display(), signature.ident);
-        if signature.inputs.len() >= ARGUMENTS {
+        // Python gives these by their names.
+        let is_python = attributes.iter().any(|attribute| attribute.path().is_ident("pyo3"));
+        if signature.inputs.len() >= ARGUMENTS && !is_python {
             self.found.entry("functions of 8 arguments").or_default().push(place());
         }
         // Comments tell the algorithm, and do not count.
@@ -221,17 +223,17 @@ impl Functions<'_> {
 
 impl<'ast> Visit<'ast> for Functions<'_> {
     fn visit_item_fn(&mut self, f: &'ast syn::ItemFn) {
-        self.add(&f.sig, Some(&f.block));
+        self.add(&f.attrs, &f.sig, Some(&f.block));
         syn::visit::visit_item_fn(self, f);
     }
 
     fn visit_impl_item_fn(&mut self, f: &'ast syn::ImplItemFn) {
-        self.add(&f.sig, Some(&f.block));
+        self.add(&f.attrs, &f.sig, Some(&f.block));
         syn::visit::visit_impl_item_fn(self, f);
     }
 
     fn visit_trait_item_fn(&mut self, f: &'ast syn::TraitItemFn) {
-        self.add(&f.sig, f.default.as_ref());
+        self.add(&f.attrs, &f.sig, f.default.as_ref());
         syn::visit::visit_trait_item_fn(self, f);
     }
 }

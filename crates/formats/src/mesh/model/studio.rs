@@ -90,9 +90,11 @@ fn dim(d: DVec3) -> [f64; 3] {
     [1.0, 1.03, 1.08].map(|c| c * (0.75 + 0.5 * smoothstep(0.5 + 0.5 * d.y)))
 }
 
+/// Radiance by direction, linear Rec.709.
+type Radiance = fn(DVec3) -> [f64; 3];
+
 /// The names of the skies of formulas, and their radiance.
-pub(super) const FORMULAS: [(&str, fn(DVec3) -> [f64; 3]); 3] =
-    [("studio", studio), ("overcast", overcast), ("dim", dim)];
+pub(super) const FORMULAS: [(&str, Radiance); 3] = [("studio", studio), ("overcast", overcast), ("dim", dim)];
 
 /// A picture of the radiance of all directions as a PFM file (latitude and longitude, +y up, linear Rec.709).
 pub(super) fn pfm(radiance: impl Fn(DVec3) -> [f64; 3]) -> Vec<u8> {
