@@ -19,7 +19,7 @@ const MOST_SHARE = 0.05;
 
 const program = start([scene, '--size', size, '--spp', '16777216']);
 const address = await program.address;
-const [whole, serving] = [`/proc/${program.pid}`, server(program.pid)];
+const [whole, serving] = [`/proc/${program.pid}`, await server(program.pid)];
 const [width, height] = size.split('x').map(Number);
 const failures = [];
 const failed = (why) => failures.push(why);

@@ -35,12 +35,15 @@ export function cpu(task) {
   return (Number(fields[11]) + Number(fields[12])) / TICKS;
 }
 
-/** The thread that serves pages, for `cpu`; of the process's first threads, which stay. */
-export function server(pid) {
-  const tasks = readdirSync(`/proc/${pid}/task`).map((t) => `/proc/${pid}/task/${t}`);
-  const found = tasks.find((task) => existsSync(`${task}/comm`) && readFileSync(`${task}/comm`, 'utf8').trim() === 'server');
-  if (!found) throw new Error('there is no thread of the name "server"');
-  return found;
+/** The thread that serves pages, for `cpu`; of the process's first threads, which stay. A thread names itself when it first runs. */
+export async function server(pid, patience = 60) {
+  for (let left = patience; left > 0; left -= 0.1) {
+    const tasks = readdirSync(`/proc/${pid}/task`).map((t) => `/proc/${pid}/task/${t}`);
+    const found = tasks.find((task) => existsSync(`${task}/comm`) && readFileSync(`${task}/comm`, 'utf8').trim() === 'server');
+    if (found) return found;
+    await pause(0.1);
+  }
+  throw new Error('there is no thread of the name "server"');
 }
 
 /** Resident memory of a process, MiB. */

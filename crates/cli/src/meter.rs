@@ -137,7 +137,13 @@ pub fn run(args: &MeterArgs, terminal: Terminal) -> Outcome {
         }
         (None, at) => vec![Place { at: at.unwrap_or_default(), normal: args.normal, direction: args.direction }],
     };
-    let opened = open::open_unseen(&args.scene, &args.scene_options);
+    // A meter reads the light of the file, not what makes a picture of it.
+    let mut options = args.scene_options.clone();
+    if open::is_gltf(&args.scene) && !options.define.iter().any(|(name, _)| name == "sky") {
+        options.define.push(("sky".into(), "none".into()));
+        terminal.say("only the lights of the glTF file are measured; -D sky=NAME adds a sky");
+    }
+    let opened = open::open_unseen(&args.scene, &options);
     let scene = open::ready(opened, &args.scene, args.scene_options.strict, terminal)?.scene;
     let settings = settings(args, &scene, terminal);
     let (mut unreached, mut taken) = (0, 0);
