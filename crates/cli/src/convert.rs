@@ -57,7 +57,7 @@ pub fn run(args: &ConvertArgs, terminal: Terminal) -> Outcome {
         }
         picture = shown;
     }
-    let exposure = brightness::automatic(&picture, &[args.output.clone()], args.files.exposure, false);
+    let exposure = brightness::automatic(&picture, std::slice::from_ref(&args.output), args.files.exposure, false);
     brightness::expose(&mut options, exposure, Some(terminal));
     image::write(&args.output, &picture, &options).map_err(|e| Failure::failed(e.to_string()))?;
     let cut = match kind {

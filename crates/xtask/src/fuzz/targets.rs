@@ -21,7 +21,7 @@ pub struct Target {
     make_seeds: fn() -> Vec<Vec<u8>>,
     seeds: OnceLock<Vec<Vec<u8>>>,
     /// Puts checksums right, at which damaged inputs would end else.
-    mend: fn(&mut Vec<u8>),
+    mend: fn(&mut [u8]),
     /// Reads an input; true where it is accepted.
     pub run: fn(&[u8]) -> bool,
 }
@@ -30,7 +30,7 @@ fn target(name: &'static str, make_seeds: fn() -> Vec<Vec<u8>>, run: fn(&[u8]) -
     Target { name, make_seeds, seeds: OnceLock::new(), mend: |_| {}, run }
 }
 
-fn mended(target: Target, mend: fn(&mut Vec<u8>)) -> Target {
+fn mended(target: Target, mend: fn(&mut [u8])) -> Target {
     Target { mend, ..target }
 }
 
@@ -183,7 +183,7 @@ fn with_file<T>(bytes: &[u8], read: impl FnOnce(&Path) -> T) -> T {
 }
 
 /// The checksum at the end of a state.
-fn mend_state(bytes: &mut Vec<u8>) {
+fn mend_state(bytes: &mut [u8]) {
     if let Some(at) = bytes.len().checked_sub(blake3::OUT_LEN) {
         let hash = *blake3::hash(&bytes[..at]).as_bytes();
         bytes[at..].copy_from_slice(&hash);
@@ -191,7 +191,7 @@ fn mend_state(bytes: &mut Vec<u8>) {
 }
 
 /// The checksums of the chunks of a PNG file, as far as these can be told.
-fn mend_png(bytes: &mut Vec<u8>) {
+fn mend_png(bytes: &mut [u8]) {
     let mut at = 8;
     while let Some(length) = bytes.get(at..at + 4).and_then(|b| b.try_into().ok()).map(u32::from_be_bytes) {
         let end = at + 8 + length as usize;
