@@ -13,6 +13,8 @@ const TICKS = 100;
 export function start(words, patience = 60) {
   const from = performance.now();
   const child = spawn(PROGRAM, ['view', ...words], { stdio: ['ignore', 'pipe', 'pipe'] });
+  // Whatever fails here, it does not outlive this.
+  process.on('exit', () => child.kill('SIGKILL'));
   let [out, said] = ['', ''];
   child.stderr.on('data', (text) => (said += text));
   const address = new Promise((done, fail) => {
