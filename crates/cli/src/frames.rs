@@ -24,7 +24,6 @@ const DIGITS: usize = 4;
 /// Renders each frame as if its moment were given by `-D at=…`. Methods and denoisers that go on from the frame before
 /// do so.
 pub fn run(args: &RenderArgs, frames: Frames, terminal: Terminal) -> Outcome {
-    check(args)?;
     // An archive is unpacked once for all frames.
     let unpacked = args.scene.as_deref().map_or(Ok(None), unpacked)?;
     let mut named = RenderArgs { output: outputs(args), ..args.clone() };
@@ -37,6 +36,7 @@ pub fn run(args: &RenderArgs, frames: Frames, terminal: Terminal) -> Outcome {
         Some(there) => RenderArgs { scene: Some(there.scene.clone()), ..named },
         None => named,
     };
+    check(args)?;
     if args.temporal && args.aov.iter().any(|layers| layers.0.contains(&Layer::HALVES)) {
         terminal.warn("the error that remains is not estimated where frames are denoised with those before");
     }

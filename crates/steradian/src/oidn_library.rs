@@ -31,7 +31,7 @@ const HOW: &str =
 /// The file of the library of Open Image Denoise that `named`, the environment or a usual place has.
 ///
 /// # Errors
-/// Where it was looked for, and how it can be had.
+/// The places that were searched, and how the library can be had.
 pub fn oidn_library(named: Option<&Path>) -> Result<PathBuf, String> {
     find(named, env::var_os(VARIABLE).filter(|v| !v.is_empty()).map(PathBuf::from))
 }

@@ -293,7 +293,7 @@ impl Recipe {
     /// Writes what a [saved](Self::save) file has.
     ///
     /// # Errors
-    /// Those of the writer, and of sessions of which pieces are missing.
+    /// Faults of the writer, and of sessions that miss pieces.
     pub fn write(&self, session: &mut dyn Session, out: &mut dyn Write) -> io::Result<()> {
         let mut out = BufWriter::new(Hashing::new(out));
         out.write_all(MAGIC)?;

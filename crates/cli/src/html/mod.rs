@@ -26,7 +26,7 @@ pub fn head(title: &str, style: &str) -> String {
 /// An element with a picture as PNG; `alt` is escaped already.
 ///
 /// # Errors
-/// Those of encoding the picture.
+/// Faults of encoding the picture.
 pub fn img(picture: &Image, options: &WriteOptions, alt: &str) -> image::Result<String> {
     let png = image::encode(FileKind::Png, picture, options)?;
     Ok(format!(

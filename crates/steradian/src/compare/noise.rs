@@ -23,7 +23,7 @@ impl<'a> Noise<'a> {
     /// Noise by a picture of the variance of one sample.
     ///
     /// # Errors
-    /// Where the number of samples is not known, or the sizes differ.
+    /// An unknown number of samples, and sizes that differ.
     pub fn given((path, picture): (&Path, &Image), variance: &'a Image, samples: Option<f64>) -> Result<Self, String> {
         let refused = |what: String| format!("'{}' {what}", path.display());
         let samples = samples

@@ -16,7 +16,7 @@ impl<'a> Reference<'a> {
     /// The reference of a picture, resampled by area where it has another size.
     ///
     /// # Errors
-    /// Those of [`metrics::resampled`], where its shape is another one.
+    /// Errors of [`metrics::resampled`] for another shape.
     pub fn of(picture: &Image, reference: &'a Image) -> image::Result<Self> {
         let [size, from] = [picture, reference].map(|image| [image.width(), image.height()]);
         if size == from {

@@ -9,7 +9,7 @@ pub const EDGES: [usize; 4] = [1, 4, 8, 16];
 /// and at the bottom may be smaller.
 ///
 /// # Errors
-/// Those of [`metrics::compare`].
+/// Errors of [`metrics::compare`].
 pub fn relmse(picture: &Image, reference: &Image) -> image::Result<[f64; EDGES.len()]> {
     let mut all = [0.0; EDGES.len()];
     for (error, edge) in all.iter_mut().zip(EDGES) {

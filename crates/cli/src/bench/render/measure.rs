@@ -40,6 +40,9 @@ pub struct Snapshot {
     pub flip: f64,
 }
 
+/// Most steps after the end of the time, of a method that gives no pixel a sample.
+const MOST_STEPS: u32 = 3;
+
 /// Renders for a time, with snapshots at doubling times and at the end; the last picture with them. Trials of a method
 /// count, and may take half of the time. Snapshots where pixels have no sample yet are left out.
 ///
@@ -62,6 +65,9 @@ pub fn measure(
         }
         let (wall, has_none) = (session.wall(), session.counters().samples == 0);
         let is_over = wall >= budget || session.is_done() || is_cut && !(has_none && session.skip_trials());
+        if is_over {
+            finish_first_pass(&mut *session);
+        }
         if wall >= next || is_over {
             if let Some((snapshot, image)) = snapshot(scene, &*session, reference)? {
                 snapshots.push(snapshot);
@@ -101,6 +107,17 @@ fn step(session: &mut dyn Session, samples: u32, left: Duration) -> bool {
         watcher.thread().unpark();
     });
     control.cancel.load(Ordering::Relaxed)
+}
+
+/// Takes the first sample of each pixel that has none, whatever the time: without it there is nothing to measure.
+fn finish_first_pass(session: &mut dyn Session) {
+    for _ in 0..MOST_STEPS {
+        let has_gaps = session.film().pixels.iter().any(|pixel| pixel.samples == 0);
+        if !has_gaps || session.is_done() || session.failure().is_some() {
+            break;
+        }
+        step(session, 1, Duration::MAX);
+    }
 }
 
 /// The picture as it is, and its errors; `None` where pixels have no sample.

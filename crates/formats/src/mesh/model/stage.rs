@@ -194,7 +194,7 @@ pub(super) fn set(import: &mut Import, options: &Options) {
 
 /// Adds what a scene lacks: a camera that frames the box of its shapes, a studio where it has no light of its own, and
 /// a ground where it has neither, unless the user defines `ground=false`. A sky that the user names is always there.
-/// Where there are lamps and no sky, shadows get a little light from all sides, and a note says so.
+/// Documents with lamps and no sky get dim light from all sides, and a note says so.
 pub(crate) fn complete(import: &mut Import, options: &Options, corners: [DVec3; 2], has_lights: bool, dim: bool) {
     let Import { desc, diagnostics } = import;
     let stage = match StageOptions::of(options) {
