@@ -14,7 +14,9 @@ ROOT = os.path.join(os.path.dirname(__file__), "..", "..", "..")
 
 def program():
     """The program that was built last, or an installed one; `STERADIAN` names another."""
-    built = sorted(glob.glob(os.path.join(ROOT, "target", "*", "steradian")), key=os.path.getmtime)
+    # `cargo doc` leaves a folder of this name.
+    files = filter(os.path.isfile, glob.glob(os.path.join(ROOT, "target", "*", "steradian")))
+    built = sorted(files, key=os.path.getmtime)
     found = os.environ.get("STERADIAN") or (built[-1] if built else shutil.which("steradian"))
     if not found:
         pytest.skip("the program is not built")
