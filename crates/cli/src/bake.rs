@@ -175,9 +175,7 @@ fn unusable(path: &Path) -> Failure {
 
 /// A compiled mesh without the ground that models get; meshes of glTF have the tangents that its materials would use.
 fn opened(path: &Path, terminal: Terminal) -> Result<LoadedScene, Failure> {
-    let extension = path.extension().map(|e| e.to_ascii_lowercase());
-    let is_model = extension.is_some_and(|e| ["obj", "ply", "gltf", "glb"].iter().any(|known| e == *known));
-    let defines = is_model.then(|| ("ground".to_owned(), "false".to_owned())).into_iter().collect();
+    let defines = open::bare(path).into_iter().collect();
     let mut loaded = steradian::load(path, &Options { defines, ..Options::default() });
     if loaded.desc.format == steradian::scene::Format::Gltf {
         for shape in loaded.desc.shapes.clone() {

@@ -94,6 +94,13 @@ pub fn is_model(path: &Path) -> bool {
     ["obj", "ply", "bpt"].into_iter().any(is)
 }
 
+/// Definitions by which a model comes as its file has it: without a ground, its axes as they are.
+pub fn bare(path: &Path) -> Vec<(String, String)> {
+    let ground = (is_model(path) || is_gltf(path)).then_some(("ground", "false"));
+    let up = is_model(path).then_some(("up", "y"));
+    ground.into_iter().chain(up).map(|(name, value)| (name.into(), value.into())).collect()
+}
+
 /// Name of a scene in messages and files.
 pub fn shown(name: &Path) -> Cow<'_, str> {
     if is_stdin(name) { STDIN.into() } else { name.to_string_lossy() }

@@ -4,10 +4,11 @@ use crate::{
     args::{Color, MaterialArgs},
     diagnostics,
     failure::Failure,
+    open,
     terminal::Terminal,
 };
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use steradian::{
     ColorMode, CompileOptions, Inputs, Scene,
     formats::Options,
@@ -52,9 +53,7 @@ impl Relief {
     pub fn asked_for(args: &MaterialArgs, terminal: Terminal) -> Result<Option<Self>, Failure> {
         let bare = match (&args.geometry, args.microsurface) {
             (Some(file), _) => {
-                // Models alone get a ground of ours.
-                let is_model = [".obj", ".ply", ".gltf", ".glb"].iter().any(|e| file.to_ascii_lowercase().ends_with(e));
-                let defines = is_model.then(|| ("ground".to_owned(), "false".to_owned())).into_iter().collect();
+                let defines = open::bare(Path::new(file)).into_iter().collect();
                 let loaded = steradian::load(file, &Options { defines, ..Options::default() });
                 diagnostics::tell(&loaded.diagnostics, terminal);
                 if loaded.diagnostics.has_errors() || loaded.desc.shapes.is_empty() {

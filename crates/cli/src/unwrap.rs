@@ -125,10 +125,7 @@ pub fn run(args: &UnwrapArgs, terminal: Terminal) -> Outcome {
 
 /// A scene with its meshes; models without the light, the camera and the ground that they are looked at with.
 fn opened(path: &Path, terminal: Terminal) -> Result<SceneDesc, Failure> {
-    let extension = path.extension().map(|e| e.to_ascii_lowercase());
-    let is_model = extension.is_some_and(|e| ["obj", "ply", "gltf", "glb"].iter().any(|known| e == *known));
-    let ground: Vec<(String, String)> = is_model.then(|| ("ground".into(), "false".into())).into_iter().collect();
-    let loaded = open::load(path, None, &open::reading(&ground, None));
+    let loaded = open::load(path, None, &open::reading(&open::bare(path), None));
     diagnostics::tell(&loaded.diagnostics, terminal);
     if loaded.diagnostics.has_errors() {
         return Err(Failure::bad_input(format!("'{}' has errors; nothing is written", open::shown(path))));

@@ -34,8 +34,20 @@ impl<'b> Beginning<'b> {
     }
 }
 
-const MODEL_DEFINITIONS: &[&str] =
-    &["azimuth", "crease", "elevation", "ground", "handedness", "material", "sky", "strength", "sun", "turn", "up"];
+const MODEL_DEFINITIONS: &[&str] = &[
+    "azimuth",
+    "crease",
+    "elevation",
+    "front",
+    "ground",
+    "handedness",
+    "material",
+    "sky",
+    "strength",
+    "sun",
+    "turn",
+    "up",
+];
 
 /// Models of one extension.
 const fn model(extensions: &'static [(&'static str, &'static str)], looks_like: fn(&Beginning<'_>) -> bool) -> Reader {

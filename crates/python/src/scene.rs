@@ -28,7 +28,7 @@ use std::{
 };
 use steradian::{
     ColorMode, CompileOptions, Kept,
-    formats::{Options, native, write},
+    formats::{Options, mesh::model::leave_out_ground, native, write},
     scene::{Diagnostics, Family, Node, NodeId, SceneDesc, Value},
 };
 use steradian_server::SettingsChange;
@@ -95,20 +95,32 @@ impl Scene {
     /// The scene as it is rendered, compiled anew only where something changed.
     pub fn ready(&self, py: Python<'_>, settings: &Settings) -> PyResult<Ready> {
         let mut state = self.state(py);
-        let Some(look) = &settings.look else { return state.ready(py, &settings.options, "") };
         let own = state.desc.clone();
-        state.desc = look.place(&own, settings.options.camera.as_deref(), &self.options)?;
-        let ready = state.ready(py, &settings.options, &format!("{look:?}"));
+        state.desc = self.seen(&own, settings)?;
+        let way = format!("{:?} {}", settings.look, settings.quality.transparent);
+        let ready = state.ready(py, &settings.options, &way);
         state.desc = own;
         ready
     }
 
-    /// Hash of the description with the camera where it is rendered from, and of the contents of the files that it
-    /// names.
+    /// The description with the camera where it is rendered from; without the ground that a model was given where the
+    /// background is left out, unless the user asked for that ground.
+    fn seen(&self, desc: &Arc<SceneDesc>, settings: &Settings) -> PyResult<Arc<SceneDesc>> {
+        let mut seen = match &settings.look {
+            Some(look) => look.place(desc, settings.options.camera.as_deref(), &self.options)?,
+            None => desc.clone(),
+        };
+        if settings.quality.transparent && !self.options.defines.contains_key("ground") {
+            leave_out_ground(Arc::make_mut(&mut seen));
+        }
+        Ok(seen)
+    }
+
+    /// Hash of the description as it is rendered, and of the contents of the files that it names.
     fn print(&self, py: Python<'_>, settings: Option<&Settings>) -> PyResult<[u8; 32]> {
         let mut desc = self.state(py).desc.clone();
-        if let Some((look, settings)) = settings.and_then(|settings| Some((settings.look.as_ref()?, settings))) {
-            desc = look.place(&desc, settings.options.camera.as_deref(), &self.options)?;
+        if let Some(settings) = settings {
+            desc = self.seen(&desc, settings)?;
         }
         py.detach(|| steradian::resume::fingerprint(&desc)).map_err(|e| PyIOError::new_err(e.to_string()))
     }

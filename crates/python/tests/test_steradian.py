@@ -296,3 +296,20 @@ def test_pictures_are_read_compared_and_shown(tmp_path):
 
 def test_the_version_is_that_of_the_package():
     assert st.__version__.count(".") == 2
+
+
+def test_models_on_a_transparent_background_have_no_ground(tmp_path):
+    model = tmp_path / "square.obj"
+    model.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
+    scene = st.load(model)
+
+    def covered(scene, **settings):
+        image = scene.render(spp=2, size=(16, 12), layers=["alpha"], **settings)
+        return float(image.layer("alpha").mean())
+
+    opaque = covered(scene)
+    clear = covered(scene, transparent=True)
+    assert clear < 0.7 < opaque, "the ground is not there"
+    assert covered(scene) == opaque, "the scene keeps it"
+    asked = st.load(model, defines={"ground": "true"})
+    assert covered(asked, transparent=True) == opaque

@@ -385,6 +385,9 @@ class Scene(Mapping[str, Node]):
         `denoise` is True, or the name of a denoiser: "nlm", "atrous", "oidn". `resume` is a file that keeps the render: it goes
         on from there where the file is there, and is kept at the end and every half minute.
 
+        With `transparent` the background is left out, and the ground that a model was given, unless `load` had `ground` in its
+        `defines`; the layer `alpha` is coverage.
+
         `frames` of an animation, a range or (first, last), give an iterator of pictures, `fps` of them a second.
 
         `progress` is True for a line in the terminal or notebook, or called with a Progress about twenty times a second; if it returns

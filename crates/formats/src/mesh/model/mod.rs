@@ -7,12 +7,14 @@ mod sky;
 mod smooth;
 pub(crate) mod stage;
 mod studio;
+mod upright;
 
 use super::{MeshError, Place, bpt, mtl, obj, ply, text};
 use crate::{
     Import, Options,
     files::{self, SearchPath},
 };
+pub use stage::leave_out_ground;
 use std::{
     collections::{HashMap, HashSet},
     path::Path,
@@ -21,7 +23,8 @@ use steradian_scene::{Attribute, Domain, Family, FileId, Format, Mesh, Node, Nod
 
 /// Opens an OBJ, PLY or BPT file. What is needed to see it is added: a camera, a studio, and a ground, unless
 /// [`Options::defines`] has `ground=false`. Meshes without normals get those of
-/// smooth surfaces. A file that starts as PLY is PLY, whatever it is called.
+/// smooth surfaces. Up is y, or z where the model clearly lies on its side otherwise ([`Options::defines`] `up`), and a
+/// note says so. A file that starts as PLY is PLY, whatever it is called.
 ///
 /// Each object, group and material of an OBJ file becomes a shape; the material libraries it names are looked for
 /// beside it and in [`Options::search`]. Libraries and textures that cannot be found are reported, and something plain
@@ -54,6 +57,7 @@ pub fn import_bytes(path: &Path, bytes: Vec<u8>, options: &Options) -> Import {
         crease: smooth::CREASE,
         losses: 0,
         undefined: HashSet::new(),
+        knows_up: false,
     };
     if let Some(text) = options.defines.get("crease") {
         match text.parse().ok().filter(|v: &f32| (0.0..=180.0).contains(v)) {
@@ -98,6 +102,8 @@ struct Opener<'a> {
     losses: usize,
     /// Materials that no library defines.
     undefined: HashSet<String>,
+    /// True if the format says which axis is up.
+    knows_up: bool,
 }
 
 /// Losses that are shown with their place; further ones are only counted, for to find a line takes reading up to it.
@@ -189,6 +195,7 @@ impl Opener<'_> {
     }
 
     fn bpt(&mut self, bytes: &[u8]) {
+        self.knows_up = true;
         match bpt::read(bytes) {
             Ok(mesh) => {
                 self.import.desc.sources.add(self.path, Vec::new());
@@ -371,7 +378,7 @@ impl Opener<'_> {
             self.import.diagnostics.error(&self.import.desc.sources, None, message);
             return self.import;
         }
-        stage::set(&mut self.import, self.options);
+        stage::set(&mut self.import, self.options, self.knows_up);
         self.import
     }
 }

@@ -1,7 +1,7 @@
 //! Camera, film, ground and light for a model that comes without, by the user's words where there are any
 //! ([`Options::defines`]).
 
-use super::{finish, sky, studio};
+use super::{finish, sky, studio, upright};
 use crate::{Import, Options, files::SearchPath};
 use glam::DMat3;
 use std::{
@@ -9,7 +9,7 @@ use std::{
     sync::Arc,
 };
 use steradian_math::{DMat4, DVec3};
-use steradian_scene::{ColorSpace, Family, Mesh, Node, SceneDesc, Shape, SpectrumValue, Transform, Value};
+use steradian_scene::{ColorSpace, Family, Format, Mesh, Node, SceneDesc, Shape, SpectrumValue, Transform, Value};
 
 /// Horizontal angle of view in degrees.
 const FOV: f64 = 40.0;
@@ -95,6 +95,13 @@ fn usual_sun() -> [f64; 2] {
     [x.atan2(z), y.atan2(x.hypot(z))]
 }
 
+/// The direction of an axis of a name, such as `z` or `-y`.
+fn axis(text: &str) -> Option<DVec3> {
+    let (name, sign) = text.strip_prefix('-').map_or((text, 1.0), |name| (name, -1.0));
+    let axes = [("x", DVec3::X), ("y", DVec3::Y), ("z", DVec3::Z)];
+    axes.into_iter().find(|(known, _)| *known == name).map(|(_, axis)| sign * axis)
+}
+
 /// User options of a model's surroundings.
 struct StageOptions {
     ground: bool,
@@ -113,7 +120,8 @@ struct StageOptions {
 }
 
 impl StageOptions {
-    fn of(options: &Options) -> Result<Self, String> {
+    /// Reads the options; up is `usual_up` where they do not say it.
+    fn of(options: &Options, usual_up: DVec3) -> Result<Self, String> {
         let word = |name: &str| options.defines.get(name).map(String::as_str);
         let angle = |name: &str, default: f64, most: f64| match word(name) {
             None => Ok(default),
@@ -145,13 +153,24 @@ impl StageOptions {
             let skies = SKIES.map(|(name, _)| format!("sky={name}")).join(" or ");
             return Err(format!("'sun' is the height of the sun of {skies}"));
         }
-        // Columns: where x, y and z of the model go.
         let up = match word("up") {
-            None | Some("y") => DMat3::IDENTITY,
-            Some("z") => DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y),
-            Some("x") => DMat3::from_cols(DVec3::Y, DVec3::NEG_X, DVec3::Z),
-            Some(other) => return Err(format!("'up' is the axis 'x', 'y' or 'z', not '{other}'")),
+            None => usual_up,
+            Some(text) => axis(text).ok_or_else(|| {
+                format!("'up' is the axis 'x', 'y' or 'z', or one of them with a minus, not '{text}'")
+            })?,
         };
+        let front = match word("front") {
+            None if up.z == 0.0 => DVec3::Z,
+            None => -up.z * DVec3::Y,
+            Some(text) => axis(text).ok_or_else(|| {
+                format!("'front' is the axis 'x', 'y' or 'z', or one of them with a minus, not '{text}'")
+            })?,
+        };
+        if up.dot(front) != 0.0 {
+            return Err("'front' is along the axis that is up ('up'): it is one of the other two".into());
+        }
+        // Rows: what becomes x, y and z.
+        let turn = DMat3::from_cols(up.cross(front), up, front).transpose();
         let hand = match word("handedness") {
             None | Some("right") => DMat3::IDENTITY,
             Some("left") => DMat3::from_diagonal(DVec3::new(1.0, 1.0, -1.0)),
@@ -165,16 +184,21 @@ impl StageOptions {
             sky,
             turn: angle("turn", 0.0, 360.0)?,
             strength,
-            axes: hand * up,
+            axes: hand * turn,
         })
     }
 }
 
 /// Sets up what is needed to see a model. Its +y is up and its +z the front, as most exporters have it, unless the user
-/// defines `up` or `handedness=left`.
-pub(super) fn set(import: &mut Import, options: &Options) {
+/// defines `up`, `front` or `handedness=left`. A model that lies on its side so, and stands with z up, is turned.
+pub(super) fn set(import: &mut Import, options: &Options, knows_up: bool) {
     let Import { desc, diagnostics } = &mut *import;
-    let stage = match StageOptions::of(options) {
+    let is_turned = !knows_up && !options.defines.contains_key("up") && upright::lies_on_its_side(&desc.meshes);
+    if is_turned {
+        let what = "the model lies on its side with y up, so z is taken as up (-D up=y keeps the file's axes)";
+        diagnostics.note(&desc.sources, None, what);
+    }
+    let stage = match StageOptions::of(options, if is_turned { DVec3::Z } else { DVec3::Y }) {
         Ok(stage) => stage,
         Err(fault) => return diagnostics.error(&desc.sources, None, fault),
     };
@@ -197,7 +221,7 @@ pub(super) fn set(import: &mut Import, options: &Options) {
 /// Documents with lamps and no sky get dim light from all sides, and a note says so.
 pub(crate) fn complete(import: &mut Import, options: &Options, corners: [DVec3; 2], has_lights: bool, dim: bool) {
     let Import { desc, diagnostics } = import;
-    let stage = match StageOptions::of(options) {
+    let stage = match StageOptions::of(options, DVec3::Y) {
         Ok(stage) => stage,
         Err(fault) => return diagnostics.error(&desc.sources, None, fault),
     };
@@ -365,6 +389,18 @@ fn add_ground(desc: &mut SceneDesc, stage: &StageOptions, [low, high]: [DVec3; 2
     disk.name = Some("ground".into());
     let disk = desc.add(disk);
     desc.shapes.push(Shape { world_from_object: to_world, material: Some(material), ..Shape::new(disk) });
+}
+
+/// Removes the ground that was added to a model, if any: pictures without a background have none.
+pub fn leave_out_ground(desc: &mut SceneDesc) {
+    let SceneDesc { shapes, nodes, format, .. } = desc;
+    let is_added = |shape: &Shape| {
+        let node = nodes.get(shape.node.0 as usize);
+        node.is_some_and(|node| node.kind == "disk" && node.name.as_deref() == Some("ground"))
+    };
+    if matches!(format, Format::Model | Format::Gltf) && shapes.last().is_some_and(is_added) {
+        shapes.pop();
+    }
 }
 
 /// The least and the greatest coordinates of the vertices of faces.

@@ -281,6 +281,11 @@ fn the_ground_can_be_left_out() {
         import_bytes(Path::new("a.obj"), triangle.to_vec(), &options)
     };
     assert_eq!((with("true").desc.shapes.len(), with("false").desc.shapes.len()), (2, 1));
+    for (ground, shapes) in [("true", 1), ("false", 1)] {
+        let mut desc = with(ground).desc;
+        leave_out_ground(&mut desc);
+        assert_eq!((desc.shapes.len(), desc.shapes[0].mesh.is_some()), (shapes, true), "the ground alone goes");
+    }
     assert!(messages(&with("maybe")).contains("'ground' is 'true' or 'false', not 'maybe'"));
 }
 
@@ -316,6 +321,9 @@ fn models_are_seen_as_the_user_says() {
         (&[("up", "y")][..], DVec3::new(0.0, 0.0, 8.0)),
         (&[("up", "z")], DVec3::new(0.0, 8.0, 0.0)),
         (&[("up", "x")], DVec3::new(0.0, 0.0, 8.0)),
+        (&[("up", "-z")], DVec3::new(0.0, -8.0, 0.0)),
+        (&[("front", "-z")], DVec3::new(0.0, 0.0, -8.0)),
+        (&[("front", "x")], DVec3::new(-8.0, 0.0, 0.0)),
         (&[("handedness", "left")], DVec3::new(0.0, 0.0, -8.0)),
         (&[("up", "z"), ("handedness", "left")], DVec3::new(0.0, 8.0, 0.0)),
     ] {
@@ -360,7 +368,9 @@ fn models_are_seen_as_the_user_says() {
         assert_eq!((sky.kind.as_str(), desc.lights.len()), ("sky", 1));
     }
     for (name, value, message) in [
-        ("up", "w", "'up' is the axis 'x', 'y' or 'z', not 'w'"),
+        ("up", "w", "'up' is the axis 'x', 'y' or 'z', or one of them with a minus, not 'w'"),
+        ("front", "north", "'front' is the axis 'x', 'y' or 'z', or one of them with a minus, not 'north'"),
+        ("front", "-y", "'front' is along the axis that is up"),
         ("handedness", "both", "'handedness' is 'right' or 'left', not 'both'"),
         ("azimuth", "north", "'azimuth' is an angle in degrees from -360 to 360, not 'north'"),
         ("azimuth", "NaN", "not 'NaN'"),
@@ -374,6 +384,31 @@ fn models_are_seen_as_the_user_says() {
     ] {
         let import = with(&[(name, value)]);
         assert!(import.diagnostics.has_errors() && messages(&import).contains(message), "{}", messages(&import));
+    }
+}
+
+/// Models that clearly lie on their sides are turned, and a note says so; all others keep the axes of their files.
+#[test]
+fn models_stand_on_their_bases() {
+    let Some(root) = assets() else { return };
+    for (name, lies) in [
+        ("mitsuba/common/meshes/teapot.ply", true),
+        ("obj/spot/spot_triangulated.obj", false),
+        ("obj/bathroom/Mesh238.obj", false),
+        ("pbrt/coffee/models/Mesh000.ply", false),
+        ("pbrt/staircase2/models/Mesh000.ply", false),
+        ("pbrt/staircase2/models/Mesh002.ply", false),
+        ("ply/trimesh/plane.ply", false),
+        ("ply/large/lamp-Mesh042.ascii.ply", false),
+    ] {
+        for up in [None, Some("y")] {
+            let defines = up.map(|axis| ("up".to_owned(), axis.to_owned())).into_iter().collect();
+            let import = import(&root.join(name), &Options { defines, ..Options::default() });
+            let turned = import.desc.shapes[0].world_from_object.vector(DVec3::Z);
+            let is_turned = lies && up.is_none();
+            assert_eq!(turned, if is_turned { DVec3::Y } else { DVec3::Z }, "{name}");
+            assert_eq!(messages(&import).contains("(-D up=y keeps the file's axes)"), is_turned, "{name}");
+        }
     }
 }
 
