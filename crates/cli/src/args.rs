@@ -51,7 +51,7 @@ pub struct SceneOptions {
     pub stochastic_textures: bool,
     /// Set a $parameter of a Mitsuba scene; at=SECONDS, animation, variant, scene of a glTF scene; of a model
     /// azimuth=DEG, elevation=DEG, sky=studio, outdoor, overcast, none or FILE, or sky=clear or sky=atmosphere with
-    /// sun=DEG, turn=DEG and strength=X of the sky, ground=false, and material=gold (clay, glass, …), up=z,
+    /// sun=DEG, turn=DEG and strength=X of the sky, background=gradient, none or #rrggbb, ground=false, and material=gold (clay, glass, …), up=z,
     /// front=-y, handedness=left, crease=DEG of an OBJ or PLY. Repeatable
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = values::definition, help_heading = "Scene")]
     pub define: Vec<(String, String)>,
@@ -175,6 +175,14 @@ pub struct RenderArgs {
     /// Print one line of JSON about the render to stdout
     #[arg(long)]
     pub json: bool,
+}
+
+impl RenderArgs {
+    /// True if the picture has no background, by `--transparent` or `-D background=none`.
+    pub fn is_transparent(&self) -> bool {
+        let none = |(name, value): &(String, String)| name == "background" && value == "none";
+        self.transparent || self.scene_options.define.iter().any(none)
+    }
 }
 
 fn accelerator_names() -> PossibleValuesParser {

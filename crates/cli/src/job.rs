@@ -130,7 +130,7 @@ impl<'a> Job<'a> {
         open::limit_threads(args.scene_options.threads);
         let opened = open::open(path, &scene_options(args, path), self.quality.spp);
         let write_options = args.files.write_options_or(opened.tone()).map_err(Failure::bad_input)?;
-        let write_options = WriteOptions { premultiplied: args.transparent, ..write_options };
+        let write_options = WriteOptions { premultiplied: args.is_transparent(), ..write_options };
         let is_model = matches!(opened.desc.format, Format::Model | Format::Gltf);
         let unreadable = |e| Failure::failed(format!("cannot read the scene's files again: {e}"));
         let is_kept = args.resume.is_some() || args.is_of_job;
@@ -218,7 +218,7 @@ fn scene_options(args: &RenderArgs, path: &Path) -> SceneOptions {
     // The ground that models get is part of what is left out behind them.
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     let is_model = ["obj", "ply", "bpt", "gltf", "glb"].iter().any(|known| extension == *known);
-    if args.transparent && is_model && !options.define.iter().any(|d| d.0 == "ground") {
+    if args.is_transparent() && is_model && !options.define.iter().any(|d| d.0 == "ground") {
         options.define.push(("ground".into(), "false".into()));
     }
     options
@@ -238,7 +238,7 @@ fn quality(args: &RenderArgs, denoiser: Option<Denoiser>) -> Quality {
             layers.push(layer);
         }
     }
-    let needed = args.transparent.then_some(Layer::ALPHA).into_iter();
+    let needed = args.is_transparent().then_some(Layer::ALPHA).into_iter();
     let needed = needed.chain(args.temporal.then_some(Layer::MOTION));
     let is_oidn = denoiser == Some(Denoiser::Oidn);
     for layer in needed.chain(guides(is_oidn).iter().copied().filter(|_| args.denoise.is_some())) {
@@ -257,7 +257,7 @@ fn quality(args: &RenderArgs, denoiser: Option<Denoiser>) -> Quality {
         max_depth: args.max_depth.map(|d| u32::try_from(d).unwrap_or(u32::MAX)),
         sampler: args.sampler.clone(),
         layers,
-        transparent: args.transparent,
+        transparent: args.is_transparent(),
         independent: args.denoise.is_some(),
     }
 }

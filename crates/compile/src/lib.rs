@@ -67,7 +67,7 @@ use steradian_accel::{Accel, Accelerator, Object};
 use steradian_core::{
     camera::Camera,
     film::FilmSpec,
-    light::{Ambient, Emitter, Light, LightGroups, Lights, Schedule},
+    light::{Ambient, Emitter, Environment, Light, LightGroups, Lights, Schedule},
     material::Material,
     medium::Medium,
     scene::{Geometry, Parts, Placement, Scene},
@@ -178,6 +178,8 @@ struct Compiler<'a> {
     grouped: Vec<(u32, u32)>,
     /// Ambient lights.
     ambient: Vec<Ambient>,
+    /// What camera rays see behind everything, in place of environments.
+    backdrop: Option<Box<Environment>>,
     /// Lights that do not always shine, those of areas by their emitters.
     schedules: Vec<(Lamp, Schedule)>,
     geometries: Vec<Geometry>,
@@ -258,6 +260,7 @@ impl<'a> Compiler<'a> {
             unnamed_lights: HashMap::new(),
             grouped: Vec::new(),
             ambient: Vec::new(),
+            backdrop: None,
             schedules: Vec::new(),
             geometries: Vec::new(),
             kept_shapes: None,
@@ -332,6 +335,7 @@ impl Compiler<'_> {
         let mut lights = Lights::new(std::mem::take(&mut self.lights), std::mem::take(&mut self.emitters), self.mode);
         lights.timetable = self.timetable(&lights);
         lights.ambient = std::mem::take(&mut self.ambient);
+        lights.backdrop = self.backdrop.take();
         let mut light_groups = std::mem::take(&mut self.light_groups);
         light_groups.assign(&lights, &self.grouped);
         let glows = self.media.iter().any(|m| m.glow.is_some());

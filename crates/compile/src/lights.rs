@@ -133,7 +133,14 @@ impl Compiler<'_> {
             "point" => self.point(node),
             "spot" => self.spot(node),
             "distant" => self.distant(node),
-            "environment" => self.environment(node),
+            "environment" => self.environment(node).map(|e| Light::Environment(Box::new(e))),
+            "backdrop" => {
+                if self.backdrop.is_some() {
+                    self.error(node.span, "a scene has one backdrop, and this is another");
+                }
+                self.backdrop = self.environment(node).map(Box::new);
+                return;
+            }
             "goniometric" => self.goniometric(node),
             "projection" => self.projection(node),
             other => {
@@ -222,12 +229,15 @@ impl Compiler<'_> {
         }
     }
 
-    fn environment(&mut self, node: &Node) -> Option<Light> {
+    /// An environment, or a backdrop, which gives no light.
+    fn environment(&mut self, node: &Node) -> Option<Environment> {
         use std::f32::consts::PI;
+        let is_light = node.kind == "environment";
         let place = self.light_place(node)?;
-        let portal = self.portal(node);
+        let portal = if is_light { self.portal(node) } else { None };
         let (radiance, mut scale) = self.emission_color(node, "radiance");
-        let illuminance = self.luminous_target(node, "illuminance", radiance.luminance(self.mode));
+        let luminance = radiance.luminance(self.mode);
+        let illuminance = if is_light { self.luminous_target(node, "illuminance", luminance) } else { None };
         let image = if node.get("file").is_some() {
             let texels = cube::strip((*self.image(node)?).clone());
             let octahedral = texels.width == texels.height;
@@ -271,14 +281,7 @@ impl Compiler<'_> {
             }
             None
         };
-        Some(Light::Environment(Box::new(Environment {
-            radiance,
-            scale,
-            image,
-            celestial: None,
-            portal,
-            mode: self.mode,
-        })))
+        Some(Environment { radiance, scale, image, celestial: None, portal, mode: self.mode })
     }
 
     /// Images that light the scene must not be negative. Infinite values and NaN are gone when an image was loaded.

@@ -36,6 +36,7 @@ impl<'b> Beginning<'b> {
 
 const MODEL_DEFINITIONS: &[&str] = &[
     "azimuth",
+    "background",
     "crease",
     "elevation",
     "front",
@@ -91,6 +92,7 @@ pub const READERS: &[Reader] = &[
             "animation",
             "at",
             "azimuth",
+            "background",
             "elevation",
             "ground",
             "scene",

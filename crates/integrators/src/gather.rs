@@ -111,7 +111,7 @@ impl Gather {
             counters.rays += 1;
             let is_hidden = branch.events == 0 && self.depth.hide_emitters;
             let Some(hit) = scene.intersect(&branch.ray) else {
-                let sky = nee::background(scene, branch.ray.origin, branch.ray.direction, &None, lambda);
+                let sky = nee::behind(scene, &branch.ray, branch.events, &None, lambda);
                 return if is_hidden { sum } else { sum + branch.beta * sky };
             };
             // Emission is found by the directions alone.

@@ -42,7 +42,7 @@ impl Integrator for Raycast {
                 if self.hide_emitters {
                     break;
                 }
-                return nee::background(scene, ray.origin, ray.direction, &None, lambda);
+                return nee::behind(scene, &ray, 0, &None, lambda);
             };
             let i = scene.interaction_of_light(&ray, &hit);
             let passes_straight = self.hide_emitters && scene.is_passed_when_hidden(i.geometry);

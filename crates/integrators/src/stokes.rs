@@ -87,7 +87,7 @@ impl Stokes {
             let hidden = events == 0 && self.depth.hide_emitters;
             let Some(hit) = scene.intersect(&ray) else {
                 if !hidden {
-                    let sky = nee::background(scene, ray.origin, ray.direction, &origin, lambda);
+                    let sky = nee::behind(scene, &ray, events, &origin, lambda);
                     sum = sum + chain.of_unpolarized(sky);
                 }
                 return sum;

@@ -107,7 +107,7 @@ impl Whitted {
             }
             counters.rays += 1;
             let Some(hit) = scene.intersect(&ray) else {
-                let sky = nee::background(scene, ray.origin, ray.direction, &None, lambda);
+                let sky = nee::behind(scene, &ray, events, &None, lambda);
                 return if is_hidden { sum } else { sum + sky };
             };
             let i = scene.interaction_of_light(&ray, &hit);

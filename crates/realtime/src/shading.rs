@@ -197,7 +197,11 @@ impl<'a> Shader<'a> {
             // The background, unless a light sample has accounted for it.
             let CameraPath { ray, hit, beta, .. } = path;
             let Some(found) = hit else {
-                return if path.sees_lights { sum + self.background(&ray, beta, lambda, trace) } else { sum };
+                return if path.sees_lights {
+                    sum + self.background(&ray, path.events, beta, lambda, trace)
+                } else {
+                    sum
+                };
             };
             // Emission, seen directly or by mirrors.
             let mut i = scene.interaction_of_light(&ray, &found);
@@ -291,8 +295,19 @@ impl<'a> Shader<'a> {
         })
     }
 
-    pub fn background(&self, ray: &Ray, beta: Spectrum, lambda: &Wavelengths, trace: &mut Trace<'_>) -> Spectrum {
+    /// Light from infinity, or the backdrop, along a ray that left the scene after a number of events.
+    pub fn background(
+        &self,
+        ray: &Ray,
+        events: u32,
+        beta: Spectrum,
+        lambda: &Wavelengths,
+        trace: &mut Trace<'_>,
+    ) -> Spectrum {
         let scene = self.scene;
+        if events == 0 && scene.lights().backdrop.is_some() {
+            return beta * nee::behind(scene, ray, events, &None, lambda);
+        }
         scene.lights().environments.iter().fold(Spectrum::ZERO, |sum, &light| {
             let found = beta * nee::environment(scene, light, ray.origin, ray.direction, &None, lambda);
             trace.counters.note_group(|| Some(scene.light_groups().of_lights[light as usize]), found);

@@ -230,6 +230,34 @@ pub const LIGHTS: &[Model] = &[
         source: "pbrt-v4, 12.5; Bitterli, Novák, Jarosz, Portal-masked environment map sampling (2015)",
     },
     Model {
+        kind: "backdrop",
+        doc: "what camera rays see where they meet nothing, in place of the light from infinity; it lights nothing, and \
+              mirrors and glass show that light; a scene has one",
+        parameters: &[
+            spectrum("radiance", ANY, WHITE, "radiance, or factor on the picture"),
+            file("file", "none", "the picture"),
+            word(
+                "parametrization",
+                "auto, latlong, octahedral, cube",
+                "auto",
+                "what the picture maps, as of `environment`",
+            )
+            .where_given("file"),
+            word(
+                "rows",
+                "centers, poles",
+                "centers",
+                "where the rows of a latlong with +y up are, as of `environment`",
+            )
+            .where_given("file"),
+            SCALE,
+            NORMALIZE,
+            transform("to_world", "identity", "turns it; of its own, its up is as of `environment`"),
+        ],
+        groups: &[],
+        source: "",
+    },
+    Model {
         kind: "ambient",
         doc: "a constant in place of light from all sides, of which surfaces reflect their 'ambient' part or their \
               albedo; whitted and raster:frame=forward alone have it, the other methods trace the light that it stands for",

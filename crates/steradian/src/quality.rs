@@ -281,6 +281,55 @@ mod tests {
         }
     }
 
+    /// Camera rays of every integrator that sees lights see the backdrop behind everything; what is lit by the environment
+    /// or mirrors it is as without.
+    #[test]
+    fn backdrops_are_seen_and_give_no_light() {
+        let scene = |lights: &str, place: f32, material: &str| {
+            let text = format!(
+                "steradian: 1\nfilm: {{film: rgb, width: 4, height: 4}}\ncamera: {{camera: perspective, fov: 5}}\n\
+                 lights: [{{light: environment, radiance: 4}}{lights}]\n\
+                 shapes: [{{shape: sphere, radius: 2, to_world: {{translate: [0, 0, {place}]}}, material: {material}}}]"
+            );
+            let loaded = crate::load_bytes(
+                "a.steradian",
+                text.into_bytes(),
+                Some("steradian"),
+                &crate::formats::Options::default(),
+            );
+            let mode = Some(steradian_core::ColorMode::Rgb);
+            let compiled = compile(&loaded.desc, &Options { mode, ..Options::default() });
+            std::sync::Arc::new(compiled.scene.expect("a sound scene"))
+        };
+        let seen = |scene: &std::sync::Arc<Scene>, name: &str| {
+            let picture = crate::render(scene, &Quality { seed: Some(1), ..Quality::of(name).spp(4) }).expect(name);
+            picture.channel("G").expect("green").to_vec()
+        };
+        let backdrop = ", {light: backdrop, radiance: 0.25}";
+        let (diffuse, mirror) = ("{material: diffuse, reflectance: 0.5}", "{material: conductor}");
+        let (empty, lit) = (scene(backdrop, -8.0, diffuse), scene("", -8.0, diffuse));
+        for info in INTEGRATORS.iter().filter(|i| i.parameter("hide_emitters").is_some()) {
+            // S1 to S3 of light that is not polarised are black.
+            let is_black = info.kind.starts_with("stokes-");
+            for (scene, value) in [(&empty, 0.25), (&lit, 4.0)] {
+                // Metropolis methods spread the light over the pixels by chance.
+                let mean = seen(scene, info.kind).iter().sum::<f32>() / 16.0;
+                let right = if is_black { mean == 0.0 } else { (mean / value - 1.0).abs() < 1e-3 };
+                assert!(right, "{}: {mean}, not {value}", info.kind);
+            }
+        }
+        for name in ["path", "bdpt", "whitted", "raster", "raster:frame=hybrid", "raster:frame=preview"] {
+            for material in [diffuse, mirror] {
+                let [with, without] = [backdrop, ""].map(|lights| seen(&scene(lights, 8.0, material), name));
+                assert!(with == without && with.iter().all(|v| *v > 0.5), "{name} {material}: {with:?} {without:?}");
+            }
+        }
+        for frame in ["hybrid", "preview"] {
+            let found = seen(&empty, &format!("raster:frame={frame}"));
+            assert!(found.iter().all(|v| (v / 0.25 - 1.0).abs() < 1e-3), "{frame}: {found:?}");
+        }
+    }
+
     /// Camera rays pass hidden lights, of any shape and from either side, to what is behind them: a wall lit by a
     /// spherical lamp of radius r at distance d, whose radiance there is ρ L r²/d². Four seeds tell the noise; beyond
     /// four standard errors of it, methods with patches and photons may be off by 5 %.

@@ -207,11 +207,12 @@ pub fn escape(path_state: &PathState, depth: &Depth, sink: &mut impl Sink, conte
         return;
     }
     let (ray, origin) = (&path_state.ray, &path_state.origin);
-    if !context.counters.parts.is_empty() {
+    let has_backdrop = path_state.events == 0 && context.scene.lights().backdrop.is_some();
+    if !context.counters.parts.is_empty() && !has_backdrop {
         note_environments(path_state, context);
     }
     // β Σ Le w over all environments, with w the power heuristic against light sampling at the last vertex.
-    let light = path_state.beta * nee::background(context.scene, ray.origin, ray.direction, origin, context.lambda);
+    let light = path_state.beta * nee::behind(context.scene, ray, path_state.events, origin, context.lambda);
     sink.add_from_infinity(light, ray.origin, ray.direction);
 }
 

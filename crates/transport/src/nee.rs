@@ -10,7 +10,7 @@ use steradian_core::{
     scene::Interaction,
 };
 use steradian_engine::dimension;
-use steradian_math::{Frame, Spectrum, Vec3, spectra::Wavelengths};
+use steradian_math::{Frame, Ray, Spectrum, Vec3, spectra::Wavelengths};
 
 /// Reference point for light sampling at a surface: models that only reflect take none from below.
 #[inline]
@@ -96,6 +96,16 @@ pub fn emission(scene: &Scene, i: &Interaction, origin: &Origin, lambda: &Wavele
 #[inline]
 pub fn background(scene: &Scene, p: Vec3, w: Vec3, origin: &Origin, lambda: &Wavelengths) -> Spectrum {
     scene.lights().environments.iter().fold(Spectrum::ZERO, |sum, &e| sum + environment(scene, e, p, w, origin, lambda))
+}
+
+/// Light from infinity along a ray that left the scene, by the number of scattering events before, weighted: camera rays
+/// see the backdrop, where there is one.
+#[inline]
+pub fn behind(scene: &Scene, ray: &Ray, events: u32, origin: &Origin, lambda: &Wavelengths) -> Spectrum {
+    match &scene.lights().backdrop {
+        Some(backdrop) if events == 0 => backdrop.radiance(ray.origin, ray.direction, lambda),
+        _ => background(scene, ray.origin, ray.direction, origin, lambda),
+    }
 }
 
 /// Light of one of the environments in a direction, weighted.

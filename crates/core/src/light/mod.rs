@@ -101,6 +101,8 @@ pub struct Lights {
     pub timetable: Option<Box<Timetable>>,
     /// Ambient light, for methods that have an ambient term.
     pub ambient: Vec<Ambient>,
+    /// What camera rays see in place of environments, if anything else. It is no light.
+    pub backdrop: Option<Box<Environment>>,
 }
 
 /// Ambient light: a constant that stands for light from all sides, of which a surface reflects `k_a L_a` whatever is
@@ -121,13 +123,14 @@ const UNIFORM_SHARE: f32 = 0.1;
 impl Lights {
     /// Bytes of the records, of the pictures of environments, and of the light tree.
     pub fn bytes(&self) -> usize {
-        let pictures = self.lights.iter().map(|light| match light {
-            Light::Environment(e) => {
-                let image = e.image.as_ref().map(|image| image.texels.byte_size());
-                let tables = image.or_else(|| e.celestial.as_ref().map(|c| c.bytes()));
-                tables.map_or(0, |bytes| size_of_val(&**e) + bytes)
-            }
-            _ => 0,
+        let environments = self.lights.iter().filter_map(|light| match light {
+            Light::Environment(e) => Some(e),
+            _ => None,
+        });
+        let pictures = environments.chain(&self.backdrop).map(|e| {
+            let image = e.image.as_ref().map(|image| image.texels.byte_size());
+            let tables = image.or_else(|| e.celestial.as_ref().map(|c| c.bytes()));
+            tables.map_or(0, |bytes| size_of_val(&**e) + bytes)
         });
         size_of_val(&self.lights[..]) + size_of_val(&self.emitters[..]) + self.tree.bytes() + pictures.sum::<usize>()
     }
@@ -165,6 +168,7 @@ impl Lights {
             mode,
             timetable: None,
             ambient: Vec::new(),
+            backdrop: None,
         }
     }
 

@@ -243,14 +243,16 @@ impl<'s, N: Numbers> Pair<'_, 's, N> {
         if self.is_hidden(path) {
             return Spectrum::ZERO;
         }
+        if path.events == 0 {
+            return path.beta * nee::behind(scene, &path.ray, 0, &None, &path.lambda);
+        }
         let (p, w) = (path.ray.origin, path.ray.direction);
         let mut sum = Spectrum::ZERO;
         // Each environment has a weight of its own, in the measure of directions.
         for &index in &scene.lights().environments {
             let Light::Environment(e) = &scene.lights().lights[index as usize] else { continue };
             let light = path.beta * e.radiance(p, w, &path.lambda);
-            if light.is_black() || path.events == 0 {
-                sum += light;
+            if light.is_black() {
                 continue;
             }
             let asked = path.context.map_or(0.0, |ctx| scene.lights().environment_pdf(index, &ctx, w));

@@ -310,7 +310,7 @@ pub(super) fn next<'s>(
     match arrival {
         Arrival::Vertex(v) if v.events < depth.max => (Some(v), seen),
         Arrival::Escaped if !is_hidden => {
-            let sky = nee::background(scene, path.ray.origin, path.ray.direction, &None, &path.lambda);
+            let sky = nee::behind(scene, &path.ray, path.events, &None, &path.lambda);
             (None, seen + path.beta * sky)
         }
         _ => (None, seen),

@@ -61,7 +61,7 @@ impl Integrator for View {
             // The environment, as far as the camera sees it.
             let Some(hit) = scene.intersect(&ray) else {
                 if shows_lights {
-                    l += beta * nee::background(scene, ray.origin, ray.direction, &None, lambda);
+                    l += beta * nee::behind(scene, &ray, u32::from(!is_camera_ray), &None, lambda);
                 }
                 break;
             };

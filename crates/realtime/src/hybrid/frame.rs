@@ -95,7 +95,7 @@ impl<'a> Frame<'a> {
             }
             // Emission and background carry no noise and are not filtered.
             let light = match frame.seen(at) {
-                None => shader.background(&ray, Spectrum::ONE, &lambda, trace),
+                None => shader.background(&ray, 0, Spectrum::ONE, &lambda, trace),
                 Some(seen) => {
                     let i = shader.scene.interaction_of_light(&seen.ray, &seen.surface.hit);
                     shader.emission(&i, Spectrum::ONE, &lambda, trace)

@@ -43,7 +43,7 @@ pub fn look<'a>(
         let CameraPath { ray, hit, beta, .. } = path;
         let Some(found) = hit else {
             if path.sees_lights {
-                look.aside += shader.background(&ray, beta, lambda, trace);
+                look.aside += shader.background(&ray, path.events, beta, lambda, trace);
             }
             return look;
         };

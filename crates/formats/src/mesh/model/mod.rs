@@ -1,6 +1,7 @@
 //! Opening a model (OBJ, PLY, Bézier patches) as a scene: its shapes and materials as they are, seen by a camera that
 //! frames them, under a sky.
 
+mod background;
 mod finish;
 mod material;
 mod sky;

@@ -58,6 +58,17 @@ pub(super) fn pfm() -> Vec<u8> {
     bytes
 }
 
+/// Irradiance on a surface that faces up: of the sun, and of a sky whose radiance goes with the root of the height.
+pub(super) fn irradiance() -> [f64; 3] {
+    let [x, y, z] = SUN;
+    let cos_sun = y / (x * x + y * y + z * z).sqrt();
+    std::array::from_fn(|c| {
+        // The mean of the root of the cosine, weighted by the cosine, is 4/5.
+        let [zenith, horizon] = [ZENITH[c], HORIZON[c]].map(f64::from);
+        f64::from(SUN_IRRADIANCE[c]) * cos_sun + std::f64::consts::PI * (horizon + (zenith - horizon) * 0.8)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

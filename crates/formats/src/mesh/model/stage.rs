@@ -1,7 +1,7 @@
 //! Camera, film, ground and light for a model that comes without, by the user's words where there are any
 //! ([`Options::defines`]).
 
-use super::{finish, sky, studio, upright};
+use super::{background::Background, finish, sky, studio, upright};
 use crate::{Import, Options, files::SearchPath};
 use glam::DMat3;
 use std::{
@@ -112,6 +112,8 @@ struct StageOptions {
     is_turned: bool,
     /// Sky that the user names.
     sky: Option<Sky>,
+    /// What is seen behind the model in place of the sky.
+    background: Option<Background>,
     /// Turn of the sky from the front to the right, in degrees, and factor on its light.
     turn: f64,
     strength: f64,
@@ -132,7 +134,8 @@ impl StageOptions {
                 .ok_or_else(|| format!("'{name}' is an angle in degrees from -{most} to {most}, not '{text}'")),
         };
         let ground = match word("ground") {
-            None | Some("true") => true,
+            None => word("background") != Some("none"),
+            Some("true") => true,
             Some("false") => false,
             Some("shadow") => {
                 return Err("'ground=shadow' (a ground that is its shadow alone) does not exist yet: \
@@ -143,6 +146,7 @@ impl StageOptions {
         };
         let sun = angle("sun", usual_sun()[1].to_degrees(), 90.0)?;
         let sky = word("sky").map(|word| Sky::of(word, options, sun)).transpose()?;
+        let background = word("background").map_or(Ok(None), Background::of)?;
         let strength = match word("strength") {
             None => 1.0,
             Some(text) => text.parse().ok().filter(|v| (0.0..=1e6).contains(v)).ok_or_else(|| {
@@ -182,6 +186,7 @@ impl StageOptions {
             elevation: angle("elevation", ELEVATION, 89.0)?,
             is_turned: word("azimuth").is_some(),
             sky,
+            background,
             turn: angle("turn", 0.0, 360.0)?,
             strength,
             axes: hand * turn,
@@ -231,8 +236,9 @@ pub(crate) fn complete(import: &mut Import, options: &Options, corners: [DVec3; 
         diagnostics.unused(&desc.sources, None, what, None);
     }
     let corners = options.framing.unwrap_or(corners);
+    let has_lamps = !desc.lights.is_empty();
     add_missing(desc, &stage, corners, has_lights);
-    if stage.sky.is_none() && dim && !desc.lights.is_empty() && add_dim_light(desc, &stage, corners) {
+    if stage.sky.is_none() && dim && has_lamps && add_dim_light(desc, &stage, corners) {
         let what =
             "the document has lamps and no sky: shadows get a little light from all sides (not with -D sky=none)";
         diagnostics.note(&desc.sources, None, what);
@@ -251,6 +257,20 @@ fn add_missing(desc: &mut SceneDesc, stage: &StageOptions, corners: [DVec3; 2], 
     if let Some(sky) = stage.sky.clone().or_else(|| (!is_lit).then(Sky::usual)) {
         add_sky(desc, stage, &sky, viewer);
     }
+    if let Some(background) = stage.background {
+        background.add(desc);
+    }
+}
+
+/// Reflectance of the ground: in the studio as bright as the wall behind it, before a background as bright as that.
+fn ground_reflectance(stage: &StageOptions) -> [f64; 3] {
+    let irradiance = match stage.sky.clone().unwrap_or_else(Sky::usual) {
+        Sky::Formula("studio", _) if stage.background.is_none() => return GROUND_IN_STUDIO,
+        Sky::Formula(_, radiance) => studio::irradiance(radiance),
+        Sky::Outdoor => sky::irradiance(),
+        _ => return GROUND,
+    };
+    stage.background.map_or(GROUND, |background| background.ground(irradiance.map(|e| e * stage.strength)))
 }
 
 /// Irradiance that the lamps of a document give its middle, of green, whatever is between.
@@ -363,14 +383,12 @@ fn add_ground(desc: &mut SceneDesc, stage: &StageOptions, [low, high]: [DVec3; 2
     // The disk's +z is the world's +y.
     let axes = [DVec3::X, DVec3::NEG_Z, DVec3::Y].map(|axis| axis.extend(0.0));
     let to_world = Transform { matrix: DMat4::from_cols(axes[0], axes[1], axes[2], origin.extend(1.0)) };
-    let is_studio = matches!(&stage.sky, None | Some(Sky::Formula("studio", _)));
-    let reflectance = if is_studio { GROUND_IN_STUDIO } else { GROUND };
     let mut material = desc.add(
         Node::new(Family::Material, "diffuse", None)
-            .with("reflectance", SpectrumValue::Rgb(reflectance, ColorSpace::Srgb)),
+            .with("reflectance", SpectrumValue::Rgb(ground_reflectance(stage), ColorSpace::Srgb)),
     );
     // Skies that are black below the horizon have the ground reach there.
-    let radius = if matches!(stage.sky, Some(Sky::Sun(..) | Sky::None)) {
+    let radius = if stage.background.is_none() && matches!(stage.sky, Some(Sky::Sun(..) | Sky::None)) {
         GROUND_TO_HORIZON
     } else {
         // A disk's v is 0 at its rim and 1 at its middle.

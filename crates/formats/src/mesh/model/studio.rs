@@ -37,7 +37,7 @@ fn direction([azimuth, elevation]: [f64; 2]) -> DVec3 {
     DVec3::new(sin * level, height, cos * level)
 }
 
-fn smoothstep(x: f64) -> f64 {
+pub(super) fn smoothstep(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
 }
@@ -112,12 +112,27 @@ pub(super) fn pfm(radiance: impl Fn(DVec3) -> [f64; 3]) -> Vec<u8> {
     bytes
 }
 
+/// Irradiance on a surface that faces up.
+pub(super) fn irradiance(radiance: impl Fn(DVec3) -> [f64; 3]) -> [f64; 3] {
+    const ROWS: usize = 64;
+    let mut sum = [0.0; 3];
+    for row in 0..ROWS / 2 {
+        let (sin, cos) = (PI * (row as f64 + 0.5) / ROWS as f64).sin_cos();
+        for column in 0..2 * ROWS {
+            let (sin_phi, cos_phi) = (PI * (column as f64 + 0.5) / ROWS as f64).sin_cos();
+            let light = radiance(DVec3::new(sin * sin_phi, cos, -sin * cos_phi));
+            sum = std::array::from_fn(|c| sum[c] + light[c] * sin * cos);
+        }
+    }
+    sum.map(|v| v * (PI / ROWS as f64).powi(2))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     /// Irradiance of green on a surface with a normal.
-    fn irradiance(radiance: fn(DVec3) -> [f64; 3], normal: DVec3) -> f64 {
+    fn facing(radiance: fn(DVec3) -> [f64; 3], normal: DVec3) -> f64 {
         let rows = 180;
         let mut sum = 0.0;
         for k in 0..rows * rows * 2 {
@@ -133,12 +148,13 @@ mod tests {
     /// overcast sky has the illuminance of the standard.
     #[test]
     fn skies_have_their_brightness() {
-        let up = irradiance(studio, DVec3::Y);
-        let key = irradiance(studio, direction(BOXES[0].place));
-        let away = irradiance(studio, direction([110.0, -30.0]));
+        let up = facing(studio, DVec3::Y);
+        assert!((irradiance(studio)[1] / up - 1.0).abs() < 0.02, "{up}");
+        let key = facing(studio, direction(BOXES[0].place));
+        let away = facing(studio, direction([110.0, -30.0]));
         assert!((3.4..4.2).contains(&up) && (3.4..4.2).contains(&key) && away < 0.45 * key, "{up} {key} {away}");
         let zenith = overcast(DVec3::Y)[1];
-        let up = irradiance(overcast, DVec3::Y) / zenith;
+        let up = facing(overcast, DVec3::Y) / zenith;
         assert!((up / (7.0 / 9.0 * PI) - 1.0).abs() < 0.02, "{up}");
     }
 

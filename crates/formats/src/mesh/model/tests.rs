@@ -412,6 +412,40 @@ fn models_stand_on_their_bases() {
     }
 }
 
+/// A background is seen in place of the sky that lights the model; the ground is as bright as it, or left out.
+#[test]
+fn backgrounds_stand_behind_the_sky() {
+    let of = |defines: &[(&str, &str)]| {
+        let defines = defines.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect();
+        let triangle = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec();
+        import_bytes(Path::new("a.obj"), triangle, &Options { defines, ..Options::default() })
+    };
+    let kinds = |import: &Import| {
+        let desc = &import.desc;
+        (desc.lights.iter().map(|&l| desc.node(l).kind.clone()).collect::<Vec<_>>().join(" "), desc.shapes.len())
+    };
+    for (background, lights, shapes) in [
+        ("sky", "environment", 2),
+        ("none", "environment backdrop", 1),
+        ("gradient", "environment backdrop", 2),
+        ("#ffffff", "environment backdrop", 2),
+        ("0.2,0.3,1", "environment backdrop", 2),
+    ] {
+        let import = of(&[("background", background)]);
+        assert_eq!(kinds(&import), (lights.to_owned(), shapes), "{background}: {}", messages(&import));
+    }
+    assert_eq!(kinds(&of(&[("background", "none"), ("ground", "true")])).1, 2);
+    let said = messages(&of(&[("background", "white")]));
+    assert!(said.contains("'background' is sky, none, gradient, #rrggbb"), "{said}");
+    let reflectance = |strength: &str| {
+        let desc = of(&[("background", "0.2,0.2,0.2"), ("sky", "dim"), ("strength", strength)]).desc;
+        let ground = desc.nodes.iter().find(|n| n.kind == "diffuse").and_then(|n| n.get("reflectance")).cloned();
+        let Some(Value::Spectrum(SpectrumValue::Rgb([red, ..], _))) = ground else { panic!("{ground:?}") };
+        red
+    };
+    assert!((reflectance("1") / reflectance("2") - 2.0).abs() < 1e-9, "less is needed under more light");
+}
+
 #[test]
 fn bezier_patches_are_models() {
     let points: String = (0..16).map(|k| format!("{} {} {}\n", k % 4, k / 4, k % 3)).collect();
