@@ -1,7 +1,7 @@
 //! Likeness of the surfaces of two pixels.
 
 use rayon::prelude::*;
-use steradian_accel::{Lanes, kernel};
+use steradian_accel::{Kernel, Lanes};
 
 use super::{
     local::{calm_variance, map},
@@ -11,28 +11,25 @@ use super::{
 };
 use crate::falloff::falloff;
 
-/// Radius in columns and rows over which variances are averaged.
-pub(super) const SMOOTHED: usize = 2;
-
 /// The features of surfaces, scaled to what they may differ by.
 #[derive(Debug)]
 pub(super) struct Features {
-    /// Albedo and normal, each with the variance that its neighbourhood has on the pixel's side of edges.
-    pub vectors: Vec<([Plane; 3], Plane)>,
+    /// Albedo and normal where they are known, each with the variance that its neighbourhood has on the pixel's side of edges.
+    pub vectors: [Option<([Plane; 3], Plane)>; 2],
     /// Depth, what it may differ by, and what by for each column and row.
     pub depth: Option<[Plane; 4]>,
-    /// 1 where there is a surface, else 0.
+    /// 1 where there is a surface, else 0, as beyond the edge.
     pub surface: Plane,
 }
 
 impl Features {
     /// Features of a picture.
     pub fn new(picture: &Picture<'_>, settings: &Settings) -> Self {
-        let (size, margin) = (picture.size(), settings.margin());
-        let plane = |values: &[f32]| Plane::new(size, margin, |place| values[place]);
+        let size = picture.size();
+        let plane = |values: &[f32]| Plane::new(size, |place| values[place]);
         let held = |v: f32, scale: f32| if v.is_finite() { (v / scale).clamp(-1e9, 1e9) } else { 0.0 };
         let vectors = [(picture.albedo, settings.sigma_albedo), (picture.normal, settings.sigma_normal)];
-        let vectors = vectors.into_iter().filter_map(|(image, scale)| {
+        let vectors = vectors.map(|(image, scale)| {
             let image = image?;
             // Scale features by what they may differ by, so that one is the unit of all.
             let channels = [0, 1, 2].map(|c| map(size, |x, y| held(image.values()[y * size[0] + x][c], scale)));
@@ -58,24 +55,70 @@ impl Features {
             let sigma: Vec<f32> = values.iter().map(|z| (settings.sigma_depth * z.abs()).max(1e-9)).collect();
             [plane(&values), plane(&sigma), plane(&slope(1, 0)), plane(&slope(0, 1))]
         });
-        let surface = Plane::new(size, margin, |place| f32::from(picture.has_surface(place)));
-        Self { vectors: vectors.collect(), depth, surface }
+        let surface = Plane::new(size, |place| f32::from(picture.has_surface(place))).with_edge(0.0);
+        Self { vectors, depth, surface }
     }
 
-    /// The squares of the means of roots over the 5×5 pixels around, those that show the same surface: at the foot of a
-    /// highlight, the mean of variances would be that of its top.
-    pub fn smooth(&self, [width, height]: [usize; 2], values: &[f32], margin: usize, lanes: Lanes) -> Vec<f32> {
-        // Roots first: the mean of standard deviations is robust against single bright pixels.
-        let values = Plane::new([width, height], margin, |place| values[place].sqrt());
-        let mut means = vec![0.0; width * height];
-        means.par_chunks_mut(width).enumerate().for_each(|(y, means)| {
-            for (k, means) in means.chunks_mut(BLOCK).enumerate() {
-                let mut block = [0.0; BLOCK];
-                smoothed(lanes, self, &values, [(k * BLOCK) as i64, y as i64], &mut block);
-                means.copy_from_slice(&block[..means.len()]);
+    /// Sums over the pixels up to `reach` columns and rows away, weighted by how alike their surfaces are: of `N`
+    /// planes, of `S` planes with the squares of the weights, and of the weights. `own` is the weight of the pixel
+    /// itself.
+    pub fn sums<const N: usize, const S: usize>(
+        &self,
+        (reach, own): (i64, f32),
+        (values, squared): ([&Plane; N], [&Plane; S]),
+        lanes: Lanes,
+    ) -> Vec<Sums<N, S>> {
+        let [width, height] = self.surface.size();
+        let mut sums = vec![Sums { values: [0.0; N], squared: [0.0; S], weight: 0.0 }; width * height];
+        sums.par_chunks_mut(width).enumerate().for_each(|(y, sums)| {
+            for (k, sums) in sums.chunks_mut(BLOCK).enumerate() {
+                let around = Around { features: self, at: [(k * BLOCK) as i64, y as i64], reach, own, values, squared };
+                let mut blocks = Blocks { values: [[0.0; BLOCK]; N], squared: [[0.0; BLOCK]; S], weights: [0.0; BLOCK] };
+                lanes.run(Summing(&around, &mut blocks));
+                for (k, sums) in sums.iter_mut().enumerate() {
+                    let (values, squared) = (blocks.values.map(|v| v[k]), blocks.squared.map(|v| v[k]));
+                    *sums = Sums { values, squared, weight: blocks.weights[k] };
+                }
             }
         });
-        means
+        sums
+    }
+
+    /// Adds the distances of the surfaces of a row of pixels from that of a pixel, `rows` away, whose column is
+    /// `reach` after their first. Differences of vectors are written into `apart`.
+    #[inline(always)]
+    pub fn add_distances<const N: usize>(
+        &self,
+        (place, reach): (usize, usize),
+        (at, rows): ([i64; 2], f32),
+        distances: &mut [f32; N],
+        apart: &mut [[[f32; N]; 3]; 2],
+    ) {
+        for (vector, apart) in self.vectors.iter().zip(apart) {
+            let Some((channels, variance)) = vector else { continue };
+            let mut squares = [0.0; N];
+            for (channel, apart) in channels.iter().zip(apart) {
+                let (middle, others) = (channel.at(place), channel.row::<N>(at));
+                for k in 0..N {
+                    apart[k] = others[k] - middle;
+                    squares[k] += apart[k] * apart[k];
+                }
+            }
+            let (own, others) = (variance.at(place), variance.row::<N>(at));
+            let over = 1.0 / (1.0 + own);
+            for k in 0..N {
+                distances[k] += (squares[k] - own - own.min(others[k])).max(0.0) * over;
+            }
+        }
+        if let Some([depth, sigma, across, down]) = &self.depth {
+            let (middle, others) = (depth.at(place), depth.row::<N>(at));
+            let (over, across, down) = (1.0 / sigma.at(place), across.at(place), rows * down.at(place));
+            for k in 0..N {
+                let columns = (k as f32 - reach as f32).abs();
+                let beyond = ((others[k] - middle).abs() - across * columns - down).max(0.0) * over;
+                distances[k] += beyond * beyond;
+            }
+        }
     }
 
     /// Likeness of the surfaces of a block's pixels to those some columns and rows away, beyond differences explained
@@ -89,7 +132,7 @@ impl Features {
         for k in 0..BLOCK {
             distances[k] = if p[k] == q[k] { 0.0 } else { 1e3 };
         }
-        for (channels, variance) in &self.vectors {
+        for (channels, variance) in self.vectors.iter().flatten() {
             let [[px, qx], [py, qy], [pz, qz]] = [both(&channels[0]), both(&channels[1]), both(&channels[2])];
             let [vp, vq] = both(variance);
             for k in 0..BLOCK {
@@ -119,26 +162,62 @@ impl Features {
     }
 }
 
-kernel! {
-    /// A block of [`Features::smooth`].
-    fn smoothed(features: &'a Features, roots: &'a Plane, at: [i64; 2], out: &'a mut Block) {
-        let reach = SMOOTHED as i64;
-        // Mean of standard deviations over the window, weighted by the likeness of surfaces.
-        let (mut weights, mut means) = ([0.0; BLOCK], [0.0; BLOCK]);
-        for dy in -reach..=reach {
-            for dx in -reach..=reach {
-                let alike = features.likeness(at, [dx, dy]);
-                let roots = roots.block([at[0] + dx, at[1] + dy]);
+/// Sums about a pixel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sums<const N: usize, const S: usize> {
+    pub values: [f32; N],
+    /// With the squares of weights.
+    pub squared: [f32; S],
+    pub weight: f32,
+}
+
+/// Sums of a block's pixels.
+struct Blocks<const N: usize, const S: usize> {
+    values: [Block; N],
+    squared: [Block; S],
+    weights: Block,
+}
+
+/// A block that sums are taken about.
+struct Around<'a, const N: usize, const S: usize> {
+    features: &'a Features,
+    at: [i64; 2],
+    reach: i64,
+    own: f32,
+    values: [&'a Plane; N],
+    squared: [&'a Plane; S],
+}
+
+/// A block of [`Features::sums`].
+struct Summing<'a, const N: usize, const S: usize>(&'a Around<'a, N, S>, &'a mut Blocks<N, S>);
+
+impl<const N: usize, const S: usize> Kernel for Summing<'_, N, S> {
+    #[inline(always)]
+    fn run(self) {
+        let Self(around, sums) = self;
+        let [x, y] = around.at;
+        for dy in -around.reach..=around.reach {
+            for dx in -around.reach..=around.reach {
+                let mut weights = around.features.likeness([x, y], [dx, dy]);
+                if [dx, dy] == [0, 0] {
+                    weights = [around.own; BLOCK];
+                }
                 for k in 0..BLOCK {
-                    weights[k] += alike[k];
-                    means[k] += alike[k] * roots[k];
+                    sums.weights[k] += weights[k];
+                }
+                for (sums, plane) in sums.values.iter_mut().zip(around.values) {
+                    let values = plane.block([x + dx, y + dy]);
+                    for k in 0..BLOCK {
+                        sums[k] += weights[k] * values[k];
+                    }
+                }
+                for (sums, plane) in sums.squared.iter_mut().zip(around.squared) {
+                    let values = plane.block([x + dx, y + dy]);
+                    for k in 0..BLOCK {
+                        sums[k] += weights[k] * weights[k] * values[k];
+                    }
                 }
             }
-        }
-        for k in 0..BLOCK {
-            // The square of the mean root is the smoothed variance.
-            let mean = means[k] / weights[k];
-            out[k] = mean * mean;
         }
     }
 }

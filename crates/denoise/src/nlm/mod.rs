@@ -1,24 +1,29 @@
-//! Finished pictures: non-local means, guided by the variance of pixels and by what surfaces they show.
+//! Finished pictures: first-order regressions weighted by the noise of pixels and by the surfaces that they show.
 //!
-//! A pixel becomes the weighted mean of those around it. Weights follow from how alike the patches around both are,
-//! beyond what their noise explains, and from how alike the surfaces are (Rousselle, Manzi, Zwicker, "Robust Denoising
-//! using Feature and Color Information", Pacific Graphics 2013, sections 3 and 4; the regression of zeroth order in
-//! Bitterli and others, "Nonlinearly Weighted First-order Regression for Denoising Monte Carlo Renderings", EGSR 2016).
+//! Windows are fitted by lines in place, normal and albedo, and overlap; a pixel is the mean of what all windows over it
+//! tell ([`regression`]). Pixels of a window weigh by how alike their colours are to its centre's beyond what noise
+//! explains, as in non-local means, and how alike the surfaces are (Bitterli and others, "Nonlinearly Weighted
+//! First-order Regression for Denoising Monte Carlo Renderings", EGSR 2016; distances after Rousselle, Manzi, Zwicker,
+//! "Robust Denoising using Feature and Color Information", Pacific Graphics 2013, sections 3 and 4).
 //!
-//! Departures from both: the variance of a pixel that tells others what it may be is held to four times theirs, since a
-//! rare bright path would else be alike to all; pairs of pixels of a patch count as much as their surfaces are alike,
-//! so that patches across an edge are compared on their own side of it; colours are divided by the albedo meanwhile; a
-//! second pass takes its weights from the outcome of the first; the light that the weights lost is given back; one
+//! Departures from both: colours of single pixels of a guide are compared in place of patches, since its noise is low:
+//! in the first pass it is the mean over 3×3 pixels, in the second the outcome of the first; surfaces weigh as well;
+//! weights fall to nothing at the rim of the window; the variance of a pixel that tells others what it may be is held to
+//! four times theirs, since a rare bright path would else be alike to all; colours are divided by the albedo meanwhile;
+//! pixels far brighter than all around are held back before ([`fireflies`]); the light that was lost is given back; one
 //! filter is used instead of a choice among several. Frames of an animation are filtered with what those before saw by
 //! [`Sequence`].
 
+mod estimate;
 mod features;
-mod filter;
+mod fireflies;
 mod local;
 mod picture;
 mod plane;
+mod regression;
 mod sequence;
 mod settings;
+mod window;
 
 use steradian_accel::Lanes;
 use steradian_math::Vec3;
@@ -27,15 +32,13 @@ use crate::{
     error::{Error, Result},
     image::Image,
 };
+use estimate::Estimate;
 use features::Features;
-use filter::{Estimate, Pass};
 pub(crate) use local::calm_variance;
 pub use picture::Picture;
+use regression::Pass;
 pub use sequence::Sequence;
 pub use settings::Settings;
-
-/// Largest radius of patches of the second pass, in pixels.
-const SECOND_PATCH: u32 = 2;
 
 /// A picture without most of its noise.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,9 +59,9 @@ pub fn denoise(picture: &Picture<'_>, settings: &Settings) -> Result<Denoised> {
     picture.check()?;
     let features = Features::new(picture, settings);
     // Over albedo, with variances smoothed over each surface.
-    let noisy = picture.noisy(&features, settings);
+    let noisy = picture.noisy(&features, Lanes::best());
     let radiance = filter_by(&[&noisy, &noisy], &features, settings);
-    Ok(picture.finish(&radiance, &noisy, settings.keeps_mean))
+    Ok(picture.finish(&radiance, settings.keeps_mean))
 }
 
 /// Filters two pictures of one view with independent noise, such as two renders with different seeds: each with weights
@@ -78,10 +81,10 @@ pub fn denoise_halves(halves: [&Picture<'_>; 2], settings: &Settings) -> Result<
     }
     // Cross filtering: each half is averaged with weights from the other, whose noise is independent.
     let features = halves.map(|half| Features::new(half, settings));
-    let noisy = [0, 1].map(|i| halves[i].noisy(&features[i], settings));
+    let noisy = [0, 1].map(|i| halves[i].noisy(&features[i], Lanes::best()));
     let [a, b] = [0, 1].map(|i| {
         let radiance = filter_by(&[&noisy[1 - i], &noisy[i]], &features[i], settings);
-        halves[i].finish(&radiance, &noisy[i], settings.keeps_mean)
+        halves[i].finish(&radiance, settings.keeps_mean)
     });
     // Mean of both, and the relative error from half their difference: Var((a + b)/2) = E((a − b)²)/4.
     let (mut error, mut mean) = (0.0, a.radiance.clone());
@@ -101,9 +104,13 @@ pub fn denoise_halves(halves: [&Picture<'_>; 2], settings: &Settings) -> Result<
 fn filter_by([guide, source]: &[&Estimate; 2], features: &Features, settings: &Settings) -> Estimate {
     let lanes = Lanes::best();
     // The first pass gives a pilot estimate, whose noise is far less than that of the picture.
-    let first = Pass { guide, source: guide, features, patch: settings.patch, settings }.run(lanes);
-    let first = first.with_noise_of(guide, settings.pilot);
-    // What has little noise is told from fewer pixels, and nearer to edges.
-    let patch = settings.patch.min(SECOND_PATCH);
-    Pass { guide: &first, source, features, patch, settings }.run(lanes)
+    let first = pilot(guide, features, settings, lanes);
+    Pass { guide: &first, source, features, settings }.run(lanes)
+}
+
+/// What the first pass makes of a picture.
+fn pilot(noisy: &Estimate, features: &Features, settings: &Settings, lanes: Lanes) -> Estimate {
+    let guide = noisy.blurred(features, lanes);
+    let first = Pass { guide: &guide, source: noisy, features, settings }.run(lanes);
+    first.with_noise_of(noisy, settings.pilot)
 }

@@ -5,10 +5,11 @@ use steradian_math::Vec3;
 
 use super::{
     Denoised,
+    estimate::Estimate,
     features::Features,
-    filter::Estimate,
+    fireflies::hold,
     local::{calm_variance, map},
-    settings::Settings,
+    plane::Plane,
 };
 use crate::{
     balance::give_back,
@@ -25,6 +26,8 @@ const LEAST_ALBEDO: f32 = 0.05;
 const UNKNOWN: f32 = 1e30;
 /// The mean variance over the mean of the least of nine windows that overlap, for normal noise.
 const CALMEST: f32 = 2.0;
+/// Columns and rows away up to which variances are averaged.
+const SMOOTHED: i64 = 2;
 
 /// A picture with what is known of it. All images have one size. Values that are not finite are taken as not known.
 #[derive(Clone, Copy, Debug)]
@@ -72,31 +75,41 @@ impl Picture<'_> {
     }
 
     /// Radiance over albedo, and its variance.
-    pub(super) fn noisy(&self, features: &Features, settings: &Settings) -> Estimate {
+    pub(super) fn noisy(&self, features: &Features, lanes: Lanes) -> Estimate {
         let size = self.size();
         let place = |x: usize, y: usize| y * size[0] + x;
         let is_known = |place: usize| self.radiance.values()[place].is_finite();
-        let held = |v: f32| if v.is_finite() { v.clamp(-MOST, MOST) } else { 0.0 };
-        let channels = [0, 1, 2].map(|c| {
+        let hold_value = |v: f32| if v.is_finite() { v.clamp(-MOST, MOST) } else { 0.0 };
+        let mut channels = [0, 1, 2].map(|c| {
             // Demodulate by the albedo; the variance goes with its square.
-            let over_albedo = |place: usize| held(self.radiance.values()[place][c] / self.factor(place)[c]);
+            let over_albedo = |place: usize| hold_value(self.radiance.values()[place][c] / self.factor(place)[c]);
             let value = map(size, |x, y| if is_known(place(x, y)) { over_albedo(place(x, y)) } else { 0.0 });
             let variance = match self.variance {
                 Some(image) => map(size, |x, y| {
                     let factor = self.factor(place(x, y))[c];
-                    held(image.values()[place(x, y)][c] / (factor * factor)).max(0.0)
+                    hold_value(image.values()[place(x, y)][c] / (factor * factor)).max(0.0)
                 }),
                 None => calm_variance(size, &value).into_iter().map(|v| CALMEST * v).collect(),
             };
-            // Few samples tell variance poorly, and none where they all found the same; a pixel that a rare path hit
-            // keeps its own.
-            let smoothed = features.smooth(size, &variance, settings.margin(), Lanes::best());
-            let variance = variance.iter().zip(&smoothed).map(|(v, s)| v.max(*s)).enumerate();
-            (value, variance.map(|(place, v)| if is_known(place) { v } else { UNKNOWN }).collect())
+            (value, variance)
+        });
+        hold(&mut channels, size, features, is_known, lanes);
+        // Few samples tell variance poorly, and none where they all found the same; a pixel that a rare path hit keeps
+        // its own. The mean of standard deviations is robust against single bright pixels, and the mean of variances at
+        // the foot of a highlight would be that of its top.
+        let roots = channels.each_ref().map(|(_, variance)| Plane::new(size, |place| variance[place].sqrt()));
+        let sums = features.sums((SMOOTHED, 1.0), (roots.each_ref(), []), lanes);
+        let channels = std::array::from_fn(|c| {
+            let (value, variance) = &channels[c];
+            let smoothed = |place: usize| {
+                let root = sums[place].values[c] / sums[place].weight;
+                if is_known(place) { variance[place].max(root * root) } else { UNKNOWN }
+            };
+            (value.clone(), map(size, |x, y| smoothed(place(x, y))))
         });
         // Pixels without a surface or a value count for no other.
         let counts = |place: usize| is_known(place) && self.has_surface(place);
-        Estimate::new(size, settings, channels, map(size, |x, y| f32::from(counts(place(x, y)))))
+        Estimate::new(size, channels, map(size, |x, y| f32::from(counts(place(x, y)))))
     }
 
     /// Radiance that is calculated with: held to the largest numbers, 0 where it is not finite.
@@ -109,9 +122,8 @@ impl Picture<'_> {
         })
     }
 
-    /// Radiance again, of pixels with a surface, as much as there is in `noisy`, which was filtered, where the
-    /// mean is kept.
-    pub(super) fn finish(&self, filtered: &Estimate, noisy: &Estimate, keeps_mean: bool) -> Denoised {
+    /// Radiance again, of pixels with a surface, as much as there was where the mean is kept.
+    pub(super) fn finish(&self, filtered: &Estimate, keeps_mean: bool) -> Denoised {
         let [width, height] = self.radiance.size();
         let is_bad = |place: usize| !self.radiance.values()[place].is_finite();
         // Multiply the albedo back; the background stays as it was.
@@ -123,13 +135,9 @@ impl Picture<'_> {
                 self.radiance.values()[place]
             }
         });
-        let before = Image::by_rows(width, height, |x, y| {
-            let place = y as usize * width as usize + x as usize;
-            noisy.at(place) * self.factor(place)
-        });
         if keeps_mean {
             let counts = |place: usize| self.has_surface(place) && !is_bad(place);
-            give_back(&mut radiance, &before, self.variance, counts);
+            give_back(&mut radiance, &self.radiance_held(), self.variance, counts);
         }
         Denoised { radiance, not_finite: (0..width as usize * height as usize).filter(|p| is_bad(*p)).count() }
     }

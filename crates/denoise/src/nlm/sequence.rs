@@ -11,11 +11,12 @@ use steradian_math::{Vec2, Vec3};
 
 use super::{
     Denoised,
+    estimate::Estimate,
     features::Features,
-    filter::{Estimate, Pass},
     filter_by,
     local::{around, map},
     picture::Picture,
+    pilot,
     settings::Settings,
 };
 use crate::{error::Result, falloff::falloff, gbuffer::check_size, image::Image};
@@ -90,7 +91,7 @@ impl Sequence {
         check_size("motion", motion.size(), picture.radiance.size())?;
         let settings = &self.settings;
         let features = Features::new(picture, settings);
-        let frame = picture.noisy(&features, settings);
+        let frame = picture.noisy(&features, Lanes::best());
         let guides = Guides::of(picture);
         // A frame of another size has no past.
         let before = self.before.take().filter(|before| before.noisy.size() == picture.size());
@@ -98,17 +99,15 @@ impl Sequence {
             None => (frame, vec![Vec2::ZERO; motion.values().len()]),
             Some(before) => {
                 // Filter the frame alone, to compare it with the filtered past.
-                let (patch, source) = (settings.patch, &frame);
-                let alone = Pass { guide: source, source, features: &features, patch, settings }.run(Lanes::best());
-                let alone = alone.with_noise_of(source, settings.pilot);
+                let alone = pilot(&frame, &features, settings, Lanes::best());
                 let found = before.find(&guides, motion);
                 let trust = trust(&alone, &before.filtered, &found, settings);
-                before.join(&frame, &found, &trust, settings)
+                before.join(&frame, &found, &trust)
             }
         };
         // Filter the accumulated frames, and keep both for the next frame.
         let filtered = filter_by(&[&noisy, &noisy], &features, settings);
-        let denoised = picture.finish(&filtered, &noisy, settings.keeps_mean);
+        let denoised = picture.finish(&filtered, settings.keeps_mean);
         let filtered = filtered.with_noise_of(&noisy, settings.pilot);
         self.before = Some(Memory { noisy, filtered, offsets, guides });
         Ok(denoised)
@@ -197,7 +196,6 @@ impl Memory {
         frame: &Estimate,
         found: &[Option<Found>],
         trust: &[f32],
-        settings: &Settings,
     ) -> (Estimate, Vec<Vec2>) {
         let size = frame.size();
         // Frames that the past counts for: trust times its length, up to a limit.
@@ -228,7 +226,7 @@ impl Memory {
             _ => Vec2::ZERO,
         };
         let offsets = all.iter().enumerate().map(offset).collect();
-        (Estimate::new(size, settings, channels, all), offsets)
+        (Estimate::new(size, channels, all), offsets)
     }
 }
 

@@ -1,23 +1,21 @@
 //! Settings of the filter.
 
-use super::features::SMOOTHED;
+use super::window::REACH;
 use crate::error::{Error, Result};
 
 /// Settings of the filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Pixels up to so many columns and rows away are averaged: 1 to 32. 8.
+    /// Pixels so far away tell of each other: 1 to 11. 11.
     pub radius: u32,
-    /// Patches reach so many pixels from their middle, up to 8; in the second pass 2 at most. 3.
-    pub patch: u32,
-    /// k, above 0: by how many standard deviations of their difference patches may differ. More filters more. 0.45.
+    /// k, above 0: by how many standard deviations of their difference pixels may differ. More filters more. 0.8.
     pub damping: f32,
     /// The part of a pixel's variance that is taken to be left after the first pass beyond that of its mean, from 0 to
-    /// 1. 0.01.
+    /// 1. 0.03.
     pub pilot: f32,
-    /// By how much albedo may differ, above 0. 0.05.
+    /// By how much albedo may differ, above 0. 0.1.
     pub sigma_albedo: f32,
-    /// By how much unit normals may differ, above 0. 0.15.
+    /// By how much unit normals may differ, above 0. 0.5.
     pub sigma_normal: f32,
     /// By which part of itself depth may differ beyond what its slope explains, above 0. 0.01.
     pub sigma_depth: f32,
@@ -28,12 +26,11 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
-            radius: 8,
-            patch: 3,
-            damping: 0.45,
-            pilot: 0.01,
-            sigma_albedo: 0.05,
-            sigma_normal: 0.15,
+            radius: 11,
+            damping: 0.8,
+            pilot: 0.03,
+            sigma_albedo: 0.1,
+            sigma_normal: 0.5,
             sigma_depth: 0.01,
             keeps_mean: true,
         }
@@ -41,16 +38,10 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Largest distance at which other pixels are read.
-    pub(super) fn margin(&self) -> usize {
-        ((self.radius + self.patch) as usize).max(SMOOTHED)
-    }
-
     /// Checks that all are in their ranges.
     pub(super) fn check(&self) -> Result<()> {
         let rules = [
-            ("radius", (1..=32).contains(&self.radius), "from 1 to 32"),
-            ("patch", self.patch <= 8, "at most 8"),
+            ("radius", (1..=REACH as u32).contains(&self.radius), "from 1 to 11"),
             ("damping", self.damping > 0.0, "above 0"),
             ("pilot", (0.0..=1.0).contains(&self.pilot), "from 0 to 1"),
             ("sigma_albedo", self.sigma_albedo > 0.0, "above 0"),

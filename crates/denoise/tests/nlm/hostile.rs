@@ -24,7 +24,7 @@ fn any_input_gives_the_same_bits_for_any_number_of_threads() {
             normal: (seed % 3 == 0).then_some(&normal),
             depth: (seed % 5 == 0).then_some(&depth),
         };
-        let settings = Settings { radius: 1 + seed as u32 % 5, patch: seed as u32 % 4, ..Settings::default() };
+        let settings = Settings { radius: 1 + seed as u32 % 11, ..Settings::default() };
         let run = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| denoise(&picture, &settings)).unwrap()
@@ -67,8 +67,7 @@ fn what_cannot_be_filtered_is_refused() {
     assert_eq!(run(&bare(&none, &none), default), Error::Empty);
     for settings in [
         Settings { radius: 0, ..default },
-        Settings { radius: 33, ..default },
-        Settings { patch: 9, ..default },
+        Settings { radius: 12, ..default },
         Settings { damping: f32::NAN, ..default },
         Settings { pilot: 1.5, ..default },
         Settings { sigma_albedo: 0.0, ..default },

@@ -1,8 +1,8 @@
 //! Lightmaps without most of their noise: non-local means ([`steradian_denoise::nlm`]) over each chart by itself.
 //!
 //! A chart is a picture of its own, guided by the variances of its texels and the normals of their surfaces. Distances
-//! in it are those on the surface, so positions tell nothing more. Texels about it repeat the nearest one, for patches
-//! that reach beyond its edge; as they show no surface they have no weight, and charts never mix.
+//! in it are those on the surface, so positions tell nothing more. Texels about it repeat the nearest one, for noise
+//! that neighbours tell of; as they show no surface they have no weight, and charts never mix.
 
 use super::{NONE, Texel, spread};
 use crate::Error;
@@ -15,6 +15,8 @@ use steradian_math::Vec3;
 
 /// Texels of the box about a chart from which charts are taken one after the other, to bound the memory.
 const LARGE: usize = 1 << 16;
+/// Columns and rows about a chart that repeat the texels nearest to them.
+const AROUND: u32 = 3;
 
 /// Removes the noise of all parts of texels in an atlas of `side` columns. The light of each chart stays in the mean.
 ///
@@ -48,7 +50,7 @@ struct Chart<'a> {
 
 impl<'a> Chart<'a> {
     fn of(members: &'a [usize], texels: &[Texel], side: usize) -> Self {
-        let reach = Settings::default().patch as usize;
+        let reach = AROUND as usize;
         let range = |along: &dyn Fn(usize) -> usize| {
             let ends = members.iter().map(|k| along(texels[*k].number));
             ends.fold([usize::MAX, 0], |[low, high], at| [low.min(at), high.max(at)])
@@ -74,7 +76,7 @@ impl<'a> Chart<'a> {
         self.members.iter().for_each(|k| numbers[place(*k)] = *k as u32);
         let depth = numbers.iter().map(|number| if *number == NONE { f32::INFINITY } else { 1.0 }).collect();
         let depth = Image::new(width as u32, height as u32, depth)?;
-        let numbers = spread(numbers, self.size, settings.patch);
+        let numbers = spread(numbers, self.size, AROUND);
         let image = |value: &dyn Fn(&Texel) -> Vec3| {
             let values = numbers.iter().map(|number| texels.get(*number as usize).map_or(Vec3::ZERO, value));
             Image::new(width as u32, height as u32, values.collect())

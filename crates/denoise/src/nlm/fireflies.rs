@@ -1,0 +1,54 @@
+//! Pixels far brighter than all around, held back: few paths found what they saw.
+//!
+//! They would shine through the weights, or stay as points. What they lose is given back to the picture in the end
+//! ([`balance`](crate::balance)).
+
+use steradian_accel::Lanes;
+use steradian_math::color::space::REC709;
+
+use super::{features::Features, plane::Plane};
+
+/// Columns and rows away up to which pixels are compared.
+const REACH: i64 = 5;
+/// By how many standard deviations of those around a pixel may be brighter.
+const DEVIATIONS: f32 = 2.0;
+/// Pixels around that are needed to tell.
+const FEWEST: f32 = 4.0;
+/// Which part of what is beyond the mean a pixel's own standard deviation is at least, for it to be noise.
+const NOISE: f32 = 0.3;
+
+/// Holds values and variances of three channels of pixels to what those around have that show the same surface.
+pub(super) fn hold(
+    channels: &mut [(Vec<f32>, Vec<f32>); 3],
+    size: [usize; 2],
+    features: &Features,
+    is_known: impl Fn(usize) -> bool + Sync,
+    lanes: Lanes,
+) {
+    let weights = REC709.luminance_weights_f32();
+    let luminance = |of: [f32; 3]| weights.x * of[0] + weights.y * of[1] + weights.z * of[2];
+    let value: Vec<f32> =
+        (0..channels[0].0.len()).map(|place| luminance(channels.each_ref().map(|c| c.0[place]))).collect();
+    let plane = |of: &(dyn Fn(usize) -> f32 + Sync)| {
+        Plane::new(size, |place| if is_known(place) { of(place) } else { 0.0 }).with_edge(0.0)
+    };
+    let planes = [plane(&|_| 1.0), plane(&|place| value[place]), plane(&|place| value[place] * value[place])];
+    // Without the pixel itself.
+    let sums = features.sums((REACH, 0.0), (planes.each_ref(), []), lanes);
+    for (place, sums) in sums.iter().enumerate() {
+        let [count, sum, squares] = sums.values;
+        if !(count > FEWEST) {
+            continue;
+        }
+        let mean = sum / count;
+        let most = mean + DEVIATIONS * (squares / count - mean * mean).max(0.0).sqrt();
+        let own = luminance(channels.each_ref().map(|c| c.1[place].sqrt()));
+        if value[place] > most && most >= 0.0 && own > NOISE * (value[place] - mean) {
+            let part = most / value[place];
+            for (value, variance) in &mut *channels {
+                value[place] *= part;
+                variance[place] *= part * part;
+            }
+        }
+    }
+}
