@@ -13,7 +13,7 @@ use steradian_accel::Lanes;
 use steradian_math::{Vec2, Vec3, color::space::REC709};
 
 use crate::{
-    balance::give_back,
+    balance::{Amount, give_back},
     error::Result,
     image::Image,
     nlm::{Denoised, Picture, calm_variance},
@@ -92,7 +92,7 @@ pub fn denoise(picture: &Picture<'_>, settings: &Settings) -> Result<Denoised> {
     // Give back the light that the weights lost, to the pixels that were filtered.
     let counts = |place: usize| picture.radiance.values()[place].is_finite() && !is_kept(place);
     let held = picture.radiance_held();
-    give_back(&mut radiance, &held, picture.variance, counts);
+    give_back(&mut radiance, &held, picture.variance, counts, Amount::ALL);
     let not_finite = picture.radiance.values().iter().filter(|radiance| !radiance.is_finite()).count();
     Ok(Denoised { radiance, not_finite })
 }

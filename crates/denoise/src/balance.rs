@@ -1,11 +1,11 @@
-//! The light that a filter lost, given back: the mean of a filtered picture is that of the noisy one.
+//! The light that a filter lost, given back: the mean of a filtered picture is that of the noisy one, where all is.
 //!
 //! Weights that follow from colours are biased. Bright pixels are unlike all others: those around do not count them,
 //! and they count those around. So the mean falls, the more the longer the tail of the noise. What a channel of a pixel
 //! lost, r = noisy − filtered, is given back in three parts.
 //!
 //! 1. Where r is far beyond the noise of the pixel, or of those around that lost as much, and far beyond what is left,
-//!    detail was lost, such as a lamp that covers a part of the pixel: it gets r back ([`NOISES`], [`NOISES_AROUND`],
+//!    detail was lost, such as a lamp that covers a part of the pixel: it gets r back ([`Amount`], [`NOISES_AROUND`],
 //!    [`FACTORS`]). A single bright path does not pass, since its pixel's standard deviation is as large as its
 //!    radiance. The same holds of r where all within reach may take too little beside it ([`CAPACITIES`]).
 //! 2. The rest goes to the pixels around, in proportion to what they may take, w = min(filtered, σ), σ being the
@@ -18,7 +18,8 @@
 //!
 //!    The sum is that of the noisy picture for any K that is symmetric. The gain g is smooth, so neither noise nor
 //!    detail comes back; it is bounded, so that a path brighter than all around does not shine into what is dark.
-//! 3. What the bound left stays with the pixels that lost most, as far as they lost more than a level.
+//! 3. What the bound left stays with the pixels that lost most, as far as they lost more than a level, where
+//!    [`Amount`] says so.
 
 use rayon::prelude::*;
 use steradian_math::Vec3;
@@ -29,19 +30,32 @@ use crate::image::Image;
 const SPACING: usize = 8;
 /// Radius of the tent, in nodes: with 4, the gain is noisier and the error larger by a few per cent.
 const REACH: usize = 20;
-/// From how many of its standard deviations on a loss begins to be detail, and from how many on it is so wholly. Of
-/// one bright sample among n it is 1, of k about √k.
-const NOISES: [f64; 2] = [1.5, 2.5];
-/// Likewise of those of the 3×3 pixels around that lost as much, together: a lamp is in several of them.
-const NOISES_AROUND: [f64; 2] = [2.0, 3.0];
 /// Ratio of a loss to the remaining value at which it begins to be detail, and at which it is so wholly.
 const FACTORS: [f64; 2] = [1.0, 3.0];
 /// Which part of all that those within reach may take a pixel may lose to them: beyond, it keeps its loss as well.
 const CAPACITIES: [f64; 2] = [0.02, 0.05];
-/// Which part of what it may take a pixel is given at most.
-const MOST_GAIN: f64 = 0.3;
+/// How much is given back.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Amount {
+    /// From how many of its own standard deviations on a loss begins to be detail, and from how many on it is so wholly.
+    /// Of one bright sample among n it is 1, of k about √k.
+    pub noises: [f64; 2],
+    /// Likewise of those of the 3×3 pixels around that lost as much, together: a lamp is in several of them.
+    pub noises_around: [f64; 2],
+    /// Which part of what it may take a pixel is given at most.
+    pub most_gain: f64,
+    /// Pixels keep of their own loss what those around cannot take, so that all is given back: as points, where paths
+    /// are rare.
+    pub keeps_rest: bool,
+}
+
 /// Keeps quotients finite.
 const TINY: f64 = 1e-30;
+impl Amount {
+    /// All that was lost.
+    pub const ALL: Self = Self { noises: [1.5, 2.5], noises_around: [2.0, 3.0], most_gain: 0.3, keeps_rest: true };
+}
+
 /// Which part of all losses is that of rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -53,6 +67,7 @@ pub(crate) fn give_back(
     noisy: &Image<Vec3>,
     variance: Option<&Image<Vec3>>,
     counts: impl Fn(usize) -> bool + Sync,
+    amount: Amount,
 ) {
     let nodes = Nodes::over(filtered.size());
     let before = &*filtered;
@@ -66,7 +81,7 @@ pub(crate) fn give_back(
             if counts(place) { Pixel::new(at(noisy, place), left, known(place)) } else { Pixel::default() }
         };
         let pixels: Vec<Pixel> = (0..before.values().len()).into_par_iter().map(pixel).collect();
-        nodes.gains(&with_detail(&pixels, before.size()))
+        nodes.gains(&with_detail(&pixels, before.size(), amount), amount)
     };
     let gains: Vec<Vec<f64>> = (0..3usize).into_par_iter().map(of_channel).collect();
     filtered.values_mut().par_iter_mut().enumerate().for_each(|(place, value)| {
@@ -100,7 +115,7 @@ fn part(value: f64, [from, to]: [f64; 2]) -> f64 {
 }
 
 /// Pixels with what of their loss is detail.
-fn with_detail(pixels: &[Pixel], size: [u32; 2]) -> Vec<Pixel> {
+fn with_detail(pixels: &[Pixel], size: [u32; 2], amount: Amount) -> Vec<Pixel> {
     let [width, height] = size.map(|n| n as usize);
     let noises = |lost: f64, variance: f64| lost / variance.sqrt().max(TINY);
     let found = |place: usize| {
@@ -116,8 +131,8 @@ fn with_detail(pixels: &[Pixel], size: [u32; 2]) -> Vec<Pixel> {
             }
         }
         // In standard deviations: of the pixel alone, and of those around together.
-        let alone = part(noises(pixel.lost, variance), NOISES);
-        let together = part(noises(lost, of_all), NOISES_AROUND);
+        let alone = part(noises(pixel.lost, variance), amount.noises);
+        let together = part(noises(lost, of_all), amount.noises_around);
         // Detail is what is beyond the noise and beyond what is left as well.
         let detail = pixel.lost * alone.max(together) * part(pixel.lost / pixel.most.max(TINY), FACTORS);
         Pixel { detail, lost: pixel.lost - detail, ..pixel }
@@ -231,16 +246,17 @@ impl Nodes {
     }
 
     /// Light given to each pixel of a channel.
-    fn gains(&self, pixels: &[Pixel]) -> Vec<f64> {
+    fn gains(&self, pixels: &[Pixel], amount: Amount) -> Vec<f64> {
         // W = K Pᵀ w: what may be taken around each node.
         let shares = self.shares(pixels);
         let capacity = self.spread(&self.collect(|place| shares[place]));
-        let pixels = &self.too_bright(pixels, &capacity);
+        let kept = amount.keeps_rest.then(|| self.too_bright(pixels, &capacity));
+        let pixels = kept.as_deref().unwrap_or(pixels);
         // g = K (R/W): the gain of nodes, bounded.
         let lost = self.collect(|place| pixels[place].lost).into_iter();
         let quotient = |(lost, shares): (f64, f64)| if shares > 0.0 { lost / shares } else { 0.0 };
         let mut nodes = self.spread(&lost.zip(capacity).map(quotient).collect::<Vec<_>>());
-        nodes.iter_mut().for_each(|gain| *gain = gain.clamp(-MOST_GAIN, MOST_GAIN));
+        nodes.iter_mut().for_each(|gain| *gain = gain.clamp(-amount.most_gain, amount.most_gain));
         let mut gains = self.at_pixels(&nodes, |gain, place| shares[place] * gain);
         // What the bound left out goes to the pixels that lost most, down to a common level.
         let left: f64 = pixels.iter().zip(&gains).map(|(pixel, gain)| pixel.lost - gain).sum();
@@ -248,7 +264,8 @@ impl Nodes {
         // Where more was given than lost, the pixels that won most pay.
         let sign = if left < 0.0 { -1.0 } else { 1.0 };
         let losses: Vec<f64> = pixels.par_iter().map(|pixel| sign * pixel.lost).collect();
-        let level = if left.abs() > ROUNDING * all { level(&losses, left.abs()) } else { f64::INFINITY };
+        let level =
+            if amount.keeps_rest && left.abs() > ROUNDING * all { level(&losses, left.abs()) } else { f64::INFINITY };
         for ((gain, pixel), loss) in gains.iter_mut().zip(pixels).zip(losses) {
             *gain += pixel.detail + sign * (loss - level).max(0.0);
         }

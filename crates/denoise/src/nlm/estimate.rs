@@ -76,17 +76,14 @@ impl Estimate {
             Plane::new(self.size, |place| if over(place).is_finite() { value(place) } else { other.at(place) })
         };
         let value = std::array::from_fn(|c| plane(&|p| sums[p].values[c] * over(p), &self.value[c]));
-        let variance =
-            std::array::from_fn(|c| plane(&|p| sums[p].squared[c] * over(p) * over(p), &self.variance[c]));
+        let variance = std::array::from_fn(|c| plane(&|p| sums[p].squared[c] * over(p) * over(p), &self.variance[c]));
         self.with(value, variance)
     }
 
     /// With at least a part of the variance of another.
     pub fn with_noise_of(self, noisy: &Self, part: f32) -> Self {
         // The second pass trusts the first not wholly: a part of the noise is taken to be left.
-        let more = |mine: &Plane, other: &Plane| {
-            Plane::new(self.size, |place| mine.at(place) + part * other.at(place))
-        };
+        let more = |mine: &Plane, other: &Plane| Plane::new(self.size, |place| mine.at(place) + part * other.at(place));
         let variance = std::array::from_fn(|c| more(&self.variance[c], &noisy.variance[c]));
         Self { variance, ..self }
     }

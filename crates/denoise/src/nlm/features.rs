@@ -59,7 +59,7 @@ impl Features {
         Self { vectors, depth, surface }
     }
 
-    /// Sums over the pixels up to `reach` columns and rows away, weighted by how alike their surfaces are: of `N`
+    /// Sums over the pixels up to `reach` away, weighted by how near they are and how alike their surfaces are: of `N`
     /// planes, of `S` planes with the squares of the weights, and of the weights. `own` is the weight of the pixel
     /// itself.
     pub fn sums<const N: usize, const S: usize>(
@@ -73,7 +73,8 @@ impl Features {
         sums.par_chunks_mut(width).enumerate().for_each(|(y, sums)| {
             for (k, sums) in sums.chunks_mut(BLOCK).enumerate() {
                 let around = Around { features: self, at: [(k * BLOCK) as i64, y as i64], reach, own, values, squared };
-                let mut blocks = Blocks { values: [[0.0; BLOCK]; N], squared: [[0.0; BLOCK]; S], weights: [0.0; BLOCK] };
+                let mut blocks =
+                    Blocks { values: [[0.0; BLOCK]; N], squared: [[0.0; BLOCK]; S], weights: [0.0; BLOCK] };
                 lanes.run(Summing(&around, &mut blocks));
                 for (k, sums) in sums.iter_mut().enumerate() {
                     let (values, squared) = (blocks.values.map(|v| v[k]), blocks.squared.map(|v| v[k]));
@@ -199,9 +200,9 @@ impl<const N: usize, const S: usize> Kernel for Summing<'_, N, S> {
         for dy in -around.reach..=around.reach {
             for dx in -around.reach..=around.reach {
                 let mut weights = around.features.likeness([x, y], [dx, dy]);
-                if [dx, dy] == [0, 0] {
-                    weights = [around.own; BLOCK];
-                }
+                let far = (dx * dx + dy * dy) as f32 / ((around.reach + 1) * (around.reach + 1)) as f32;
+                let near = if [dx, dy] == [0, 0] { around.own } else { (1.0 - far).max(0.0) };
+                weights.iter_mut().for_each(|weight| *weight *= near);
                 for k in 0..BLOCK {
                     sums.weights[k] += weights[k];
                 }

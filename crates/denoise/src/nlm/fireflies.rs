@@ -6,12 +6,16 @@
 use steradian_accel::Lanes;
 use steradian_math::color::space::REC709;
 
-use super::{features::Features, plane::Plane};
+use super::{
+    features::Features,
+    local::{around, map},
+    plane::Plane,
+};
 
-/// Columns and rows away up to which pixels are compared.
+/// Distance up to which pixels are compared.
 const REACH: i64 = 5;
 /// By how many standard deviations of those around a pixel may be brighter.
-const DEVIATIONS: f32 = 2.0;
+const DEVIATIONS: f32 = 1.5;
 /// Pixels around that are needed to tell.
 const FEWEST: f32 = 4.0;
 /// Which part of what is beyond the mean a pixel's own standard deviation is at least, for it to be noise.
@@ -33,6 +37,14 @@ pub(super) fn hold(
         Plane::new(size, |place| if is_known(place) { of(place) } else { 0.0 }).with_edge(0.0)
     };
     let planes = [plane(&|_| 1.0), plane(&|place| value[place]), plane(&|place| value[place] * value[place])];
+    // The rim of a lamp is uncertain, but beside what is sure to be as bright.
+    let is_sure: Vec<bool> = map(size, |x, y| {
+        let place = y * size[0] + x;
+        luminance(channels.each_ref().map(|c| c.1[place].sqrt())) < NOISE * value[place]
+    });
+    let has_bright_neighbour = |place: usize| {
+        around(size, [place % size[0], place / size[0]], 1).any(|at| is_sure[at] && value[at] >= value[place])
+    };
     // Without the pixel itself.
     let sums = features.sums((REACH, 0.0), (planes.each_ref(), []), lanes);
     for (place, sums) in sums.iter().enumerate() {
@@ -43,7 +55,8 @@ pub(super) fn hold(
         let mean = sum / count;
         let most = mean + DEVIATIONS * (squares / count - mean * mean).max(0.0).sqrt();
         let own = luminance(channels.each_ref().map(|c| c.1[place].sqrt()));
-        if value[place] > most && most >= 0.0 && own > NOISE * (value[place] - mean) {
+        let is_noise = own > NOISE * (value[place] - mean) && !has_bright_neighbour(place);
+        if value[place] > most && most >= 0.0 && is_noise {
             let part = most / value[place];
             for (value, variance) in &mut *channels {
                 value[place] *= part;

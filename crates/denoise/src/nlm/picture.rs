@@ -12,7 +12,7 @@ use super::{
     plane::Plane,
 };
 use crate::{
-    balance::give_back,
+    balance::{Amount, give_back},
     error::{Error, Result},
     gbuffer::check_size,
     image::Image,
@@ -26,8 +26,10 @@ const LEAST_ALBEDO: f32 = 0.05;
 const UNKNOWN: f32 = 1e30;
 /// The mean variance over the mean of the least of nine windows that overlap, for normal noise.
 const CALMEST: f32 = 2.0;
-/// Columns and rows away up to which variances are averaged.
+/// Distance up to which variances are averaged.
 const SMOOTHED: i64 = 2;
+/// Light of paths too rare for pixels around to take is not given back: it would stay as points, or lift what is dark.
+const GIVEN_BACK: Amount = Amount { noises: [3.0, 5.0], noises_around: [4.0, 6.0], most_gain: 0.1, keeps_rest: false };
 
 /// A picture with what is known of it. All images have one size. Values that are not finite are taken as not known.
 #[derive(Clone, Copy, Debug)]
@@ -137,7 +139,7 @@ impl Picture<'_> {
         });
         if keeps_mean {
             let counts = |place: usize| self.has_surface(place) && !is_bad(place);
-            give_back(&mut radiance, &self.radiance_held(), self.variance, counts);
+            give_back(&mut radiance, &self.radiance_held(), self.variance, counts, GIVEN_BACK);
         }
         Denoised { radiance, not_finite: (0..width as usize * height as usize).filter(|p| is_bad(*p)).count() }
     }

@@ -191,12 +191,7 @@ impl Memory {
 
     /// Joins a frame with the memory, as far as that is trusted: values and variances, and mean offsets from the
     /// middles of pixels.
-    fn join(
-        &self,
-        frame: &Estimate,
-        found: &[Option<Found>],
-        trust: &[f32],
-    ) -> (Estimate, Vec<Vec2>) {
+    fn join(&self, frame: &Estimate, found: &[Option<Found>], trust: &[f32]) -> (Estimate, Vec<Vec2>) {
         let size = frame.size();
         // Frames that the past counts for: trust times its length, up to a limit.
         let of = |place: usize| found[place].map(|f| (f, (trust[place] * self.noisy.count(f.place)).min(MOST_FRAMES)));

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 pub struct Settings {
     /// Pixels so far away tell of each other: 1 to 11. 11.
     pub radius: u32,
-    /// k, above 0: by how many standard deviations of their difference pixels may differ. More filters more. 0.8.
+    /// k, above 0: by how many standard deviations of their difference pixels may differ. More filters more. 1.
     pub damping: f32,
     /// The part of a pixel's variance that is taken to be left after the first pass beyond that of its mean, from 0 to
     /// 1. 0.03.
@@ -19,7 +19,7 @@ pub struct Settings {
     pub sigma_normal: f32,
     /// By which part of itself depth may differ beyond what its slope explains, above 0. 0.01.
     pub sigma_depth: f32,
-    /// Give back the light that the weights lost, so that the mean of the picture stays. true.
+    /// Give back light that was lost, so that the mean of the picture stays, but for that of paths too rare for it. true.
     pub keeps_mean: bool,
 }
 
@@ -27,7 +27,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             radius: 11,
-            damping: 0.8,
+            damping: 1.0,
             pilot: 0.03,
             sigma_albedo: 0.1,
             sigma_normal: 0.5,

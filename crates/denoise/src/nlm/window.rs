@@ -51,7 +51,15 @@ impl Window {
         columns[1] = std::array::from_fn(|k| place(k)[0]);
         columns[2] = std::array::from_fn(|k| place(k)[1]);
         let [weights, counts] = [none; 2];
-        Box::new(Self { taper, weights, counts, columns, weighted: [none; TERMS], variances: [none; 3], told: [none; 3] })
+        Box::new(Self {
+            taper,
+            weights,
+            counts,
+            columns,
+            weighted: [none; TERMS],
+            variances: [none; 3],
+            told: [none; 3],
+        })
     }
 
     /// A row that lies outside the picture.

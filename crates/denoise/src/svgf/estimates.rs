@@ -3,7 +3,7 @@
 use steradian_math::{Vec3, color::space::REC709};
 
 use crate::{
-    balance::give_back,
+    balance::{Amount, give_back},
     image::Image,
     rows::{Row, Rows},
 };
@@ -64,7 +64,7 @@ impl Estimates {
         let mut all = self.colors();
         // Balance each term against its mean before filtering.
         for (colors, noisy) in all.iter_mut().zip(noisy.unwrap_or_default()) {
-            give_back(colors, noisy, None, |pixel| noisy.values()[pixel].is_finite());
+            give_back(colors, noisy, None, |pixel| noisy.values()[pixel].is_finite(), Amount::ALL);
         }
         all
     }

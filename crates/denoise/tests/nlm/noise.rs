@@ -76,7 +76,7 @@ fn fireflies_go_and_their_light_stays() {
     assert!((ratio - 1.0).abs().max_element() < 0.01, "{ratio}");
     for (place, value) in found.values().iter().enumerate() {
         let apart = (*value - truth.values()[place]).abs().max_element();
-        assert!(apart < 0.1, "{apart} at {}, {}", place % 80, place / 80);
+        assert!(apart < 0.2, "{apart} at {}, {}", place % 80, place / 80);
     }
 }
 
