@@ -51,8 +51,8 @@ pub struct SceneOptions {
     pub stochastic_textures: bool,
     /// Set a $parameter of a Mitsuba scene; at=SECONDS, animation, variant, scene of a glTF scene; of a model
     /// azimuth=DEG, elevation=DEG, sky=studio, outdoor, overcast, none or FILE, or sky=clear or sky=atmosphere with
-    /// sun=DEG, turn=DEG and strength=X of the sky, background=gradient, none or #rrggbb, ground=false, and material=gold (clay, glass, …), up=z,
-    /// front=-y, handedness=left, crease=DEG of an OBJ or PLY. Repeatable
+    /// sun=DEG, turn=DEG and strength=X of the sky, background=gradient, none or #rrggbb, ground=false, and
+    /// material=gold (clay, glass, …), up=z, front=-y, handedness=left, crease=DEG of an OBJ or PLY. Repeatable
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = values::definition, help_heading = "Scene")]
     pub define: Vec<(String, String)>,
     /// The box that the camera of a model without one shows, over all frames of a sequence

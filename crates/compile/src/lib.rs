@@ -178,7 +178,7 @@ struct Compiler<'a> {
     grouped: Vec<(u32, u32)>,
     /// Ambient lights.
     ambient: Vec<Ambient>,
-    /// What camera rays see behind everything, in place of environments.
+    /// Backdrop of camera rays, in place of environments.
     backdrop: Option<Box<Environment>>,
     /// Lights that do not always shine, those of areas by their emitters.
     schedules: Vec<(Lamp, Schedule)>,

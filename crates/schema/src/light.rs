@@ -231,8 +231,8 @@ pub const LIGHTS: &[Model] = &[
     },
     Model {
         kind: "backdrop",
-        doc: "what camera rays see where they meet nothing, in place of the light from infinity; it lights nothing, and \
-              mirrors and glass show that light; a scene has one",
+        doc: "what camera rays see where they meet nothing, in place of the light from infinity; it lights nothing, \
+              and mirrors and glass show that light; a scene has one",
         parameters: &[
             spectrum("radiance", ANY, WHITE, "radiance, or factor on the picture"),
             file("file", "none", "the picture"),

@@ -281,8 +281,8 @@ mod tests {
         }
     }
 
-    /// Camera rays of every integrator that sees lights see the backdrop behind everything; what is lit by the environment
-    /// or mirrors it is as without.
+    /// Camera rays of every integrator that sees lights see the backdrop behind everything; what is lit by the
+    /// environment or mirrors it is as without.
     #[test]
     fn backdrops_are_seen_and_give_no_light() {
         let scene = |lights: &str, place: f32, material: &str| {

@@ -98,8 +98,8 @@ pub fn background(scene: &Scene, p: Vec3, w: Vec3, origin: &Origin, lambda: &Wav
     scene.lights().environments.iter().fold(Spectrum::ZERO, |sum, &e| sum + environment(scene, e, p, w, origin, lambda))
 }
 
-/// Light from infinity along a ray that left the scene, by the number of scattering events before, weighted: camera rays
-/// see the backdrop, where there is one.
+/// Light from infinity along a ray that left the scene, by the number of scattering events before, weighted: camera
+/// rays see the backdrop, where there is one.
 #[inline]
 pub fn behind(scene: &Scene, ray: &Ray, events: u32, origin: &Origin, lambda: &Wavelengths) -> Spectrum {
     match &scene.lights().backdrop {

@@ -101,7 +101,7 @@ pub struct Lights {
     pub timetable: Option<Box<Timetable>>,
     /// Ambient light, for methods that have an ambient term.
     pub ambient: Vec<Ambient>,
-    /// What camera rays see in place of environments, if anything else. It is no light.
+    /// Backdrop that camera rays see in place of environments. It is no light.
     pub backdrop: Option<Box<Environment>>,
 }
 

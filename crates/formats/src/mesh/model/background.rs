@@ -1,4 +1,4 @@
-//! What is seen behind a model, apart from what lights it: `-D background=`.
+//! Backgrounds of models, apart from what lights them: `-D background=`.
 
 use super::studio;
 use std::path::PathBuf;

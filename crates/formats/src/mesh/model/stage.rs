@@ -112,7 +112,7 @@ struct StageOptions {
     is_turned: bool,
     /// Sky that the user names.
     sky: Option<Sky>,
-    /// What is seen behind the model in place of the sky.
+    /// View behind the model, in place of the sky.
     background: Option<Background>,
     /// Turn of the sky from the front to the right, in degrees, and factor on its light.
     turn: f64,
