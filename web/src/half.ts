@@ -75,6 +75,11 @@ function middle(bin: number): number {
   return float[0]!;
 }
 
+/** Luminances of the pixels above zero, with their numbers of pixels. */
+export function* bins({ counts }: Statistics): Generator<[number, number]> {
+  for (let bin = 0; bin < BINS; bin++) if (counts[bin]! > 0) yield [middle(bin), counts[bin]!];
+}
+
 /** The luminance that this part of the pixels above zero doesn't exceed, or `null` where there are none. */
 export function percentile({ counts, pixels, nonfinite, dark }: Statistics, part: number): number | null {
   const bright = pixels - nonfinite - dark;

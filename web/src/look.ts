@@ -2,7 +2,8 @@
 
 import { h, row, section, setOptions, setValue, show } from './dom';
 import { numberField, type NumberField } from './number';
-import type { State } from './protocol';
+import { averageStops, neededStops } from './exposure';
+import type { Exposure, State } from './protocol';
 import { CURVES, parseTone } from './tone';
 import type { View } from './view';
 
@@ -19,6 +20,9 @@ export class Look {
     onchange: () => this.set(() => (this.view.isMarked = this.mark.checked)),
   });
   private state: State | null = null;
+  private scene = '';
+  /** Exposure that the scene's first picture is to choose. */
+  private awaited: Exposure = 'given';
 
   constructor(
     private readonly view: View,
@@ -29,7 +33,7 @@ export class Look {
       label: 'Exposure in EV',
       value: 0,
       range: [-64, 64],
-      slider: [-10, 10],
+      slider: [-16, 16],
       step: 0.1,
       unit: 'EV',
       change: (v) => this.expose(v),
@@ -38,6 +42,7 @@ export class Look {
       'View',
       true,
       row('Exposure', this.exposure.element, 'Powers of two; keys [ and ]'),
+      row('', h('button', { class: 'small', onclick: () => this.exposeBy('auto') }, 'Expose by the picture'), 'What is lit becomes grey on average'),
       row('Tone', this.tone),
       this.parameters,
       row('Layer', this.layer),
@@ -57,6 +62,10 @@ export class Look {
     const layers = state.choices.layers.filter((l) => l.name !== 'picture');
     setOptions(this.layer, [{ value: 'picture' }, ...layers.map((l) => ({ value: l.name, title: l.doc }))]);
     setValue(this.layer, this.view.layer);
+    const { name, path } = state.scene;
+    const scene = `${path ?? name}`;
+    if (isFirst || scene !== this.scene) this.awaited = state.exposure;
+    this.scene = scene;
     if (isFirst) {
       this.view.tone = parseTone(state.tone, state.choices.tones);
       this.exposure.set(this.view.tone.exposure);
@@ -66,7 +75,23 @@ export class Look {
     this.view.layers.keep(['picture', ...state.layers, this.view.layer]);
   }
 
+  /** Takes a picture of the scene: the first one may choose the exposure. */
+  takeFrame(): void {
+    const { awaited } = this;
+    if (awaited === 'given' || this.view.layer !== 'picture') return;
+    this.awaited = 'given';
+    this.exposeBy(awaited);
+  }
+
+  /** Exposes by the picture, or if that is `needed`. */
+  private exposeBy(way: 'auto' | 'needed'): void {
+    const found = this.view.statistics();
+    const stops = found && (way === 'auto' ? averageStops(found) : neededStops(found));
+    if (stops !== null) this.expose(stops);
+  }
+
   expose(ev: number): void {
+    this.awaited = 'given';
     const exposure = Math.min(Math.max(ev, -64), 64);
     this.exposure.set(exposure);
     this.set(() => (this.view.tone.exposure = exposure));

@@ -85,6 +85,7 @@ export class Panels {
   }
 
   takeFrame(frame: FrameEnd): void {
+    this.look.takeFrame();
     this.mixer.takeFrame(frame);
     this.nodes.frame();
     this.compare.takeFrame(frame);

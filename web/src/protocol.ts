@@ -124,9 +124,9 @@ generation: number, scene: AboutScene, film: Size, region: [number, number, numb
  */
 layers: Array<string>, 
 /**
- * The tone curve that suits the scene.
+ * Tone curve to begin with, with its exposure, as the command line takes it.
  */
-tone: string, paused: boolean, undo: number, redo: number, 
+tone: string, exposure: Exposure, paused: boolean, undo: number, redo: number, 
 /**
  * Command line that makes the same picture.
  */
@@ -140,6 +140,11 @@ saveName: string, };
  * Origin of a picture.
  */
 export type FrameKind = "preview" | "render";
+
+/**
+ * Exposure to begin with.
+ */
+export type Exposure = "given" | "needed" | "auto";
 
 /**
  * End of a frame, after its tiles.

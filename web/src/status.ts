@@ -33,7 +33,8 @@ export class Status {
     this.element.dataset.what = what;
     const parts = [what, settings?.integrator];
     if (f) {
-      parts.push(f.kind === 'preview' ? null! : `${show(f.samples)} / ${f.target} spp`);
+      const isCounted = f.kind === 'render' || f.samples < f.target;
+      parts.push(isCounted ? `${show(f.samples)} / ${f.target} spp` : null!);
       if (f.error !== null) parts.push(`error ${show(100 * f.error)} %`);
       parts.push(`${f.seconds < 10 ? f.seconds.toFixed(2) : f.seconds.toFixed(0)} s`);
       if (f.denoised) parts.push('denoised');

@@ -209,7 +209,8 @@ export class View {
     gl.uniform2f(this.at('corner'), left + x0 * scale, top + y0 * scale);
     gl.uniform2f(this.at('shownSize'), ...shown);
     gl.uniform1i(this.at('isGrey'), Number(picture.components === 1));
-    gl.uniform1i(this.at('isNearest'), Number(shown[0] >= picture.width));
+    // Coarse previews are enlarged smoothly, pixels of the film are squares.
+    gl.uniform1i(this.at('isNearest'), Number(shown[0] >= picture.width && picture.width >= x1 - x0));
     gl.uniform1i(this.at('isFalse'), Number(this.isFalse));
     gl.uniform1i(this.at('isMarked'), Number(this.isMarked));
     gl.uniform1f(this.at('gain'), gain);

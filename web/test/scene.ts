@@ -73,6 +73,7 @@ export function firstState(): State {
     },
     layers: [],
     tone: 'none',
+    exposure: 'given',
     paused: false,
     undo: 0,
     redo: 0,

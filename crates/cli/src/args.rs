@@ -526,6 +526,19 @@ pub enum Denoiser {
     Oidn,
 }
 
+/// Denoiser of a view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ViewDenoiser {
+    /// Regression, built in.
+    Nlm,
+    /// A wavelet filter, built in.
+    Atrous,
+    /// Open Image Denoise.
+    Oidn,
+    /// None: pictures with their noise.
+    Off,
+}
+
 /// `steradian denoise`.
 #[derive(Args, Debug)]
 #[command(
@@ -580,6 +593,35 @@ pub struct ViewArgs {
     /// Size of the frame in pixels; overrides the scene's
     #[arg(long, value_name = "WxH")]
     pub size: Option<Size>,
+    /// Camera to begin with, by name or by number from 0; default: the first
+    #[arg(long, value_name = "NAME|N")]
+    pub camera: Option<String>,
+    /// Camera position, a point it looks at, and the direction that is up, in the world; it keeps its lens
+    #[arg(long, value_name = "EX,EY,EZ,TX,TY,TZ,UX,UY,UZ", value_parser = values::viewpoint)]
+    #[arg(allow_hyphen_values = true)]
+    pub look_at: Option<Viewpoint>,
+    /// Colour arithmetic; auto is spectral for pbrt scenes and RGB for others
+    #[arg(long, value_enum, default_value_t)]
+    pub color: Color,
+    /// Sampler (`steradian list samplers`); `scene` uses the one that the file names
+    #[arg(long, value_name = "NAME", value_parser = sampler_names())]
+    pub sampler: Option<String>,
+    /// Random seed
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Maximum number of scattering events of a path
+    #[arg(long, value_name = "N")]
+    pub max_depth: Option<u32>,
+    /// Denoiser of the pictures, or off; default: the best there is, where noise can be removed
+    #[arg(long, value_name = "NAME", value_enum, num_args = 0..=1, require_equals = true)]
+    pub denoise: Option<Option<ViewDenoiser>>,
+    /// Tone curve to begin with (`steradian list tones`); default: that of `render`
+    #[arg(long, value_name = "NAME[:key=value,…]", value_parser = values::tone_text)]
+    pub tonemap: Option<String>,
+    /// Exposure to begin with in stops, -64 to 64, or auto; default: 0, and auto where a model or glTF scene would be
+    /// white or black
+    #[arg(long, value_name = "EV|auto", allow_negative_numbers = true)]
+    pub exposure: Option<Exposure>,
     /// Set a $parameter of a Mitsuba scene, or a choice of a glTF scene or model, as `render` does. Repeatable
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = values::definition)]
     pub define: Vec<(String, String)>,

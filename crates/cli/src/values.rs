@@ -213,6 +213,11 @@ pub fn tone(text: &str) -> Result<Tone, String> {
     Tone::parse(text).map_err(|e| e.to_string())
 }
 
+/// A tone curve as it was written.
+pub fn tone_text(text: &str) -> Result<String, String> {
+    tone(text).map(|_| text.to_owned())
+}
+
 /// Parses a mapping of luminance to false colours.
 pub fn false_color(text: &str) -> Result<FalseColor, String> {
     FalseColor::parse(text).map_err(|e| e.to_string())

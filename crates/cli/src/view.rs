@@ -1,7 +1,8 @@
 //! `steradian view`: a scene in the browser while it renders.
 
 use crate::{
-    args::ViewArgs,
+    args::{Color, ViewArgs, ViewDenoiser},
+    brightness::Exposure,
     diagnostics,
     failure::{DONE, Failure, Outcome},
     memory, open, terminal,
@@ -9,8 +10,8 @@ use crate::{
     values::Size,
 };
 use std::{path::PathBuf, process::Command, sync::Arc};
-use steradian::denoise;
-use steradian_server::{Error, Options, SettingsChange, Source, View};
+use steradian::{denoise, image::tone::Tone};
+use steradian_server::{Denoiser, Error, Options, SettingsChange, Source, StartExposure, View};
 
 /// The built-in scene that is shown where none is named.
 const DEFAULT: &str = "builtin:cornell-box";
@@ -26,6 +27,9 @@ pub fn run(args: &ViewArgs, terminal: Terminal) -> Outcome {
     if args.oidn.is_some() {
         library.as_ref().map_err(|why| Failure::bad_input(why.clone()))?;
     }
+    if let Some(Exposure::Stops(stops)) = args.exposure {
+        Tone::default().with_exposure(stops).map_err(|e| Failure::bad_input(e.to_string()))?;
+    }
     let size = args.size.map(|Size(w, h)| (w, h));
     let options = Options {
         source: Source {
@@ -39,8 +43,29 @@ pub fn run(args: &ViewArgs, terminal: Terminal) -> Outcome {
             spp: args.spp.map(Some),
             width: size.map(|s| s.0),
             height: size.map(|s| s.1),
+            sampler: args.sampler.clone().map(Some),
+            color: match args.color {
+                Color::Auto => None,
+                Color::Rgb => Some("rgb".into()),
+                Color::Spectral => Some("spectral".into()),
+            },
+            seed: args.seed.map(Some),
+            max_depth: args.max_depth.map(Some),
+            denoise: args.denoise.flatten().map(|denoiser| match denoiser {
+                ViewDenoiser::Off => None,
+                ViewDenoiser::Nlm => Some(Denoiser::Nlm),
+                ViewDenoiser::Atrous => Some(Denoiser::Atrous),
+                ViewDenoiser::Oidn => Some(Denoiser::Oidn),
+            }),
             ..SettingsChange::default()
         },
+        camera: args.camera.clone(),
+        look_at: args.look_at,
+        tone: args.tonemap.clone(),
+        exposure: args.exposure.map(|exposure| match exposure {
+            Exposure::Auto => StartExposure::Auto,
+            Exposure::Stops(stops) => StartExposure::Stops(stops),
+        }),
         bind: args.bind.clone(),
         port: args.port,
         oidn: library,

@@ -1,11 +1,11 @@
 //! Changes of the scene and its view by requests.
 
 use crate::{
-    denoiser::Library,
+    denoiser::Denoisers,
     document::Document,
     edits::{Edit, What},
     frame, groups,
-    look::{Look, Purpose, View, bytes, check_memory, quality, set},
+    look::{Look, Purpose, View, bytes, can_be_denoised, check_memory, quality, set},
     protocol::{Request, told},
     state,
     viewer::{Invalidates, Viewer, compile},
@@ -18,18 +18,17 @@ type Remade = (Arc<Scene>, u64);
 
 /// Compiles the scene as it is to be looked at, and sees whether it can be rendered so. `held` are the bytes of the
 /// picture before, which goes.
-fn remade(document: &mut Document, look: &Look, held: u64, library: &Library) -> Result<Remade, String> {
+fn remade(document: &mut Document, look: &mut Look, held: u64, denoisers: &Denoisers) -> Result<Remade, String> {
     let scene = compile(document, look, Purpose::Render).map_err(|d| told(&d))?;
+    look.choose_denoiser(&scene, denoisers.best);
     let render = quality(look).render(&scene).map_err(|e| e.to_string())?;
     let needed = bytes(&render, &scene, look);
     let there_is = document.source.memory.and_then(|there_is| there_is());
     check_memory(needed, held, there_is)?;
-    let denoiser = look.settings.denoise.flatten();
+    let denoiser = look.denoiser();
     if let Some(denoiser) = denoiser {
-        if let Some(why) = render.not_denoisable(&scene) {
-            return Err(format!("noise cannot be removed here: {why}"));
-        }
-        denoiser.check(library)?;
+        can_be_denoised(look, &scene)?;
+        denoiser.check(denoisers)?;
     }
     if look.settings.light_groups == Some(true) {
         if denoiser.is_some() {
@@ -68,7 +67,7 @@ impl Viewer {
     pub fn remake(&mut self) -> Result<(), String> {
         self.drawn = None;
         if !self.look.moving {
-            (self.scene, self.held) = remade(&mut self.document, &self.look, self.held, &self.library)?;
+            (self.scene, self.held) = remade(&mut self.document, &mut self.look, self.held, &self.denoisers)?;
         }
         Ok(())
     }
@@ -77,14 +76,14 @@ impl Viewer {
     /// on the parameter, otherwise the render's.
     fn edit(&mut self, edit: Edit) -> Result<(), String> {
         let moving = edit.moving;
-        let look = Look { moving, ..self.look.clone() };
+        let mut look = Look { moving, ..self.look.clone() };
         if moving {
             let coarse = self.preview_look();
             let drawn = |document: &mut Document| compile(document, &coarse, Purpose::Preview).map_err(|d| told(&d));
             self.drawn = Some(self.document.edit(edit, drawn)?);
         } else {
-            let (held, library) = (self.held, &self.library);
-            let remade = self.document.edit(edit, |document| remade(document, &look, held, library))?;
+            let (held, denoisers) = (self.held, &self.denoisers);
+            let remade = self.document.edit(edit, |document| remade(document, &mut look, held, denoisers))?;
             (self.scene, self.held) = remade;
             self.drawn = None;
         }

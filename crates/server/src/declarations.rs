@@ -5,8 +5,9 @@ use crate::{
     kept::AboutReference,
     path::{DirectTold, EndTold, KindTold, Told, VertexTold},
     protocol::{
-        AboutScene, CameraState, Choices, Denoiser, FrameEnd, FrameKind, Message, Named, NodeState, ParameterState,
-        Request, ServerMessage, Settings, SettingsChange, Severity, Size, State, ToneChoice, ToneParameter,
+        AboutScene, CameraState, Choices, Denoiser, Exposure, FrameEnd, FrameKind, Message, Named, NodeState,
+        ParameterState, Request, ServerMessage, Settings, SettingsChange, Severity, Size, State, ToneChoice,
+        ToneParameter,
     },
     requests::{Pixel, Sample},
 };
@@ -39,6 +40,7 @@ fn declarations() -> String {
         declaration::<Settings>,
         declaration::<State>,
         declaration::<FrameKind>,
+        declaration::<Exposure>,
         declaration::<FrameEnd>,
         declaration::<ServerMessage>,
         declaration::<SettingsChange>,

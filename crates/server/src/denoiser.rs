@@ -15,6 +15,22 @@ use steradian::{
 /// The file of Open Image Denoise's library, or why there is none.
 pub type Library = Result<PathBuf, String>;
 
+/// Denoisers that can be had.
+pub struct Denoisers {
+    /// The library of Open Image Denoise.
+    pub library: Library,
+    /// The one that is taken where none is chosen: Open Image Denoise, where it can be loaded.
+    pub best: Denoiser,
+}
+
+impl Denoisers {
+    /// With the library, if there is one.
+    pub fn new(library: Library) -> Self {
+        let best = if load(&library).is_ok() { Denoiser::Oidn } else { Denoiser::Nlm };
+        Self { library, best }
+    }
+}
+
 /// Denoisers that pages choose from.
 pub const CHOICES: [Named; 3] = [
     Named { name: Denoiser::Nlm.name(), doc: "non-local means in the end, a wavelet filter on the way" },
@@ -41,15 +57,15 @@ impl Denoiser {
     ///
     /// # Errors
     /// Why not.
-    pub fn check(self, library: &Library) -> Result<(), String> {
-        if self == Self::Oidn { load(library).map(|_| ()) } else { Ok(()) }
+    pub fn check(self, denoisers: &Denoisers) -> Result<(), String> {
+        if self == Self::Oidn { load(&denoisers.library).map(|_| ()) } else { Ok(()) }
     }
 
     /// A picture without its noise.
     ///
     /// # Errors
     /// Why there is none.
-    pub fn picture(self, shown: &Shown, library: &Library) -> Result<Image, String> {
+    pub fn picture(self, shown: &Shown, denoisers: &Denoisers) -> Result<Image, String> {
         let mut noisy = develop(&shown.scene, &shown.film, self.guides());
         if shown.samples < 2.0 {
             noisy.metadata.set("samplesPerPixel", Value::Int(1));
@@ -58,7 +74,7 @@ impl Denoiser {
             Self::Nlm => denoise::picture(&noisy, None, 1.0),
             Self::Atrous => denoise::quick(&noisy),
             // One thread alone may use what is loaded, and what fails inside is not used again.
-            Self::Oidn => denoise::by_oidn(&noisy, &load(library)?),
+            Self::Oidn => denoise::by_oidn(&noisy, &load(&denoisers.library)?),
         };
         Ok(outcome.map_err(|e| e.to_string())?.picture)
     }

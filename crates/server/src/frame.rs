@@ -5,7 +5,10 @@ use crate::{
     protocol::{FrameEnd, FrameKind, ServerMessage},
     tile::{self, Plane},
 };
-use std::sync::Arc;
+use std::sync::{
+    Arc,
+    atomic::{AtomicU64, Ordering},
+};
 use steradian::{
     Film, Layer, Scene, develop,
     film::{Crop, LayerInputs, Pixel},
@@ -74,7 +77,8 @@ impl Shown {
         develop(&self.scene, &self.film, &layers)
     }
 
-    fn size(&self) -> [usize; 2] {
+    /// Width and height, pixels.
+    pub fn size(&self) -> [usize; 2] {
         [self.film.crop.width() as usize, self.film.crop.height() as usize]
     }
 
@@ -82,8 +86,8 @@ impl Shown {
         !layer.inputs().has(LayerInputs::FIRST_HITS) || !self.film.layers.features.is_empty()
     }
 
-    /// A single pixel of it, at a place in the full picture; `None` where it has none.
-    pub fn pixel(&self, x: u32, y: u32) -> Option<Film> {
+    /// Column, row and number of the pixel at a place in the full picture; `None` where it has none.
+    pub fn place(&self, x: u32, y: u32) -> Option<[u32; 3]> {
         let [x0, y0, x1, y1] = self.crop;
         if !(x0..x1).contains(&x) || !(y0..y1).contains(&y) {
             return None;
@@ -95,7 +99,13 @@ impl Shown {
         };
         let (w, h) = (film.crop.width(), film.crop.height());
         let (i, j) = (at(x, [x0, x1], w), at(y, [y0, y1], h));
-        let k = (j * w + i) as usize;
+        Some([i, j, j * w + i])
+    }
+
+    /// A single pixel of it, at a place in the full picture; `None` where it has none.
+    pub fn pixel(&self, x: u32, y: u32) -> Option<Film> {
+        let ([i, j, k], film) = (self.place(x, y)?, &self.film);
+        let k = k as usize;
         let pixels: Vec<Pixel> = film.pixels.get(k..k + 1)?.to_vec();
         let (cx, cy) = (film.crop.x0 + i, film.crop.y0 + j);
         let crop = Crop { x0: cx, y0: cy, x1: cx + 1, y1: cy + 1 };
@@ -117,25 +127,21 @@ pub fn layer(name: &str) -> Result<Layer, String> {
 /// A picture as messages, encoded once for all pages.
 #[derive(Clone, Default)]
 pub struct Frame {
+    /// Number of the picture: pages that have its tiles are told its end alone.
+    pub number: u64,
     /// Binary tiles.
     pub tiles: Vec<axum::body::Bytes>,
-    /// Message that ends it, as JSON; empty before the first one.
-    pub end: String,
+    end: Option<FrameEnd>,
 }
 
 impl Frame {
-    /// Encodes a picture and layers. Where it has no samples yet, the backdrop shows.
-    pub fn new(shown: &Shown, backdrop: Option<&Backdrop>, layers: &[Layer]) -> Self {
+    /// Encodes a picture and layers.
+    pub fn new(shown: &Shown, layers: &[Layer]) -> Self {
         let image = shown.picture(layers);
         let size = [image.width() as u32, image.height() as u32];
         let mut tiles = Vec::new();
         for (number, layer) in std::iter::once(None).chain(layers.iter().map(|l| Some(*l))).enumerate() {
-            let Some((components, mut values)) = plane(&image, layer) else { continue };
-            if layer.is_none()
-                && let Some(backdrop) = backdrop
-            {
-                backdrop.fill(&mut values, shown);
-            }
+            let Some((components, values)) = plane(&image, layer) else { continue };
             let plane = Plane { layer: number as u16, components, size, values: &values };
             tiles.extend(tile::tiles(shown.generation, &plane).into_iter().map(Into::into));
         }
@@ -145,6 +151,7 @@ impl Frame {
             let plane = Plane { layer: groups::FIRST_PLANE + group as u16, components: 3, size, values: &values };
             tiles.extend(tile::tiles(shown.generation, &plane).into_iter().map(Into::into));
         }
+        static NUMBER: AtomicU64 = AtomicU64::new(1);
         let end = FrameEnd {
             generation: shown.generation,
             width: size[0],
@@ -161,39 +168,30 @@ impl Frame {
             light_groups: names.to_vec(),
             crop: shown.crop,
         };
-        Self { tiles, end: ServerMessage::Frame(end).text() }
+        Self { number: NUMBER.fetch_add(1, Ordering::Relaxed), tiles, end: Some(end) }
+    }
+
+    /// The same picture, while the render that will replace it is so far.
+    pub fn while_rendered(&self, render: &Shown) -> Self {
+        let end = self.end.clone().map(|end| FrameEnd {
+            samples: render.samples,
+            target: render.target,
+            seconds: render.seconds,
+            nonfinite: render.nonfinite,
+            ..end
+        });
+        Self { end, ..self.clone() }
+    }
+
+    /// The message that ends it; `None` before the first one.
+    pub fn text(&self) -> Option<String> {
+        self.end.clone().map(|end| ServerMessage::Frame(end).text())
     }
 }
 
-/// Picture that shows where another one has no samples yet.
-pub struct Backdrop {
-    size: [usize; 2],
-    /// R, G, B of pixels.
-    values: Vec<f32>,
-}
-
-impl Backdrop {
-    /// A picture, in front of another one.
-    pub fn new(shown: &Shown, behind: Option<&Self>) -> Self {
-        let (_, mut values) = plane(&shown.picture(&[]), None).unwrap_or_default();
-        if let Some(behind) = behind {
-            behind.fill(&mut values, shown);
-        }
-        Self { size: shown.size(), values }
-    }
-
-    /// Puts it, enlarged, where pixels have no sample.
-    fn fill(&self, values: &mut [f32], shown: &Shown) {
-        let ([w, h], [bw, bh]) = (shown.size(), self.size);
-        if bw * bh == 0 {
-            return;
-        }
-        let empty = shown.film.pixels.iter().zip(values.chunks_mut(3)).enumerate().filter(|(_, (p, _))| p.samples == 0);
-        for (k, (_, value)) in empty {
-            let at = (k / w * bh / h) * bw + k % w * bw / w;
-            value.copy_from_slice(&self.values[3 * at..3 * at + 3]);
-        }
-    }
+/// R, G, B of a picture, pixel by pixel.
+pub fn rgb(image: &Image) -> Vec<f32> {
+    plane(image, None).unwrap_or_default().1
 }
 
 /// The channels of the picture or of a layer, pixel by pixel, one or three of them.
@@ -211,4 +209,37 @@ fn plane(image: &Image, layer: Option<Layer>) -> Option<(u16, Vec<f32>)> {
     let found = names.iter().map(channel).collect::<Option<Vec<&[f32]>>>()?;
     let values = (0..image.pixel_count()).flat_map(|k| found.iter().map(move |plane| plane[k])).collect();
     Some((found.len() as u16, values))
+}
+
+#[cfg(test)]
+pub mod tests {
+    use super::*;
+
+    /// A picture of pixels, of a scene without a part in it.
+    pub fn shown(kind: FrameKind, [x1, y1]: [u32; 2], pixels: Vec<Pixel>) -> Shown {
+        let desc = steradian::load("builtin:cornell-box", &Default::default()).desc;
+        let scene = steradian::compile(&desc, &Default::default()).scene.unwrap();
+        let film = Film {
+            crop: Crop { x0: 0, y0: 0, x1, y1 },
+            pixels,
+            layers: Default::default(),
+            halves: Vec::new(),
+            bins: 0,
+            bands: None,
+        };
+        Shown {
+            generation: 1,
+            crop: [0, 0, x1, y1],
+            kind,
+            scene: Arc::new(scene),
+            film,
+            samples: 1.0,
+            target: 1,
+            error: None,
+            seconds: 1.0,
+            is_done: false,
+            nonfinite: 0,
+            denoised: None,
+        }
+    }
 }

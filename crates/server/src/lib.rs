@@ -29,6 +29,7 @@ mod log;
 mod look;
 mod page;
 mod path;
+mod preview;
 mod protocol;
 mod reference;
 mod requests;
@@ -43,7 +44,8 @@ mod upload;
 mod viewer;
 
 pub use document::Source;
-pub use protocol::SettingsChange;
+pub use look::StartExposure;
+pub use protocol::{Denoiser, SettingsChange};
 
 use access::Access;
 use std::{
@@ -52,6 +54,7 @@ use std::{
     sync::Arc,
     thread::{self, JoinHandle},
 };
+use steradian::Viewpoint;
 use tokio::sync::Notify;
 
 /// Message to pages where no path of Open Image Denoise was given.
@@ -63,6 +66,15 @@ pub struct Options {
     pub source: Source,
     /// First settings of the render.
     pub settings: SettingsChange,
+    /// Camera, by name or by number from 0; `None` for the first.
+    pub camera: Option<String>,
+    /// Viewpoint of the camera, in place of its own.
+    pub look_at: Option<Viewpoint>,
+    /// Tone curve to begin with, `NAME[:key=value,…]`; `None` for the one that suits the scene.
+    pub tone: Option<String>,
+    /// Exposure to begin with; `None` for that of the command line: by the picture for models and glTF scenes that
+    /// would be white or black.
+    pub exposure: Option<StartExposure>,
     /// Address or name of this machine that the server listens at; `127.0.0.1` reaches no other machine.
     pub bind: String,
     /// Port; 0 for a free one.
@@ -80,6 +92,10 @@ impl Options {
         Self {
             source: Source { name: name.into(), ..Source::default() },
             settings: SettingsChange::default(),
+            camera: None,
+            look_at: None,
+            tone: None,
+            exposure: None,
             bind: "127.0.0.1".into(),
             port: 0,
             oidn: Err(NO_OIDN.into()),
@@ -128,8 +144,15 @@ impl View {
         let name = bare.parse::<std::net::IpAddr>().is_err().then(|| options.bind.clone());
         let access = Access::new(address, name).map_err(refused)?;
         let url = format!("http://{}/{}/", shown(address), access.token());
-        let viewer = viewer::start(options.source.clone(), options.settings.clone(), options.oidn.clone())
-            .map_err(Error::Scene)?;
+        let look = look::Look {
+            settings: options.settings.clone(),
+            camera: options.camera.clone(),
+            view: options.look_at.map(|point| look::View { point, fov: None }),
+            tone: options.tone.clone(),
+            exposure: options.exposure,
+            ..Default::default()
+        };
+        let viewer = viewer::start(options.source.clone(), look, options.oidn.clone()).map_err(Error::Scene)?;
         let stop = Arc::new(Notify::new());
         let app = app::App::new(access, viewer, Arc::clone(&options.log));
         let (router, stopped) = (routes::router(app), Arc::clone(&stop));

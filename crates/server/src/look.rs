@@ -37,10 +37,52 @@ pub struct Look {
     pub layers: Vec<Layer>,
     /// Settings that were chosen.
     pub settings: SettingsChange,
+    /// Denoiser where none was chosen, nor its absence.
+    pub usual: Option<Denoiser>,
     /// Pauses the render.
     pub paused: bool,
     /// True while a hand is on the camera.
     pub moving: bool,
+    /// Tone curve to begin with.
+    pub tone: Option<String>,
+    /// Exposure to begin with.
+    pub exposure: Option<StartExposure>,
+}
+
+/// Exposure that was asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StartExposure {
+    /// By the picture.
+    Auto,
+    /// In stops.
+    Stops(f32),
+}
+
+impl Look {
+    /// Denoiser of its pictures.
+    pub fn denoiser(&self) -> Option<Denoiser> {
+        self.settings.denoise.unwrap_or(self.usual)
+    }
+
+    /// Takes the `best` denoiser there is as the usual one, where noise can be removed from pictures of the scene.
+    pub fn choose_denoiser(&mut self, scene: &Scene, best: Denoiser) {
+        let has_groups = self.settings.light_groups == Some(true);
+        self.usual = (!has_groups && can_be_denoised(self, scene).is_ok()).then_some(best);
+    }
+}
+
+/// Tests if noise can be removed from pictures of the scene.
+///
+/// # Errors
+/// Why not.
+pub fn can_be_denoised(look: &Look, scene: &Scene) -> Result<(), String> {
+    let look =
+        Look { usual: None, settings: SettingsChange { denoise: None, ..look.settings.clone() }, ..look.clone() };
+    let render = quality(&look).render(scene).map_err(|e| e.to_string())?;
+    match render.not_denoisable(scene) {
+        Some(why) => Err(format!("noise cannot be removed here: {why}")),
+        None => Ok(()),
+    }
 }
 
 /// Viewpoint of a moved camera, and its field of view if that was changed, degrees.
@@ -88,7 +130,7 @@ pub fn options(look: &Look, format: Format, purpose: Purpose) -> CompileOptions 
 pub fn quality(look: &Look) -> Quality {
     let s = &look.settings;
     let groups = s.light_groups.filter(|on| *on).map(|_| Layer::LIGHT_GROUPS);
-    let denoiser = s.denoise.flatten();
+    let denoiser = look.denoiser();
     // What the inspector tells.
     let mut layers: Vec<Layer> = frame::LAYERS.into_iter().chain(groups).collect();
     layers.extend(denoiser.into_iter().flat_map(Denoiser::guides).filter(|guide| !frame::LAYERS.contains(guide)));
@@ -110,8 +152,8 @@ pub fn bytes(render: &Render, scene: &Scene, look: &Look) -> u64 {
     let crop = scene.film().crop;
     let pixels = u64::from(crop.width()) * u64::from(crop.height());
     let parts = render.film_bytes(scene, quality(look).layers.len());
-    // A pixel's sums with first hits, a backdrop, and planes of colours as floats and as halves.
-    parts.saturating_add(parts / 4).saturating_add(pixels * 36)
+    // A pixel's sums with first hits, its preview, an early state, and planes of colours as floats and as halves.
+    parts.saturating_add(parts / 4).saturating_add(pixels * 76)
 }
 
 /// Refuses a picture for which there is no memory. `held` are the bytes of the picture before, which goes.

@@ -199,8 +199,9 @@ pub struct State {
     pub choices: &'static Choices,
     /// Layers that are sent along.
     pub layers: Vec<String>,
-    /// The tone curve that suits the scene.
-    pub tone: &'static str,
+    /// Tone curve to begin with, with its exposure, as the command line takes it.
+    pub tone: String,
+    pub exposure: Exposure,
     pub paused: bool,
     pub undo: usize,
     pub redo: usize,
@@ -208,6 +209,19 @@ pub struct State {
     pub command: String,
     /// File name for saving the scene.
     pub save_name: String,
+}
+
+/// Exposure to begin with.
+#[derive(Clone, Copy, Debug, Serialize, PartialEq, Eq)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+#[serde(rename_all = "lowercase")]
+pub enum Exposure {
+    /// Exposure of the tone curve.
+    Given,
+    /// Exposure of the tone curve, or by the picture where it would be white or black.
+    Needed,
+    /// By the picture.
+    Auto,
 }
 
 /// Size of a picture, pixels.

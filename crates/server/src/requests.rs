@@ -88,7 +88,13 @@ pub async fn pixel(State(app): State<App>, Query(Place { x, y }): Query<Place>) 
     let hit = film.layers.features.first().map(|f| FirstHit { shape: f.sum.shape, material: f.sum.material, ..f.sum });
     let image = develop(&shown.scene, &film, &LAYERS);
     let number = |v: f32| if v.is_finite() { Sample::Number(v) } else { Sample::Text(v.to_string()) };
-    let channels = image.channels().iter().map(|c| (c.name.as_str(), number(c.data[0]))).collect();
+    // Without its noise, where the picture is shown so; the values with noise are the layer `raw`.
+    let clean = shown.denoised.as_ref().zip(shown.place(x, y)).map(|(clean, [.., k])| (clean, k as usize));
+    let clean_of = |name: &str| clean.and_then(|(clean, k)| clean.channel(name)?.get(k).copied());
+    let own = image.channels().iter().map(|c| (c.name.as_str(), clean_of(&c.name).unwrap_or(c.data[0])));
+    let added = clean.iter().flat_map(|(clean, k)| clean.channels().iter().map(|c| (c.name.as_str(), c.data[*k])));
+    let added = added.filter(|(name, _)| image.channel(name).is_none());
+    let channels = own.chain(added).map(|(name, value)| (name, number(value))).collect();
     let names = shown.scene.material_names();
     let material = hit.and_then(|h| names.get(h.material.checked_sub(1)? as usize));
     let object = hit.and_then(|h| shown.scene.object_names().get(&h.shape));

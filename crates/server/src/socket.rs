@@ -71,6 +71,7 @@ async fn serve(mut socket: WebSocket, app: &App) {
     let mut messages = app.viewer.messages.subscribe();
     states.mark_changed();
     frames.mark_changed();
+    let mut picture = 0;
     loop {
         // The state first: it tells what a frame of its generation is of.
         let sent = tokio::select! {
@@ -85,7 +86,7 @@ async fn serve(mut socket: WebSocket, app: &App) {
             },
             Ok(()) = states.changed() => tell_state(&mut socket, &mut states).await,
             Ok(message) = messages.recv() => send(&mut socket, Message::Text(message.into())).await,
-            Ok(()) = frames.changed() => show(&mut socket, &mut frames).await,
+            Ok(()) = frames.changed() => show(&mut socket, &mut frames, &mut picture).await,
             else => return,
         };
         if sent.is_none() {
@@ -105,16 +106,17 @@ async fn tell_state(socket: &mut WebSocket, states: &mut watch::Receiver<Arc<str
     if state.is_empty() { Some(()) } else { send(socket, Message::Text(state.into())).await }
 }
 
-/// Sends the newest frame.
-async fn show(socket: &mut WebSocket, frames: &mut watch::Receiver<Arc<Frame>>) -> Option<()> {
+/// Sends the newest frame, whose tiles the page may have already.
+async fn show(socket: &mut WebSocket, frames: &mut watch::Receiver<Arc<Frame>>, sent: &mut u64) -> Option<()> {
     let frame = Arc::clone(&frames.borrow_and_update());
-    if !frame.end.is_empty() {
+    let Some(end) = frame.text() else { return Some(()) };
+    if *sent != frame.number {
         for tile in &frame.tiles {
             send(socket, Message::Binary(tile.clone())).await?;
         }
-        send(socket, Message::Text(frame.end.clone().into())).await?;
+        *sent = frame.number;
     }
-    Some(())
+    send(socket, Message::Text(end.into())).await
 }
 
 /// Carries out what a page asks for. It is told what is wrong or the state with the change, then that this was all.

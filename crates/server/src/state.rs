@@ -4,10 +4,10 @@ use crate::{
     denoiser::{self, Library},
     document::Document,
     frame::LAYERS,
-    look::{Look, quality},
+    look::{Look, StartExposure, quality},
     protocol::{
-        AboutScene, COLORS, CameraState, Choices, Denoiser, Message, Named, ServerMessage, Settings, Severity, Size,
-        State, ToneChoice, ToneParameter,
+        AboutScene, COLORS, CameraState, Choices, Denoiser, Exposure, Message, Named, ServerMessage, Settings,
+        Severity, Size, State, ToneChoice, ToneParameter,
     },
 };
 use std::{
@@ -40,7 +40,7 @@ pub fn of(generation: u32, document: &Document, look: &Look, scene: &Scene, libr
         color: asked.color.clone().unwrap_or_else(|| COLORS[0].into()),
         seed: asked.seed.flatten(),
         max_depth: asked.max_depth.flatten(),
-        denoise: asked.denoise.flatten(),
+        denoise: look.denoiser(),
         light_groups: asked.light_groups.unwrap_or(false),
     };
     let state = State {
@@ -52,7 +52,12 @@ pub fn of(generation: u32, document: &Document, look: &Look, scene: &Scene, libr
         settings,
         choices: &CHOICES,
         layers: look.layers.iter().map(|l| l.name().to_owned()).collect(),
-        tone: suited_tone(document.desc.format),
+        tone: tone(document, look),
+        exposure: match look.exposure {
+            Some(StartExposure::Auto) => Exposure::Auto,
+            None if matches!(document.desc.format, Format::Model | Format::Gltf) => Exposure::Needed,
+            _ => Exposure::Given,
+        },
         paused: look.paused,
         undo,
         redo,
@@ -60,6 +65,14 @@ pub fn of(generation: u32, document: &Document, look: &Look, scene: &Scene, libr
         save_name: saved_name(document),
     };
     ServerMessage::State(Box::new(state)).text().into()
+}
+
+/// Tone curve to begin with, with its exposure.
+fn tone(document: &Document, look: &Look) -> String {
+    let name = look.tone.as_deref().unwrap_or_else(|| suited_tone(document.desc.format));
+    let Some(StartExposure::Stops(stops)) = look.exposure else { return name.into() };
+    let separator = if name.contains(':') { ',' } else { ':' };
+    format!("{name}{separator}exposure={stops}")
 }
 
 /// Message of what the integrator leaves out of the scene.
@@ -219,7 +232,7 @@ fn command(document: &Document, look: &Look, library: Option<&Path>) -> String {
     option("size", asked.width.zip(asked.height).map(|(w, h)| format!("{w}x{h}")));
     option("crop", look.region.map(|r| r.map(|n| n.to_string()).join(",")));
     option("camera", look.camera.clone());
-    let denoiser = asked.denoise.flatten();
+    let denoiser = look.denoiser();
     if let Some(denoiser) = denoiser {
         option(&format!("denoise={}", denoiser.name()), Some(String::new()));
     }

@@ -8,7 +8,7 @@
 //! session, in steps of 0.1 to 1 s.
 //!
 //! Each picture is encoded once (`tile`: half floats) and handed to all sockets by a `watch` channel, so that a slow
-//! page misses frames and holds up none. Where the session has no samples yet, the picture before shows (`Backdrop`).
+//! page misses frames and holds up none. The preview stands until the render, without its noise, is better (`preview`).
 //! Edits (`edits`) are parameters of nodes and places, set by texts in Steradian's own language, or an environment map;
 //! they are undone, made again after files have changed, and compiled with what the last compilation kept. Light groups
 //! are further planes of a frame, weighed by the page (`groups`). The path of one sample (`path`) is traced beside the
@@ -24,11 +24,12 @@ pub use handle::{Handle, Subject, Task};
 pub use opening::{compile, start};
 
 use crate::{
-    denoiser::Library,
+    denoiser::Denoisers,
     document::{Document, Stamps},
-    frame::{Backdrop, Frame, Shown},
+    frame::{Frame, Shown},
     job::{Job, Progress, Waiting},
     look::{Look, quality},
+    preview::Preview,
     protocol::{Message, ServerMessage, Severity},
     state,
 };
@@ -78,17 +79,20 @@ pub struct Viewer {
     pixels_per_second: f64,
     /// Speed of first paths.
     paths_per_second: f64,
-    /// Picture that shows where the render has no samples yet.
-    backdrop: Option<Backdrop>,
+    /// Picture that is shown until the render is better.
+    preview: Option<Preview>,
+    /// True once the preview is as fine as it gets.
+    is_fine: bool,
     /// Stamps of the files that the scene was read from, and the stamps seen last.
     stamps: Stamps,
     seen: Stamps,
     /// When they were looked at.
     watched: Instant,
-    /// Library of Open Image Denoise.
-    pub library: Library,
-    /// Time of the last denoising on the way, seconds.
+    /// Denoisers that can be had.
+    pub denoisers: Denoisers,
+    /// Time of the last denoising on the way, and of the last by the chosen denoiser, seconds per pixel.
     denoising: f64,
+    chosen_denoising: f64,
     /// The render under way.
     pub job: Option<Job>,
     /// Progress of the render when it was shown last.
@@ -181,12 +185,12 @@ impl Viewer {
     fn tell_state(&mut self, invalid: Invalidates) {
         if invalid >= Invalidates::Picture {
             self.generation += 1;
-            (self.job, self.published) = (None, None);
+            (self.job, self.published, self.preview, self.is_fine) = (None, None, None, false);
             (self.broken_off, self.owed) = (0, true);
             let (generation, scene) = (self.generation, Arc::clone(&self.scene));
             self.subject.send_replace(Arc::new(Subject { generation, scene, quality: quality(&self.look) }));
         }
-        let state = state::of(self.generation, &self.document, &self.look, &self.scene, &self.library);
+        let state = state::of(self.generation, &self.document, &self.look, &self.scene, &self.denoisers.library);
         self.state.send_replace(state);
     }
 
@@ -194,8 +198,11 @@ impl Viewer {
     fn show_change(&mut self, invalid: Invalidates) {
         if invalid < Invalidates::Picture {
             // Other layers are sent of the same picture.
-            if invalid == Invalidates::Layers || self.has_news() {
+            if self.has_news() {
                 self.publish();
+            }
+            if invalid == Invalidates::Layers {
+                self.show_again();
             }
             return;
         }

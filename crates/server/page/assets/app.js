@@ -425,7 +425,8 @@ var Status = class {
 		this.element.dataset.what = what;
 		const parts = [what, settings?.integrator];
 		if (f) {
-			parts.push(f.kind === "preview" ? null : `${show(f.samples)} / ${f.target} spp`);
+			const isCounted = f.kind === "render" || f.samples < f.target;
+			parts.push(isCounted ? `${show(f.samples)} / ${f.target} spp` : null);
 			if (f.error !== null) parts.push(`error ${show(100 * f.error)} %`);
 			parts.push(`${f.seconds < 10 ? f.seconds.toFixed(2) : f.seconds.toFixed(0)} s`);
 			if (f.denoised) parts.push("denoised");
@@ -1131,6 +1132,10 @@ function middle(bin) {
 	bits[0] = bin << SHIFT | 2048;
 	return float[0];
 }
+/** Luminances of the pixels above zero, with their numbers of pixels. */
+function* bins({ counts }) {
+	for (let bin = 0; bin < BINS; bin++) if (counts[bin] > 0) yield [middle(bin), counts[bin]];
+}
 /** The luminance that this part of the pixels above zero doesn't exceed, or `null` where there are none. */
 function percentile({ counts, pixels, nonfinite, dark }, part) {
 	const bright = pixels - nonfinite - dark;
@@ -1507,6 +1512,40 @@ var Histogram = class {
 		setText(this.facts, `EV of luminance; above 1: ${share(clipped)}; zero or below: ${share(found.dark)}; largest ${show(found.maximum)}${odd}`);
 	}
 };
+// src/exposure.ts
+/** Exposures by the picture, as `--exposure auto` and the defaults of models choose them. */
+/** Luminance of mid-grey, and of what is bright but not white. */
+var GREY = .18;
+var BRIGHT = .8;
+/** Value below which a display shows black, if nearly all of a picture lies there. */
+var DARK = .02;
+/** Stops, to a tenth, by which the geometric mean of what is lit becomes mid-grey, but no more than a tenth of it white; `null` where nothing is lit. */
+function averageStops(of) {
+	const high = percentile(of, .9);
+	const mean = meanLog2(of);
+	if (high === null || mean === null) return null;
+	return Math.round(10 * Math.min(Math.log2(GREY) - mean, -Math.log2(high))) / 10;
+}
+/** Stops that show more of a picture that is white or black as it is; `null` where it is neither. */
+function neededStops(of) {
+	const [low, middle, high] = [
+		percentile(of, .4),
+		percentile(of, .5),
+		percentile(of, .98)
+	];
+	if (low === null || middle === null || high === null) return null;
+	if (low > 1) return Math.round(Math.log2(GREY / middle));
+	return high < DARK ? Math.round(Math.log2(BRIGHT / high)) : null;
+}
+/** Mean binary logarithm of the luminances above zero. */
+function meanLog2(of) {
+	let [sum, count] = [0, 0];
+	for (const [luminance, pixels] of bins(of)) {
+		sum += pixels * Math.log2(luminance);
+		count += pixels;
+	}
+	return count > 0 ? sum / count : null;
+}
 // src/look.ts
 /** Panel "View": exposure, tone curve with its parameters, layer, false colour. Nothing here asks for a render. */
 var Look = class {
@@ -1534,6 +1573,9 @@ var Look = class {
 		onchange: () => this.set(() => this.view.isMarked = this.mark.checked)
 	});
 	state = null;
+	scene = "";
+	/** Exposure that the scene's first picture is to choose. */
+	awaited = "given";
 	constructor(view, askLayers, changed) {
 		this.view = view;
 		this.askLayers = askLayers;
@@ -1542,12 +1584,15 @@ var Look = class {
 			label: "Exposure in EV",
 			value: 0,
 			range: [-64, 64],
-			slider: [-10, 10],
+			slider: [-16, 16],
 			step: .1,
 			unit: "EV",
 			change: (v) => this.expose(v)
 		});
-		this.element = section("View", true, row("Exposure", this.exposure.element, "Powers of two; keys [ and ]"), row("Tone", this.tone), this.parameters, row("Layer", this.layer), row("False colour", this.falseColor, "Luminance as a colour of viridis, on a logarithmic scale"), row("Mark NaN", this.mark, "Pixels that are NaN or infinite become magenta"));
+		this.element = section("View", true, row("Exposure", this.exposure.element, "Powers of two; keys [ and ]"), row("", h("button", {
+			class: "small",
+			onclick: () => this.exposeBy("auto")
+		}, "Expose by the picture"), "What is lit becomes grey on average"), row("Tone", this.tone), this.parameters, row("Layer", this.layer), row("False colour", this.falseColor, "Luminance as a colour of viridis, on a logarithmic scale"), row("Mark NaN", this.mark, "Pixels that are NaN or infinite become magenta"));
 	}
 	update(state) {
 		const isFirst = this.state === null;
@@ -1563,6 +1608,10 @@ var Look = class {
 			title: l.doc
 		}))]);
 		setValue(this.layer, this.view.layer);
+		const { name, path } = state.scene;
+		const scene = `${path ?? name}`;
+		if (isFirst || scene !== this.scene) this.awaited = state.exposure;
+		this.scene = scene;
 		if (isFirst) {
 			this.view.tone = parseTone(state.tone, state.choices.tones);
 			this.exposure.set(this.view.tone.exposure);
@@ -1575,7 +1624,21 @@ var Look = class {
 			this.view.layer
 		]);
 	}
+	/** Takes a picture of the scene: the first one may choose the exposure. */
+	takeFrame() {
+		const { awaited } = this;
+		if (awaited === "given" || this.view.layer !== "picture") return;
+		this.awaited = "given";
+		this.exposeBy(awaited);
+	}
+	/** Exposes by the picture, or if that is `needed`. */
+	exposeBy(way) {
+		const found = this.view.statistics();
+		const stops = found && (way === "auto" ? averageStops(found) : neededStops(found));
+		if (stops !== null) this.expose(stops);
+	}
 	expose(ev) {
+		this.awaited = "given";
 		const exposure = Math.min(Math.max(ev, -64), 64);
 		this.exposure.set(exposure);
 		this.set(() => this.view.tone.exposure = exposure);
@@ -1756,7 +1819,7 @@ var Layers = class {
 		gl.bindTexture(gl.TEXTURE_2D, texture);
 		gl.texStorage2D(gl.TEXTURE_2D, 1, components === 1 ? gl.R16F : gl.RGB16F, width, height);
 		gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
-		gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+		gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.LINEAR);
 		gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
 		gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
 		return {
@@ -2905,6 +2968,7 @@ var Panels = class {
 		this.nodes.update(state, isNew);
 	}
 	takeFrame(frame) {
+		this.look.takeFrame();
 		this.mixer.takeFrame(frame);
 		this.nodes.frame();
 		this.compare.takeFrame(frame);
@@ -4450,7 +4514,7 @@ var View = class {
 		gl.uniform2f(this.at("corner"), left + x0 * scale, top + y0 * scale);
 		gl.uniform2f(this.at("shownSize"), ...shown);
 		gl.uniform1i(this.at("isGrey"), Number(picture.components === 1));
-		gl.uniform1i(this.at("isNearest"), Number(shown[0] >= picture.width));
+		gl.uniform1i(this.at("isNearest"), Number(shown[0] >= picture.width && picture.width >= x1 - x0));
 		gl.uniform1i(this.at("isFalse"), Number(this.isFalse));
 		gl.uniform1i(this.at("isMarked"), Number(this.isMarked));
 		gl.uniform1f(this.at("gain"), gain);

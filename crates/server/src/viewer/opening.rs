@@ -2,15 +2,16 @@
 
 use super::{
     Handle, Subject, Viewer,
-    pictures::{FIRST_PREVIEW, FIRST_SPEED, PREVIEW_SECONDS},
+    pictures::{FIRST_DENOISING, FIRST_PREVIEW, FIRST_SPEED, PREVIEW_SECONDS},
 };
 use crate::{
-    denoiser::Library,
+    denoiser::{Denoisers, Library},
     document::{Document, Source},
     frame::Frame,
     job::Waiting,
-    look::{Look, Purpose, bytes, check_memory, check_size, options, quality},
+    look::{Look, Purpose, bytes, can_be_denoised, check_memory, check_size, options, quality},
     protocol::{SettingsChange, Severity, told},
+    state,
 };
 use std::{
     panic::{AssertUnwindSafe, catch_unwind},
@@ -21,6 +22,8 @@ use std::{
 use steradian::{Quality, Scene, method_of, scene::Diagnostics};
 use tokio::sync::{broadcast, watch};
 
+/// Samples per pixel up to which a picture grows at least, whatever the scene says.
+const FEWEST_SAMPLES: u32 = 256;
 /// Messages that wait for a page to read them.
 const MOST_MESSAGES: usize = 64;
 
@@ -28,8 +31,8 @@ const MOST_MESSAGES: usize = 64;
 ///
 /// # Errors
 /// All that is wrong with the scene.
-pub fn start(source: Source, settings: SettingsChange, library: Library) -> Result<Handle, Diagnostics> {
-    let (mut viewer, handle) = open(source, settings, library)?;
+pub fn start(source: Source, look: Look, library: Library) -> Result<Handle, Diagnostics> {
+    let (mut viewer, handle) = open(source, look, library)?;
     let run = move || {
         // What fails inside ends what was being done, not the view.
         while catch_unwind(AssertUnwindSafe(|| viewer.run())).is_err() {
@@ -50,18 +53,27 @@ fn default_name(scene: &Scene) -> String {
     Quality::default().render(scene).map_or_else(|_| method_of(scene).name(), |render| render.name).to_owned()
 }
 
+/// Samples per pixel where none are asked for; `None` for those of the scene, if they are enough to go on looking.
+fn usual_spp(scene: &Scene) -> Option<u32> {
+    (scene.settings().spp < FEWEST_SAMPLES).then_some(FEWEST_SAMPLES)
+}
+
 /// Opens a scene.
-pub(super) fn open(
-    source: Source,
-    settings: SettingsChange,
-    library: Library,
-) -> Result<(Viewer, Handle), Diagnostics> {
-    let document = Document::open(source)?;
-    let mut look = Look { settings, ..Look::default() };
-    let mut document = document;
+pub(super) fn open(source: Source, mut look: Look, library: Library) -> Result<(Viewer, Handle), Diagnostics> {
+    let mut document = Document::open(source)?;
+    if look.view.is_some() && !state::is_movable(&document, &look) {
+        return Err(refusal("this camera cannot be moved (--look-at)".into()));
+    }
     quality(&look).request().map_err(|e| refusal(e.to_string()))?;
     let scene = compile(&mut document, &look, Purpose::Render)?;
     look.settings.integrator.get_or_insert_with(|| default_name(&scene));
+    look.settings.spp.get_or_insert_with(|| usual_spp(&scene));
+    let denoisers = Denoisers::new(library);
+    look.choose_denoiser(&scene, denoisers.best);
+    if let Some(denoiser) = look.settings.denoise.flatten() {
+        denoiser.check(&denoisers).map_err(refusal)?;
+        can_be_denoised(&look, &scene).map_err(refusal)?;
+    }
     let held = held(&document, &look, &scene, 0).map_err(refusal)?;
     let (tasks, from_pages) = channel();
     let (frame, frames) = watch::channel(Arc::new(Frame::default()));
@@ -83,9 +95,11 @@ pub(super) fn open(
         generation: 0,
         pixels_per_second: FIRST_PREVIEW / PREVIEW_SECONDS,
         paths_per_second: FIRST_SPEED,
-        backdrop: None,
-        library,
+        preview: None,
+        is_fine: false,
+        denoisers,
         denoising: 0.0,
+        chosen_denoising: FIRST_DENOISING,
         job: None,
         published: None,
         tasks: from_pages,
@@ -142,10 +156,16 @@ impl Viewer {
         let lines = |d: Diagnostics| vec![told(&d)];
         let source = Source { memory: self.document.source.memory, ..source };
         let mut document = Document::open(source).map_err(lines)?;
-        let settings = SettingsChange { color: self.look.settings.color.clone(), ..SettingsChange::default() };
+        let SettingsChange { color, denoise, .. } = self.look.settings.clone();
+        let settings = SettingsChange { color, denoise, ..SettingsChange::default() };
         let mut look = Look { layers: self.look.layers.clone(), settings, ..Look::default() };
         let scene = compile(&mut document, &look, Purpose::Render).map_err(lines)?;
         look.settings.integrator = Some(default_name(&scene));
+        look.settings.spp = Some(usual_spp(&scene));
+        look.choose_denoiser(&scene, self.denoisers.best);
+        if can_be_denoised(&look, &scene).is_err() {
+            look.settings.denoise = None;
+        }
         self.held = held(&document, &look, &scene, self.held).map_err(|why| vec![why])?;
         (self.document, self.look, self.scene, self.drawn) = (document, look, scene, None);
         self.stamps = self.document.stamps();

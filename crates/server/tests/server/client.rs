@@ -48,8 +48,13 @@ impl Server {
     pub fn with(scene: impl AsRef<Path>, oidn: Result<PathBuf, String>) -> Self {
         let log: Arc<Mutex<Vec<String>>> = Arc::default();
         let told = Arc::clone(&log);
-        let settings =
-            SettingsChange { spp: Some(Some(4)), width: Some(24), height: Some(16), ..SettingsChange::default() };
+        let settings = SettingsChange {
+            spp: Some(Some(4)),
+            width: Some(24),
+            height: Some(16),
+            denoise: Some(None),
+            ..SettingsChange::default()
+        };
         let log_line = move |line: &str| told.lock().unwrap().push(line.to_owned());
         let options = Options { settings, oidn, log: Arc::new(log_line), ..Options::of(scene.as_ref()) };
         Self { view: View::start(&options).unwrap(), log }
