@@ -32,17 +32,17 @@ const SPACING: usize = 8;
 const REACH: usize = 20;
 /// Ratio of a loss to the remaining value at which it begins to be detail, and at which it is so wholly.
 const FACTORS: [f64; 2] = [1.0, 3.0];
-/// Which part of all that those within reach may take a pixel may lose to them: beyond, it keeps its loss as well.
+/// The part of all that those within reach may take that a pixel may lose to them: beyond, it keeps its loss as well.
 const CAPACITIES: [f64; 2] = [0.02, 0.05];
-/// How much is given back.
+/// Bounds of the light that is given back.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Amount {
-    /// From how many of its own standard deviations on a loss begins to be detail, and from how many on it is so wholly.
-    /// Of one bright sample among n it is 1, of k about √k.
+    /// Standard deviations of its own from which on a loss begins to be detail, and from which on it is so wholly. Of
+    /// one bright sample among n it is 1, of k about √k.
     pub noises: [f64; 2],
     /// Likewise of those of the 3×3 pixels around that lost as much, together: a lamp is in several of them.
     pub noises_around: [f64; 2],
-    /// Which part of what it may take a pixel is given at most.
+    /// The largest part of what it may take that a pixel is given.
     pub most_gain: f64,
     /// Pixels keep of their own loss what those around cannot take, so that all is given back: as points, where paths
     /// are rare.
@@ -56,7 +56,7 @@ impl Amount {
     pub const ALL: Self = Self { noises: [1.5, 2.5], noises_around: [2.0, 3.0], most_gain: 0.3, keeps_rest: true };
 }
 
-/// Which part of all losses is that of rounding.
+/// The part of all losses that is of rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// Gives back what pixels that `counts` tells of, by their places, have lost. `noisy` is finite there. Without a

@@ -14,7 +14,7 @@ use crate::falloff::falloff;
 /// The features of surfaces, scaled to what they may differ by.
 #[derive(Debug)]
 pub(super) struct Features {
-    /// Albedo and normal where they are known, each with the variance that its neighbourhood has on the pixel's side of edges.
+    /// Albedo and normal where they are known, each with the variance on the pixel's side of edges.
     pub vectors: [Option<([Plane; 3], Plane)>; 2],
     /// Depth, what it may differ by, and what by for each column and row.
     pub depth: Option<[Plane; 4]>,

@@ -18,7 +18,7 @@ const REACH: i64 = 5;
 const DEVIATIONS: f32 = 1.5;
 /// Pixels around that are needed to tell.
 const FEWEST: f32 = 4.0;
-/// Which part of what is beyond the mean a pixel's own standard deviation is at least, for it to be noise.
+/// The least quotient of a pixel's own standard deviation and what is beyond the mean, for it to be noise.
 const NOISE: f32 = 0.3;
 
 /// Holds values and variances of three channels of pixels to what those around have that show the same surface.

@@ -1,7 +1,7 @@
 //! Local linear regressions whose windows overlap.
 //!
-//! About a centre, pixels weigh by how alike they are to it: by a guide's colours beyond their noise, by surface, and by
-//! distance, down to nothing at the rim of the window, as a rim where weights end at once shows as a square around
+//! About a centre, pixels weigh by how alike they are to it: by a guide's colours beyond their noise, by surface, and
+//! by distance, down to nothing at the rim of the window, as a rim where weights end at once shows as a square around
 //! whatever is bright. A line in place, normal and albedo is fitted to their colours, and is what the window tells of
 //! each of its pixels. Centres stand on a grid; a pixel is the mean of what all windows over it tell. Pixels that too
 //! few tell of, such as thin parts, become centres of their own.

@@ -19,7 +19,7 @@ pub struct Settings {
     pub sigma_normal: f32,
     /// By which part of itself depth may differ beyond what its slope explains, above 0. 0.01.
     pub sigma_depth: f32,
-    /// Give back light that was lost, so that the mean of the picture stays, but for that of paths too rare for it. true.
+    /// Give back light that was lost, so that the mean of the picture stays. true.
     pub keeps_mean: bool,
 }
 

@@ -11,8 +11,8 @@ const TERMS: usize = 9;
 const COLUMNS: usize = TERMS + 3;
 /// By how much a term is to spread for its factor to be known well.
 const SCALES: [f64; TERMS] = [1.0, 0.2, 0.2, 0.2, 0.2, 0.2, 0.5, 0.5, 0.5];
-/// Which part of the square of that is added to the variance of the term (ridge regression): always, and for a window
-/// of one pixel; of more it is so much less.
+/// The part of the square of that which is added to the variance of the term (ridge regression): always, and for a
+/// window of one pixel; of more it is so much less.
 const RIDGE: f64 = 0.003;
 const RIDGE_OF_ONE: f64 = 1.0;
 /// Numbers that are summed side by side.

@@ -102,9 +102,9 @@ fn assert_kept(name: &str, before: &Image<Vec3>, after: &Image<Vec3>) {
     assert!((ratio - 1.0).abs().max_element() < most, "{name}: {ratio}");
 }
 
-/// By each filter, with variance and without, as halves, and in sequence: within 1 %, but for fireflies. The relative error
-/// falls all the same, and is less than three times that of what lost light. Beside lamps alone noise is so low that
-/// it grows.
+/// By each filter, with variance and without, as halves, and in sequence: within 1 %, but for fireflies. The relative
+/// error falls all the same, and is less than three times that of what lost light. Beside lamps alone noise is so low
+/// that it grows.
 #[test]
 fn the_mean_of_a_picture_stays() {
     let settings = Settings::default();

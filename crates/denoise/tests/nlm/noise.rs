@@ -34,7 +34,7 @@ fn slopes_stay() {
     }
 }
 
-/// What is left of the noise has no edges: rare bright paths over light that falls off leave no squares of a window's
+/// Remaining noise has no edges: rare bright paths over light that falls off leave no squares of a window's
 /// size about them. Steps from row to row and from column to column are a small part of the picture's variation.
 #[test]
 fn windows_do_not_show() {
