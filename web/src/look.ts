@@ -42,7 +42,11 @@ export class Look {
       'View',
       true,
       row('Exposure', this.exposure.element, 'Powers of two; keys [ and ]'),
-      row('', h('button', { class: 'small', onclick: () => this.exposeBy('auto') }, 'Expose by the picture'), 'What is lit becomes grey on average'),
+      row(
+        '',
+        h('button', { class: 'small', onclick: () => this.exposeBy('auto') }, 'Expose by the picture'),
+        'What is lit becomes grey on average',
+      ),
       row('Tone', this.tone),
       this.parameters,
       row('Layer', this.layer),

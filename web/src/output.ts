@@ -93,9 +93,10 @@ export class Output {
     }
   }
 
-  private async copy(): Promise<void> {
+  /** Copies a command, by default that of the picture. */
+  async copy(text = this.state?.command ?? ''): Promise<void> {
     try {
-      await navigator.clipboard.writeText(this.state?.command ?? '');
+      await navigator.clipboard.writeText(text);
       this.tell({ severity: 'note', text: 'command copied' });
     } catch {
       getSelection()?.selectAllChildren(this.command);

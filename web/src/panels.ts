@@ -12,6 +12,7 @@ import { Output } from './output';
 import { CameraPanel, RenderPanel } from './panel';
 import type { FrameEnd, Message, State } from './protocol';
 import type { Stage } from './stage';
+import { SurroundingsPanel } from './surroundings';
 
 export class Panels {
   readonly element: HTMLElement;
@@ -21,6 +22,7 @@ export class Panels {
   private readonly errors: Errors;
   private readonly histogram = new Histogram();
   private readonly render: RenderPanel;
+  private readonly surroundings: SurroundingsPanel;
   private readonly mixer: Mixer;
   private readonly camera: CameraPanel;
   private readonly nodes: Nodes;
@@ -43,6 +45,7 @@ export class Panels {
     );
     this.histogram.element.addEventListener('toggle', this.showHistogram);
     this.render = new RenderPanel(send);
+    this.surroundings = new SurroundingsPanel(send, (text) => this.output.copy(text));
     this.mixer = new Mixer(view, send, this.showHistogram);
     this.camera = new CameraPanel(send, { from: stage.from, fly: stage.fly, fov: (degrees) => stage.moving.fov(degrees) });
     this.nodes = new Nodes(send);
@@ -55,6 +58,7 @@ export class Panels {
       this.histogram.element,
       stage.inspector.element,
       this.render.element,
+      this.surroundings.element,
       this.mixer.element,
       this.camera.element,
       this.nodes.element,
@@ -79,6 +83,7 @@ export class Panels {
 
   takeFields(state: State, isNew: boolean): void {
     this.render.update(state);
+    this.surroundings.update(state);
     this.mixer.update(state);
     this.camera.update(state);
     this.nodes.update(state, isNew);
@@ -88,6 +93,7 @@ export class Panels {
     this.look.takeFrame();
     this.mixer.takeFrame(frame);
     this.nodes.frame();
+    this.surroundings.frame();
     this.compare.takeFrame(frame);
     this.errors.takeFrame(frame);
     this.showHistogram();

@@ -120,6 +120,10 @@ export type State = {
  */
 generation: number, scene: AboutScene, film: Size, region: [number, number, number, number] | null, camera: CameraState, settings: Settings, choices: Choices, 
 /**
+ * Choices of how a model or glTF scene is read.
+ */
+surroundings: Surroundings | null, 
+/**
  * Layers that are sent along.
  */
 layers: Array<string>, 
@@ -145,6 +149,44 @@ export type FrameKind = "preview" | "render";
  * Exposure to begin with.
  */
 export type Exposure = "given" | "needed" | "auto";
+
+/**
+ * An animation.
+ */
+export type AnimationState = { 
+/**
+ * Its name.
+ */
+name: string | null, 
+/**
+ * Times of its first and last key frame, seconds.
+ */
+times: [number, number], };
+
+/**
+ * Choices of how a model or glTF scene is read.
+ */
+export type Surroundings = { 
+/**
+ * Definitions as they are.
+ */
+defines: { [key in string]: string }, 
+/**
+ * Skies that need no file.
+ */
+skies: Array<string>, 
+/**
+ * Backgrounds besides colours, `#rrggbb`.
+ */
+backgrounds: Array<string>, 
+/**
+ * Finishes of a model, for `material`.
+ */
+finishes: Array<string>, 
+/**
+ * Animations, by which the scene is posed `at` a time.
+ */
+animations: Array<AnimationState>, };
 
 /**
  * End of a frame, after its tiles.
@@ -244,6 +286,18 @@ value: string | null,
 /**
  * True while the hand is still on it: pictures are coarse then, and the next edit of the parameter replaces
  * this one.
+ */
+moving: boolean, } | { "type": "define", 
+/**
+ * Its name.
+ */
+name: string, 
+/**
+ * Value; `null` for the reader's own.
+ */
+value: string | null, 
+/**
+ * True while the hand is still on it: pictures are coarse then.
  */
 moving: boolean, } | { "type": "undo" } | { "type": "redo" } | { "type": "pause", 
 /**

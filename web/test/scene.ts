@@ -74,6 +74,7 @@ export function firstState(): State {
     layers: [],
     tone: 'none',
     exposure: 'given',
+    surroundings: null,
     paused: false,
     undo: 0,
     redo: 0,

@@ -46,6 +46,11 @@ impl Viewer {
             self.edit(Edit { what: What::Parameter { node, parameter, value }, moving })?;
             return Ok(Invalidates::Scene);
         }
+        if let Request::Define { name, value, moving } = request {
+            let before = self.look.clone();
+            self.define(name, value, moving).inspect_err(|_| self.look = before)?;
+            return Ok(Invalidates::Scene);
+        }
         let before = self.look.clone();
         let revert: fn(&mut Document) = match request {
             Request::Undo => |document| _ = document.redo(),
@@ -147,8 +152,8 @@ impl Viewer {
                 look.moving = false;
                 document.redo().then_some(Invalidates::Scene).ok_or_else(|| "there is nothing to redo".into())
             }
-            // Made by `edit`.
-            Request::Edit { .. } => Ok(Invalidates::Nothing),
+            // Made by `edit` and `define`.
+            Request::Edit { .. } | Request::Define { .. } => Ok(Invalidates::Nothing),
             Request::Pause { on } => {
                 look.paused = on;
                 Ok(if on || job.is_some() { Invalidates::State } else { Invalidates::Picture })

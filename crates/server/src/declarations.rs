@@ -5,9 +5,9 @@ use crate::{
     kept::AboutReference,
     path::{DirectTold, EndTold, KindTold, Told, VertexTold},
     protocol::{
-        AboutScene, CameraState, Choices, Denoiser, Exposure, FrameEnd, FrameKind, Message, Named, NodeState,
-        ParameterState, Request, ServerMessage, Settings, SettingsChange, Severity, Size, State, ToneChoice,
-        ToneParameter,
+        AboutScene, AnimationState, CameraState, Choices, Denoiser, Exposure, FrameEnd, FrameKind, Message, Named,
+        NodeState, ParameterState, Request, ServerMessage, Settings, SettingsChange, Severity, Size, State,
+        Surroundings, ToneChoice, ToneParameter,
     },
     requests::{Pixel, Sample},
 };
@@ -41,6 +41,8 @@ fn declarations() -> String {
         declaration::<State>,
         declaration::<FrameKind>,
         declaration::<Exposure>,
+        declaration::<AnimationState>,
+        declaration::<Surroundings>,
         declaration::<FrameEnd>,
         declaration::<ServerMessage>,
         declaration::<SettingsChange>,

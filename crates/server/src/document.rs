@@ -176,10 +176,24 @@ impl Document {
     /// # Errors
     /// All that is wrong with the files.
     pub fn reloaded(&self) -> Result<(Self, Vec<String>), Diagnostics> {
-        let mut fresh = Self::open(self.source.clone())?;
+        self.read_again(self.source.clone())
+    }
+
+    /// The scene of a source like this one's, with all edits made again; those that cannot be made are told.
+    ///
+    /// # Errors
+    /// All that is wrong with the files.
+    pub fn read_again(&self, source: Source) -> Result<(Self, Vec<String>), Diagnostics> {
+        let mut fresh = Self::open(source)?;
         let edits: Vec<Edit> = self.undo.iter().map(|c| c.edit.clone()).collect();
         let lost = edits.into_iter().filter_map(|edit| fresh.carry_out(edit).err()).collect();
         Ok((fresh, lost))
+    }
+
+    /// Puts another document in its place, which goes on with what compilations kept; gives this one.
+    pub fn replace(&mut self, mut other: Self) -> Self {
+        other.kept = std::mem::take(&mut self.kept);
+        std::mem::replace(self, other)
     }
 
     /// All files that the scene is made of, and what tells that they are others than they were.

@@ -37,6 +37,7 @@ mod routes;
 mod save;
 mod socket;
 mod state;
+mod surroundings;
 mod tile;
 #[cfg(test)]
 mod tones;

@@ -1,6 +1,7 @@
 //! Protocol of page and server over the socket: JSON texts both ways, and pictures as binary tiles ([`crate::tile`]).
 
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Colour modes of the computation.
 pub const COLORS: [&str; 3] = ["auto", "rgb", "spectral"];
@@ -55,6 +56,16 @@ pub enum Request {
         value: Option<String>,
         /// True while the hand is still on it: pictures are coarse then, and the next edit of the parameter replaces
         /// this one.
+        #[serde(default)]
+        moving: bool,
+    },
+    /// Reads a model or glTF scene with another definition (`-D NAME=VALUE`).
+    Define {
+        /// Its name.
+        name: String,
+        /// Value; `None` for the reader's own.
+        value: Option<String>,
+        /// True while the hand is still on it: pictures are coarse then.
         #[serde(default)]
         moving: bool,
     },
@@ -197,6 +208,8 @@ pub struct State {
     pub camera: CameraState,
     pub settings: Settings,
     pub choices: &'static Choices,
+    /// Choices of how a model or glTF scene is read.
+    pub surroundings: Option<Surroundings>,
     /// Layers that are sent along.
     pub layers: Vec<String>,
     /// Tone curve to begin with, with its exposure, as the command line takes it.
@@ -209,6 +222,32 @@ pub struct State {
     pub command: String,
     /// File name for saving the scene.
     pub save_name: String,
+}
+
+/// Choices of how a model or glTF scene is read.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct Surroundings {
+    /// Definitions as they are.
+    pub defines: BTreeMap<String, String>,
+    /// Skies that need no file.
+    pub skies: &'static [&'static str],
+    /// Backgrounds besides colours, `#rrggbb`.
+    pub backgrounds: &'static [&'static str],
+    /// Finishes of a model, for `material`.
+    pub finishes: &'static [&'static str],
+    /// Animations, by which the scene is posed `at` a time.
+    pub animations: Vec<AnimationState>,
+}
+
+/// An animation.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct AnimationState {
+    /// Its name.
+    pub name: Option<String>,
+    /// Times of its first and last key frame, seconds.
+    pub times: [f64; 2],
 }
 
 /// Exposure to begin with.

@@ -9,6 +9,7 @@ use crate::{
         AboutScene, COLORS, CameraState, Choices, Denoiser, Exposure, Message, Named, ServerMessage, Settings,
         Severity, Size, State, ToneChoice, ToneParameter,
     },
+    surroundings,
 };
 use std::{
     path::Path,
@@ -51,6 +52,7 @@ pub fn of(generation: u32, document: &Document, look: &Look, scene: &Scene, libr
         camera: camera(document, look, scene),
         settings,
         choices: &CHOICES,
+        surroundings: surroundings::of(document),
         layers: look.layers.iter().map(|l| l.name().to_owned()).collect(),
         tone: tone(document, look),
         exposure: match look.exposure {
@@ -115,6 +117,13 @@ fn node<'d>(document: &'d Document, look: &Look) -> Option<&'d Node> {
 /// True if the camera can be put elsewhere.
 pub fn is_movable(document: &Document, look: &Look) -> bool {
     node(document, look).is_some_and(|n| !matches!(n.kind.as_str(), "irradiance_meter" | "radiance_meter"))
+}
+
+/// Viewpoint of the camera.
+pub fn viewpoint(document: &Document, look: &Look, scene: &Scene) -> Option<Viewpoint> {
+    let camera = camera(document, look, scene);
+    let point = Viewpoint { eye: camera.eye.into(), target: camera.target.into(), up: camera.up.into() };
+    (camera.movable && point.is_sound()).then_some(point)
 }
 
 fn camera(document: &Document, look: &Look, scene: &Scene) -> CameraState {
@@ -217,6 +226,10 @@ fn command(document: &Document, look: &Look, library: Option<&Path>) -> String {
         false => saved_name(document),
     };
     let mut words = vec!["steradian".into(), "render".into(), name];
+    if is_file {
+        let defines = document.source.reading.defines.iter();
+        words.extend(defines.flat_map(|(name, value)| ["-D".into(), format!("{name}={value}")]));
+    }
     let mut option = |name: &str, value: Option<String>| {
         if let Some(value) = value {
             words.push(format!("--{name}"));

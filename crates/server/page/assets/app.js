@@ -2739,9 +2739,10 @@ var Output = class {
 			});
 		}
 	}
-	async copy() {
+	/** Copies a command, by default that of the picture. */
+	async copy(text = this.state?.command ?? "") {
 		try {
-			await navigator.clipboard.writeText(this.state?.command ?? "");
+			await navigator.clipboard.writeText(text);
 			this.tell({
 				severity: "note",
 				text: "command copied"
@@ -2906,6 +2907,183 @@ var CameraPanel = class {
 		this.facts.textContent = `${camera.kind}, from ${place(camera.eye)} to ${place(camera.target)}${fixed}`;
 	}
 };
+// src/surroundings.ts
+/** Panel "Surroundings": light, ground and background of a model or glTF scene, and the moment of its animation. */
+/** Frames of a second while an animation plays. */
+var RATE = 24;
+/** The colour that a background of one begins with. */
+var BACKGROUND = "#ffffff";
+var SurroundingsPanel = class {
+	send;
+	copy;
+	element;
+	sky = this.choice("sky", "Sky");
+	background = h("select", {
+		"aria-label": "Background",
+		onchange: () => this.setBackground(this.background.value)
+	});
+	color = h("input", {
+		type: "color",
+		value: BACKGROUND,
+		"aria-label": "Colour of the background",
+		onchange: () => this.define("background", this.color.value)
+	});
+	turn = numberField({
+		label: "Turn of the sky in degrees",
+		value: 0,
+		range: [-360, 360],
+		slider: [-180, 180],
+		step: 1,
+		unit: "°",
+		change: (v, done) => this.define("turn", v === 0 ? null : String(v), !done)
+	});
+	strength = numberField({
+		label: "Strength of the sky",
+		value: 1,
+		range: [0, 1e6],
+		slider: [.01, 100],
+		change: (v, done) => this.define("strength", v === 1 ? null : String(v), !done)
+	});
+	ground = h("input", {
+		type: "checkbox",
+		"aria-label": "Ground",
+		onchange: () => this.define("ground", String(this.ground.checked))
+	});
+	material = this.choice("material", "Material of all");
+	materialRow = row("Material", this.material, "A finish for a model, in place of its own materials");
+	animation = this.choice("animation", "Animation");
+	time = h("input", {
+		type: "range",
+		step: .001,
+		"aria-label": "Time in seconds"
+	});
+	seconds = h("output", {});
+	play = h("button", {
+		class: "small",
+		"aria-pressed": "false",
+		onclick: () => this.setPlaying(!isPressed(this.play))
+	}, "Play");
+	moment = h("div", {}, row("Animation", this.animation), row("Time", this.time), h("div", { class: "buttons" }, this.play, this.seconds));
+	surroundings = null;
+	scene = "";
+	sentAt = null;
+	began = 0;
+	constructor(send, copy) {
+		this.send = send;
+		this.copy = copy;
+		this.time.addEventListener("input", () => this.pose(this.time.valueAsNumber, true));
+		this.time.addEventListener("change", () => this.pose(this.time.valueAsNumber, false));
+		this.element = section("Surroundings", false, row("Sky", this.sky, "Light from all sides; a dropped picture takes its place"), row("Turn", this.turn.element, "The sky, turned to the right"), row("Strength", this.strength.element, "Factor on the light of the sky"), row("Ground", this.ground), row("Background", h("span", { class: "plain" }, this.background, this.color), "Behind the scene; the light stays that of the sky"), this.materialRow, this.moment, h("div", { class: "buttons" }, h("button", { onclick: () => void this.copy(this.film()) }, "Copy turntable command")));
+	}
+	update(state) {
+		const { surroundings } = state;
+		this.surroundings = surroundings;
+		this.element.hidden = surroundings === null;
+		this.scene = state.command;
+		if (!surroundings) return this.setPlaying(false);
+		const { defines, skies, backgrounds, finishes, animations } = surroundings;
+		setOptions(this.sky, [{
+			value: "",
+			text: "usual"
+		}, ...withOwn(skies, defines["sky"])]);
+		setValue(this.sky, defines["sky"] ?? "");
+		this.turn.set(Number(defines["turn"] ?? 0));
+		this.strength.set(Number(defines["strength"] ?? 1));
+		this.ground.checked = defines["ground"] !== "false";
+		const isColor = defines["background"] !== void 0 && !backgrounds.includes(defines["background"]);
+		setOptions(this.background, [...backgrounds.map((value) => ({ value })), { value: "colour" }]);
+		setValue(this.background, isColor ? "colour" : defines["background"] ?? "sky");
+		this.color.hidden = !isColor;
+		if (isColor && defines["background"].startsWith("#")) setValue(this.color, defines["background"]);
+		this.materialRow.hidden = finishes.length === 0;
+		setOptions(this.material, [{
+			value: "",
+			text: "its own"
+		}, ...withOwn(finishes, defines["material"])]);
+		setValue(this.material, defines["material"] ?? "");
+		this.moment.hidden = animations.length === 0;
+		const names = animations.map((a, i) => ({
+			value: i === 0 ? "" : a.name ?? String(i),
+			text: a.name ?? `animation ${i}`
+		}));
+		setOptions(this.animation, names);
+		setValue(this.animation, defines["animation"] ?? "");
+		const [from, to] = this.times();
+		Object.assign(this.time, {
+			min: String(from),
+			max: String(to)
+		});
+		const at = Number(defines["at"] ?? from);
+		if (!isPressed(this.play)) setValue(this.time, String(at));
+		this.seconds.textContent = `${show(at)} s`;
+	}
+	/** A picture came: the next moment may be asked for. */
+	frame() {
+		if (this.sentAt === null || !isPressed(this.play)) return;
+		const next = Math.max(0, this.sentAt + 1e3 / RATE - performance.now());
+		this.sentAt = null;
+		window.setTimeout(() => this.step(), next);
+	}
+	setPlaying(on) {
+		if (on === isPressed(this.play)) return;
+		setPressed(this.play, on);
+		this.play.textContent = on ? "Stop" : "Play";
+		if (!on) {
+			this.sentAt = null;
+			if (this.surroundings) this.pose(this.time.valueAsNumber, false);
+			return;
+		}
+		const [from, to] = this.times();
+		const at = this.time.valueAsNumber;
+		this.began = performance.now() - 1e3 * (at < to ? at - from : 0);
+		this.step();
+	}
+	/** The moment that plays now: the animation is repeated. */
+	step() {
+		if (!isPressed(this.play)) return;
+		const [from, to] = this.times();
+		const length = Math.max(to - from, 1 / RATE);
+		const at = from + (performance.now() - this.began) / 1e3 % length;
+		this.time.value = String(at);
+		this.sentAt = performance.now();
+		this.pose(this.time.valueAsNumber, true);
+	}
+	pose(at, moving) {
+		this.seconds.textContent = `${show(at)} s`;
+		this.define("at", String(at), moving);
+	}
+	/** Times of the first and last key frame of the animation. */
+	times() {
+		const { animations = [], defines = {} } = this.surroundings ?? {};
+		return (animations.find((a, i) => (a.name ?? String(i)) === defines["animation"]) ?? animations[0])?.times ?? [0, 0];
+	}
+	setBackground(word) {
+		this.define("background", word === "colour" ? this.color.value : word === "sky" ? null : word);
+	}
+	choice(name, label) {
+		const select = h("select", {
+			"aria-label": label,
+			onchange: () => this.define(name, select.value || null)
+		});
+		return select;
+	}
+	define(name, value, moving = false) {
+		this.send({
+			type: "define",
+			name,
+			value,
+			moving
+		});
+	}
+	/** The command of a film of the scene that turns once. */
+	film() {
+		return `${this.scene} --turntable 96 -o turntable.mp4`;
+	}
+};
+/** Words, and the one that the program was started with. */
+function withOwn(words, own) {
+	return [...words, ...own === void 0 || words.includes(own) ? [] : [own]].map((value) => ({ value }));
+}
 // src/panels.ts
 /** The panels beside the picture. */
 var Panels = class {
@@ -2917,6 +3095,7 @@ var Panels = class {
 	errors;
 	histogram = new Histogram();
 	render;
+	surroundings;
 	mixer;
 	camera;
 	nodes;
@@ -2938,6 +3117,7 @@ var Panels = class {
 		});
 		this.histogram.element.addEventListener("toggle", this.showHistogram);
 		this.render = new RenderPanel(send);
+		this.surroundings = new SurroundingsPanel(send, (text) => this.output.copy(text));
 		this.mixer = new Mixer(view, send, this.showHistogram);
 		this.camera = new CameraPanel(send, {
 			from: stage.from,
@@ -2948,7 +3128,7 @@ var Panels = class {
 		this.element = h("aside", {
 			class: "panel",
 			"aria-label": "Panels"
-		}, this.look.element, this.compare.element, this.errors.element, this.histogram.element, stage.inspector.element, this.render.element, this.mixer.element, this.camera.element, this.nodes.element, this.output.element, this.messages.element);
+		}, this.look.element, this.compare.element, this.errors.element, this.histogram.element, stage.inspector.element, this.render.element, this.surroundings.element, this.mixer.element, this.camera.element, this.nodes.element, this.output.element, this.messages.element);
 		stage.themed = this.showHistogram;
 		this.showHistogram();
 	}
@@ -2963,6 +3143,7 @@ var Panels = class {
 	}
 	takeFields(state, isNew) {
 		this.render.update(state);
+		this.surroundings.update(state);
 		this.mixer.update(state);
 		this.camera.update(state);
 		this.nodes.update(state, isNew);
@@ -2971,6 +3152,7 @@ var Panels = class {
 		this.look.takeFrame();
 		this.mixer.takeFrame(frame);
 		this.nodes.frame();
+		this.surroundings.frame();
 		this.compare.takeFrame(frame);
 		this.errors.takeFrame(frame);
 		this.showHistogram();

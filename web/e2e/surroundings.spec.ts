@@ -1,0 +1,54 @@
+/** Light, ground, background and moment of models and glTF scenes, against the commands that the page shows. */
+
+import { fileURLToPath } from 'node:url';
+import { anew, canvas, differing, expect, expectSame, FILM, show, test } from './fixture';
+import { Program } from './program';
+
+const beside = (name: string) => fileURLToPath(new URL(name, import.meta.url));
+const start = (name: string, ...words: string[]) =>
+  Program.start(beside(name), '--size', `${FILM.width}x${FILM.height}`, '--spp', '4', ...words);
+
+test('a model is shown in other surroundings, as its command renders it', async ({ page }) => {
+  const program = await start('gem.obj', '-D', 'turn=30');
+  await show(page, program);
+  const command = page.locator('code.command');
+  await expect(command).toContainText('-D turn=30');
+  await expectSame(page, program, 'usual');
+  const before = await canvas(page);
+  await page.getByRole('heading', { name: 'Surroundings' }).click();
+  await anew(page, () => page.getByLabel('Sky', { exact: true }).selectOption('overcast'));
+  await anew(page, () => page.getByLabel('Material of all').selectOption('gold'));
+  await anew(page, () => page.getByLabel('Background', { exact: true }).selectOption('gradient'));
+  await anew(page, () => page.getByLabel('Ground', { exact: true }).uncheck());
+  await anew(page, async () => {
+    await page.getByLabel('Turn of the sky in degrees', { exact: true }).fill('90');
+    await page.getByLabel('Turn of the sky in degrees', { exact: true }).press('Enter');
+  });
+  for (const define of ['sky=overcast', 'material=gold', 'background=gradient', 'ground=false', 'turn=90'])
+    await expect(command).toContainText(`-D ${define}`);
+  expect(differing(await canvas(page), before)).toBeGreaterThan(1000);
+  await expectSame(page, program, 'gold');
+  await program.stop();
+});
+
+test('an animation is posed by its slider and plays', async ({ page }) => {
+  const program = await start('moving.gltf');
+  await show(page, program);
+  await page.getByRole('heading', { name: 'Surroundings' }).click();
+  const before = await canvas(page);
+  const time = page.getByLabel('Time in seconds');
+  await anew(page, () => time.fill('1.5'));
+  await expect(page.locator('code.command')).toContainText('-D at=1.5');
+  expect(differing(await canvas(page), before)).toBeGreaterThan(100);
+  await expectSame(page, program, 'posed');
+  // It plays until it is stopped, and the picture is that of the moment then.
+  const play = page.getByRole('button', { name: 'Play', exact: true });
+  await anew(page, async () => {
+    await play.click();
+    await expect(time).not.toHaveValue('1.5');
+    await page.getByRole('button', { name: 'Stop', exact: true }).click();
+  });
+  await expect(page.locator('code.command')).toContainText(`-D at=${await time.inputValue()}`);
+  await expectSame(page, program, 'stopped');
+  await program.stop();
+});
