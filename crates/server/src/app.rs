@@ -1,12 +1,11 @@
 //! Shared state of all requests, and their refusal.
 
-use crate::{access::Access, kept::Keeper, log::Log, viewer};
+use crate::{access::Access, kept::Keeper, log::Log, upload::Upload, viewer};
 use axum::{
     http::StatusCode,
     response::{IntoResponse, Json, Response},
 };
 use std::sync::{Arc, Mutex, atomic::AtomicUsize};
-use steradian::image::TemporaryFolder;
 
 /// Shared state of all requests.
 #[derive(Clone)]
@@ -20,7 +19,7 @@ pub struct App {
     /// Sockets that are open.
     pub sockets: Arc<AtomicUsize>,
     /// The last upload, which the scene may be made of.
-    pub upload: Arc<Mutex<Option<TemporaryFolder>>>,
+    pub upload: Arc<Mutex<Option<Upload>>>,
     /// Reference of the picture.
     pub reference: Arc<Keeper>,
 }

@@ -79,6 +79,12 @@ impl Job {
         });
     }
 
+    /// Takes samples of each pixel.
+    #[cfg(test)]
+    pub fn take(&mut self, samples: u32, control: &Control) {
+        self.session.step(samples, control);
+    }
+
     /// Progress.
     pub fn progress(&self) -> Progress {
         (self.session.counters().samples, self.is_done())

@@ -18,6 +18,7 @@ use std::{
     sync::PoisonError,
 };
 use steradian::{
+    archive::{self, UnpackedScene},
     formats::Options,
     image::{FileKind, TemporaryFolder},
     load::extensions,
@@ -31,8 +32,24 @@ const MOST_FILES: usize = 4096;
 /// Folders within each other.
 const DEEPEST: usize = 16;
 
+/// Bytes that an archive may stand for.
+const MOST_UNPACKED: u64 = 8 << 30;
 /// Bytes of an environment map.
 const MOST_OF_PICTURE: u64 = 256 << 20;
+
+/// Files that came, in folders that go away with it.
+pub struct Upload {
+    folder: TemporaryFolder,
+    /// The files of the archive that came.
+    unpacked: Option<UnpackedScene>,
+}
+
+impl Upload {
+    /// The folder that the scene is in.
+    fn path(&self) -> &Path {
+        self.unpacked.as_ref().map_or_else(|| self.folder.path(), |unpacked| unpacked.folder.path())
+    }
+}
 
 /// Opens the scene among the files that come, form fields `file` with their names; where there is none but a picture,
 /// makes that the environment map.
@@ -42,20 +59,32 @@ pub async fn open(State(app): State<App>, form: Multipart) -> Result<Response, R
     let folder = TemporaryFolder::new("steradian-view-").map_err(failed)?;
     let names =
         receive(form, &folder).await.inspect_err(|why| app.log.refused(&format!("refused an upload: {}", why.1)))?;
+    let (mut upload, mut inside) = (Upload { folder, unpacked: None }, None);
     let scene = match (scene_of(&names), &names[..]) {
         (Some(scene), _) => scene,
+        (None, [archive]) if archive.extension().is_some_and(|e| e.eq_ignore_ascii_case(archive::EXTENSION)) => {
+            let path = upload.folder.path().join(archive);
+            let unpacked =
+                tokio::task::spawn_blocking(move || archive::unpack_at_most(&path, Path::new(""), MOST_UNPACKED));
+            let unfit =
+                |why: String| Refused(StatusCode::UNPROCESSABLE_ENTITY, format!("'{}' {why}", archive.display()));
+            let unpacked = unpacked.await.map_err(|e| unfit(e.to_string()))?.map_err(|e| unfit(e.to_string()))?;
+            let name = unpacked.scene.strip_prefix(unpacked.folder.path()).unwrap_or(&unpacked.scene).to_owned();
+            upload.unpacked = Some(unpacked);
+            inside.insert(name)
+        }
         (None, [picture]) if FileKind::from_extension(picture).is_some() => {
-            return set_environment(&app, &folder.path().join(picture)).await;
+            return set_environment(&app, &upload.folder.path().join(picture)).await;
         }
         (None, _) => {
             let known = extensions().map(|e| format!(".{}", e.0)).collect::<Vec<_>>().join(", ");
             let why = format!(
-                "there is no scene among the files, nor is it one picture, for an environment map; scenes are {known}"
+                "there is no scene among the files, nor is it one picture, for an environment map; scenes are {known}, .zip"
             );
             return Err(Refused(StatusCode::UNPROCESSABLE_ENTITY, why));
         }
     };
-    let within = folder.path().canonicalize().map_err(failed)?;
+    let within = upload.path().canonicalize().map_err(failed)?;
     let source = Source {
         name: within.join(scene),
         reading: Options { within: Some(within), ..Options::default() },
@@ -67,7 +96,7 @@ pub async fn open(State(app): State<App>, form: Multipart) -> Result<Response, R
     match opened {
         Ok(()) => {
             // The folder of the scene before goes away now.
-            *app.upload.lock().unwrap_or_else(PoisonError::into_inner) = Some(folder);
+            *app.upload.lock().unwrap_or_else(PoisonError::into_inner) = Some(upload);
             Ok(Json(serde_json::json!({ "opened": scene })).into_response())
         }
         Err(messages) => {

@@ -178,6 +178,14 @@ pub fn split(path: &Path) -> Option<(&Path, &Path)> {
 /// # Errors
 /// Why that cannot be done; nothing is left of it then.
 pub fn unpack(path: &Path, name: &Path) -> Result<UnpackedScene, ArchiveError> {
+    unpack_at_most(path, name, MOST_BYTES)
+}
+
+/// [`unpack`], of archives that stand for no more than `most` bytes.
+///
+/// # Errors
+/// As [`unpack`].
+pub fn unpack_at_most(path: &Path, name: &Path, most: u64) -> Result<UnpackedScene, ArchiveError> {
     let file = File::open(path)?;
     let length = file.metadata()?.len();
     let mut zip = ZipArchive::new(BufReader::new(file))?;
@@ -186,7 +194,7 @@ pub fn unpack(path: &Path, name: &Path) -> Result<UnpackedScene, ArchiveError> {
     }
     let list = read_list(&mut zip)?;
     let folder = tempfile::Builder::new().prefix("steradian-").tempdir()?;
-    let allowed = MOST_BYTES.min(length.saturating_add(SMALL).saturating_mul(MOST_PER_BYTE));
+    let allowed = MOST_BYTES.min(most).min(length.saturating_add(SMALL).saturating_mul(MOST_PER_BYTE));
     let (mut total, mut names) = (0_u64, Vec::new());
     for at in 0..zip.len() {
         let entry = zip.by_index(at)?;

@@ -99,7 +99,7 @@ impl Viewer {
     }
 
     /// Draws a finer preview while nobody moves anything; true if it took its time for that.
-    fn refine(&mut self) -> bool {
+    pub(super) fn refine(&mut self) -> bool {
         let Some(preview) = self.preview.as_ref().filter(|preview| preview.stands() && !self.is_fine) else {
             return false;
         };

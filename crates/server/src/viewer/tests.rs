@@ -3,7 +3,7 @@
 use super::{opening::open, *};
 use crate::{
     document::Source,
-    protocol::{Request, SettingsChange, told},
+    protocol::{Denoiser, Request, SettingsChange, told},
 };
 use steradian::Quality;
 
@@ -138,5 +138,48 @@ fn an_edit_compiles_the_scene_once() {
         let why = viewer.request(edit("0.7", moving)).unwrap_err();
         assert!(why.contains("memory"), "{why}");
         assert_eq!(viewer.document.edits(), edits);
+    }
+}
+
+/// Pictures of a scene in the order in which they are shown, by samples that double, are each as near to the reference
+/// as the one before, and at last much nearer.
+#[test]
+fn the_picture_never_gets_worse() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = folder.path().join("gem.obj");
+    std::fs::write(&model, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n").unwrap();
+    let showcase = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/showcase.xml");
+    for name in [BOX, showcase, &*model.to_string_lossy()] {
+        let settings = SettingsChange {
+            spp: Some(Some(64)),
+            width: Some(64),
+            height: Some(48),
+            denoise: Some(Some(Denoiser::Atrous)),
+            integrator: Some("path".into()),
+            ..SettingsChange::default()
+        };
+        let source = Source { name: name.into(), ..Source::default() };
+        let look = Look { settings, ..Look::default() };
+        let (mut viewer, handle) = open(source, look, Err("none".into())).unwrap_or_else(|d| panic!("{}", told(&d)));
+        let reference = steradian::render(&viewer.scene, &Quality::of("path").spp(256)).unwrap();
+        let error = || {
+            let shown = steradian::image::metrics::resampled(&handle.shown().unwrap().picture(&[]), 64, 48).unwrap();
+            steradian::image::metrics::flip(&shown, &reference, 67.0).unwrap()
+        };
+        viewer.tell_state(Invalidates::Scene);
+        viewer.show_change(Invalidates::Scene);
+        let mut errors = vec![error()];
+        while viewer.refine() {}
+        errors.push(error());
+        let first = errors[1];
+        for samples in [1, 1, 2, 4, 8, 16, 32] {
+            let control = steradian::Control::default();
+            viewer.job.as_mut().unwrap().take(samples, &control);
+            viewer.publish();
+            errors.push(error());
+        }
+        let worst = errors.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::NEG_INFINITY, f64::max);
+        assert!(worst < 1e-3, "{name}: {errors:?}");
+        assert!(errors[errors.len() - 1] < 0.7 * first, "{name}: {errors:?}");
     }
 }

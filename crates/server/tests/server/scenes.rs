@@ -28,6 +28,37 @@ fn models_are_dropped() {
     assert_eq!(answer.status, 200, "{}", answer.text());
 }
 
+/// An archive is unpacked, and its scene shown; one that is none is told, and one that leads elsewhere.
+#[test]
+fn archives_are_dropped() {
+    let server = Server::of("builtin:cornell-box");
+    let mut page = server.page();
+    page.until("a picture", |v| v["type"] == "frame");
+    let folder = tempfile::tempdir().unwrap();
+    let (scene, part) = (folder.path().join("scene.pbrt"), folder.path().join("part.pbrt"));
+    std::fs::write(&scene, "Camera \"perspective\" LookAt 0 0 3 0 0 0 0 1 0 WorldBegin Include \"part.pbrt\"").unwrap();
+    std::fs::write(&part, "LightSource \"infinite\" Shape \"sphere\"").unwrap();
+    let archive = folder.path().join("ball.zip");
+    steradian::archive::pack(&scene, [&*part], &archive).unwrap();
+    let bytes = std::fs::read(&archive).unwrap();
+    let answer = server.upload(&[("ball.zip", &bytes)]);
+    assert_eq!((answer.status, answer.json()["opened"].as_str()), (200, Some("scene.pbrt")), "{}", answer.text());
+    page.until("the scene", |v| v["scene"]["name"] == "scene.pbrt");
+    for (name, bytes, about) in [("a.zip", &bytes[..40], "zip"), ("b.zip", b"hello", "zip")] {
+        let answer = server.upload(&[(name, bytes)]);
+        assert_eq!(answer.status, 422);
+        assert!(answer.json()["error"].as_str().unwrap().contains(about), "{}", answer.text());
+    }
+    // Files of the archive are there as long as its scene is shown, and nothing outside is read.
+    let lost = folder.path().join("lost.pbrt");
+    std::fs::write(&lost, format!("WorldBegin Include \"{}\"", part.display())).unwrap();
+    steradian::archive::pack(&lost, [], &archive).unwrap();
+    let answer = server.upload(&[("c.zip", &std::fs::read(&archive).unwrap())]);
+    assert_eq!(answer.status, 422, "{}", answer.text());
+    assert_eq!(server.get("api/state").json()["scene"]["name"], "scene.pbrt");
+    assert_eq!(server.upload(&[("quad.obj", QUAD)]).status, 200);
+}
+
 /// Pages are told what the integrator that a file names leaves out of its scene.
 #[test]
 fn limits_of_integrators_are_told() {
