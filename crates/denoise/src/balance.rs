@@ -1,13 +1,13 @@
-//! The light that a filter lost, given back: the mean of a filtered picture is that of the noisy one, where all is.
+//! The light that a filter lost, given back: the mean of a filtered picture is that of the noisy one.
 //!
 //! Weights that follow from colours are biased. Bright pixels are unlike all others: those around do not count them,
 //! and they count those around. So the mean falls, the more the longer the tail of the noise. What a channel of a pixel
-//! lost, r = noisy − filtered, is given back in three parts.
+//! lost, r = noisy − filtered, is given back in four parts.
 //!
 //! 1. Where r is far beyond the noise of the pixel, or of those around that lost as much, and far beyond what is left,
-//!    detail was lost, such as a lamp that covers a part of the pixel: it gets r back ([`Amount`], [`NOISES_AROUND`],
-//!    [`FACTORS`]). A single bright path does not pass, since its pixel's standard deviation is as large as its
-//!    radiance. The same holds of r where all within reach may take too little beside it ([`CAPACITIES`]).
+//!    detail was lost, such as a lamp that covers a part of the pixel: it gets r back ([`Amount`], [`FACTORS`]).
+//!    A single bright path does not pass, since its pixel's standard deviation is as large as its radiance. The same
+//!    holds of r where all within reach may take too little beside it ([`CAPACITIES`]), where [`Amount`] says so.
 //! 2. The rest goes to the pixels around, in proportion to what they may take, w = min(filtered, σ), σ being the
 //!    standard deviation that the variance of their neighbourhood tells: calm surfaces keep their light. With nodes
 //!    every [`SPACING`] pixels, bilinear weights P of nodes for pixels, and a tent K over nodes,
@@ -18,8 +18,10 @@
 //!
 //!    The sum is that of the noisy picture for any K that is symmetric. The gain g is smooth, so neither noise nor
 //!    detail comes back; it is bounded, so that a path brighter than all around does not shine into what is dark.
-//! 3. What the bound left stays with the pixels that lost most, as far as they lost more than a level, where
-//!    [`Amount`] says so.
+//! 3. What the bound left goes, where [`Amount`] says so, to all that is there in proportion to its light, with a bound
+//!    of its own: likewise to pixels around, then by one factor to the whole picture. So rare paths make the picture
+//!    slightly brighter where they were held back, without points.
+//! 4. The rest stays with the pixels that lost most, as far as they lost more than a level.
 
 use rayon::prelude::*;
 use steradian_math::Vec3;
@@ -44,16 +46,10 @@ pub(crate) struct Amount {
     pub noises_around: [f64; 2],
     /// The largest part of what it may take that a pixel is given.
     pub most_gain: f64,
-    /// Pixels keep of their own loss what those around cannot take, so that all is given back: as points, where paths
-    /// are rare.
-    pub keeps_rest: bool,
-}
-
-/// Keeps quotients finite.
-const TINY: f64 = 1e-30;
-impl Amount {
-    /// All that was lost.
-    pub const ALL: Self = Self { noises: [1.5, 2.5], noises_around: [2.0, 3.0], most_gain: 0.3, keeps_rest: true };
+    /// The largest part of all that it has that a pixel is given beyond that, nearby and then in the whole picture.
+    pub most_wide_gain: f64,
+    /// Pixels brighter than those around can take keep their loss, as points.
+    pub keeps_points: bool,
 }
 
 /// The part of all losses that is of rounding.
@@ -245,29 +241,50 @@ impl Nodes {
         pixels.iter().zip(parts).map(kept).collect()
     }
 
+    /// Light that pixels are given for what was lost around them: a smooth gain, bounded, of their shares.
+    fn given(&self, lost: &[f64], shares: &[f64], capacity: &[f64], most_gain: f64) -> Vec<f64> {
+        // g = K (R/W): the gain of nodes, bounded.
+        let quotient = |(lost, shares): (f64, &f64)| if *shares > 0.0 { lost / shares } else { 0.0 };
+        let lost = self.collect(|place| lost[place]);
+        let mut nodes = self.spread(&lost.into_iter().zip(capacity).map(quotient).collect::<Vec<_>>());
+        nodes.iter_mut().for_each(|gain| *gain = gain.clamp(-most_gain, most_gain));
+        self.at_pixels(&nodes, |gain, place| shares[place] * gain)
+    }
+
     /// Light given to each pixel of a channel.
     fn gains(&self, pixels: &[Pixel], amount: Amount) -> Vec<f64> {
         // W = K Pᵀ w: what may be taken around each node.
+        let capacity = |shares: &[f64]| self.spread(&self.collect(|place| shares[place]));
         let shares = self.shares(pixels);
-        let capacity = self.spread(&self.collect(|place| shares[place]));
-        let kept = amount.keeps_rest.then(|| self.too_bright(pixels, &capacity));
+        let reached = capacity(&shares);
+        let kept = amount.keeps_points.then(|| self.too_bright(pixels, &reached));
         let pixels = kept.as_deref().unwrap_or(pixels);
-        // g = K (R/W): the gain of nodes, bounded.
-        let lost = self.collect(|place| pixels[place].lost).into_iter();
-        let quotient = |(lost, shares): (f64, f64)| if shares > 0.0 { lost / shares } else { 0.0 };
-        let mut nodes = self.spread(&lost.zip(capacity).map(quotient).collect::<Vec<_>>());
-        nodes.iter_mut().for_each(|gain| *gain = gain.clamp(-amount.most_gain, amount.most_gain));
-        let mut gains = self.at_pixels(&nodes, |gain, place| shares[place] * gain);
-        // What the bound left out goes to the pixels that lost most, down to a common level.
-        let left: f64 = pixels.iter().zip(&gains).map(|(pixel, gain)| pixel.lost - gain).sum();
-        let all: f64 = pixels.iter().map(|pixel| pixel.lost.abs()).sum();
+        let mut lost: Vec<f64> = pixels.iter().map(|pixel| pixel.lost).collect();
+        let all: f64 = lost.iter().map(|lost| lost.abs()).sum();
+        let mut gains: Vec<f64> = pixels.iter().map(|pixel| pixel.detail).collect();
+        let give = |given: &[f64], lost: &mut [f64], gains: &mut [f64]| {
+            for ((lost, gain), given) in lost.iter_mut().zip(gains).zip(given) {
+                *lost -= given;
+                *gain += given;
+            }
+        };
+        give(&self.given(&lost, &shares, &reached, amount.most_gain), &mut lost, &mut gains);
+        if amount.most_wide_gain > 0.0 {
+            // All that is there takes what noise does not hide: first nearby, then in the whole picture.
+            let shares: Vec<f64> = pixels.iter().map(|pixel| pixel.most).collect();
+            give(&self.given(&lost, &shares, &capacity(&shares), amount.most_wide_gain), &mut lost, &mut gains);
+            let (left, whole): (f64, f64) = (lost.iter().sum(), shares.iter().sum());
+            let gain = (left / whole.max(TINY)).clamp(-amount.most_wide_gain, amount.most_wide_gain);
+            give(&shares.iter().map(|share| share * gain).collect::<Vec<_>>(), &mut lost, &mut gains);
+        }
+        // What the bounds left out goes to the pixels that lost most, down to a common level.
+        let left: f64 = lost.iter().sum();
         // Where more was given than lost, the pixels that won most pay.
         let sign = if left < 0.0 { -1.0 } else { 1.0 };
         let losses: Vec<f64> = pixels.par_iter().map(|pixel| sign * pixel.lost).collect();
-        let level =
-            if amount.keeps_rest && left.abs() > ROUNDING * all { level(&losses, left.abs()) } else { f64::INFINITY };
-        for ((gain, pixel), loss) in gains.iter_mut().zip(pixels).zip(losses) {
-            *gain += pixel.detail + sign * (loss - level).max(0.0);
+        let level = if left.abs() > ROUNDING * all { level(&losses, left.abs()) } else { f64::INFINITY };
+        for (gain, loss) in gains.iter_mut().zip(losses) {
+            *gain += sign * (loss - level).max(0.0);
         }
         gains
     }

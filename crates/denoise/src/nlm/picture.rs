@@ -28,8 +28,10 @@ const UNKNOWN: f32 = 1e30;
 const CALMEST: f32 = 2.0;
 /// Distance up to which variances are averaged.
 const SMOOTHED: i64 = 2;
-/// Light of paths too rare for pixels around to take is not given back: it would stay as points, or lift what is dark.
-const GIVEN_BACK: Amount = Amount { noises: [3.0, 5.0], noises_around: [4.0, 6.0], most_gain: 0.1, keeps_rest: false };
+/// Light of paths too rare for the pixels around to take makes all that is there a little brighter: it would else stay
+/// as points.
+const GIVEN_BACK: Amount =
+    Amount { noises: [3.0, 5.0], noises_around: [4.0, 6.0], most_gain: 0.1, most_wide_gain: 1.0, keeps_points: false };
 
 /// A picture with what is known of it. All images have one size. Values that are not finite are taken as not known.
 #[derive(Clone, Copy, Debug)]
