@@ -52,8 +52,16 @@ pub(crate) struct Amount {
     pub keeps_points: bool,
 }
 
+/// Keeps quotients finite.
+const TINY: f64 = 1e-30;
 /// The part of all losses that is of rounding.
 const ROUNDING: f64 = 1e-9;
+
+impl Amount {
+    /// Pixels around take what they can; the rest stays with the pixels that lost it.
+    pub const ALL: Self =
+        Self { noises: [1.5, 2.5], noises_around: [2.0, 3.0], most_gain: 0.3, most_wide_gain: 0.0, keeps_points: true };
+}
 
 /// Gives back what pixels that `counts` tells of, by their places, have lost. `noisy` is finite there. Without a
 /// variance, they may take as much as they have, and no loss is known to be detail. The result does not depend on the
