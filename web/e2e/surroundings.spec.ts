@@ -52,3 +52,24 @@ test('an animation is posed by its slider and plays', async ({ page }) => {
   await expectSame(page, program, 'stopped');
   await program.stop();
 });
+
+test('viewpoints are kept, gone back to, and forgotten', async ({ page }) => {
+  const program = await start('gem.obj');
+  await show(page, program);
+  await page.getByRole('heading', { name: 'Camera' }).click();
+  const list = page.getByLabel('Kept viewpoints');
+  await expect(list).toBeDisabled();
+  await page.getByRole('button', { name: 'Keep', exact: true }).click();
+  const before = await canvas(page);
+  await anew(page, () => page.getByRole('button', { name: 'Top', exact: true }).click());
+  expect(differing(await canvas(page), before)).toBeGreaterThan(1000);
+  await anew(page, () => list.selectOption('0'));
+  expect(await canvas(page)).toEqual(before);
+  // They stay when the page is loaded again.
+  await show(page, program);
+  await page.getByRole('heading', { name: 'Camera' }).click();
+  await expect(list).toHaveValue('0');
+  await page.getByRole('button', { name: 'Forget', exact: true }).click();
+  await expect(list).toBeDisabled();
+  await program.stop();
+});

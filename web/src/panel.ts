@@ -1,5 +1,6 @@
 /** Panels "Render" and "Camera": what the server is asked to render. */
 
+import { Bookmarks } from './bookmarks';
 import { h, row, section, setOptions, setValue, show } from './dom';
 import { numberField } from './number';
 import type { PageMessage, SettingsChange, State } from './protocol';
@@ -116,6 +117,7 @@ export class CameraPanel {
   private readonly buttons: HTMLButtonElement[];
   private readonly fovRow;
   private readonly fov;
+  private readonly bookmarks;
 
   constructor(
     private readonly send: Send,
@@ -139,10 +141,13 @@ export class CameraPanel {
       change: actions.fov,
     });
     this.fovRow = row('Angle of view', this.fov.element);
-    this.element = section('Camera', false, this.nameRow, this.fovRow, h('div', { class: 'buttons' }, ...this.buttons), this.facts);
+    this.bookmarks = new Bookmarks(send);
+    const buttons = h('div', { class: 'buttons' }, ...this.buttons);
+    this.element = section('Camera', false, this.nameRow, this.fovRow, buttons, this.bookmarks.element, this.facts);
   }
 
-  update({ camera }: State): void {
+  update({ camera, scene }: State): void {
+    this.bookmarks.update(scene.path ?? scene.name, camera);
     this.nameRow.hidden = camera.names.length < 2;
     setOptions(
       this.names,

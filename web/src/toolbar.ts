@@ -14,6 +14,11 @@ export interface ToolbarActions {
   themed(): void;
 }
 
+function toggleFullScreen(): void {
+  // Where the browser refuses, the page stays as it is.
+  void (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen()).catch(() => {});
+}
+
 export class Toolbar {
   readonly element: HTMLElement;
   /** Whether the region tool is in hand. */
@@ -42,6 +47,7 @@ export class Toolbar {
       this.clearButton,
       this.pauseButton,
       h('span', { class: 'gap' }),
+      button('⛶', 'Full screen (F11)', toggleFullScreen, { 'aria-label': 'Full screen' }),
       themeButton(actions.themed),
       button('?', 'Keys and pointer (?)', actions.help, { 'aria-label': 'Keys and pointer' }),
       this.panelButton,

@@ -427,7 +427,14 @@ pub struct ParameterState {
 /// All that is wrong, a line each.
 pub fn told(diagnostics: &steradian::scene::Diagnostics) -> String {
     let errors = diagnostics.iter().filter(|d| d.severity == steradian::scene::Severity::Error);
-    errors.map(ToString::to_string).collect::<Vec<_>>().join("\n")
+    errors.map(text_of).collect::<Vec<_>>().join("\n")
+}
+
+/// Text of a message whose severity is shown beside it.
+pub fn text_of(diagnostic: &steradian::scene::Diagnostic) -> String {
+    let text = diagnostic.to_string();
+    let shown = ["error: ", "warning: ", "note: "].iter().find_map(|severity| text.strip_prefix(severity));
+    shown.unwrap_or(&text).to_owned()
 }
 
 #[cfg(test)]

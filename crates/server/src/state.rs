@@ -7,7 +7,7 @@ use crate::{
     look::{Look, StartExposure, quality},
     protocol::{
         AboutScene, COLORS, CameraState, Choices, Denoiser, Exposure, Message, Named, ServerMessage, Settings,
-        Severity, Size, State, ToneChoice, ToneParameter,
+        Severity, Size, State, ToneChoice, ToneParameter, text_of,
     },
     surroundings,
 };
@@ -93,7 +93,7 @@ fn about(document: &Document, look: &Look, scene: &Scene) -> AboutScene {
             scene::Severity::Warning => Severity::Warning,
             scene::Severity::Note => Severity::Note,
         },
-        text: d.to_string(),
+        text: text_of(d),
     };
     AboutScene {
         name: file.and_then(Path::file_name).map_or(name.clone(), |f| f.to_string_lossy()).into_owned(),

@@ -707,11 +707,11 @@ var FlipMap = class {
 /** Wider ranges than this, from above zero, slide by their logarithm. */
 var WIDE = 1e3;
 /** Wider ranges than this have no slider. */
-var MOST$1 = 1e4;
+var MOST$2 = 1e4;
 function numberField(options) {
 	const { label, range, whole = false, unit = "", change } = options;
 	const [low, high] = (options.slider ?? range ?? []).map((v) => v ?? NaN);
-	const ends = low !== void 0 && high !== void 0 && low < high && high - low <= MOST$1 ? [low, high] : null;
+	const ends = low !== void 0 && high !== void 0 && low < high && high - low <= MOST$2 ? [low, high] : null;
 	const isLog = ends !== null && ends[0] > 0 && ends[1] / ends[0] >= WIDE;
 	const place = (v) => isLog ? Math.log(v) : v;
 	const value = (p) => {
@@ -2756,6 +2756,103 @@ var Output = class {
 		}
 	}
 };
+// src/bookmarks.ts
+/** Viewpoints that are kept in the browser, for each scene. */
+/** Viewpoints of a scene at most. */
+var MOST$1 = 32;
+var Bookmarks = class {
+	send;
+	element;
+	list = h("select", {
+		"aria-label": "Kept viewpoints",
+		onchange: () => this.go()
+	});
+	keep = h("button", {
+		title: "Keep this viewpoint in the browser",
+		onclick: () => this.add()
+	}, "Keep");
+	forget = h("button", {
+		title: "Forget the chosen viewpoint",
+		onclick: () => this.remove()
+	}, "Forget");
+	key = "";
+	camera = null;
+	constructor(send) {
+		this.send = send;
+		this.element = h("div", {}, row("Viewpoints", this.list), h("div", { class: "buttons" }, this.keep, this.forget));
+	}
+	update(scene, camera) {
+		this.key = `viewpoints of ${scene}`;
+		this.camera = camera;
+		const kept = this.kept();
+		this.element.hidden = !camera.movable;
+		const place = ({ eye }) => eye.map(show).join(", ");
+		setOptions(this.list, [{
+			value: "",
+			text: "–"
+		}, ...kept.map((view, i) => ({
+			value: String(i),
+			text: `${i + 1}: from ${place(view)}`
+		}))]);
+		const at = kept.findIndex((view) => same(view, camera));
+		this.list.value = at < 0 ? "" : String(at);
+		this.list.disabled = kept.length === 0;
+		this.keep.disabled = at >= 0 || kept.length >= MOST$1;
+		this.forget.disabled = at < 0;
+	}
+	add() {
+		if (!this.camera) return;
+		const { eye, target, up, fov } = this.camera;
+		this.store([...this.kept(), {
+			eye,
+			target,
+			up,
+			fov
+		}]);
+	}
+	remove() {
+		const at = Number(this.list.value);
+		if (this.list.value !== "") this.store(this.kept().filter((_, i) => i !== at));
+	}
+	go() {
+		const view = this.kept()[Number(this.list.value)];
+		if (this.list.value === "" || !view) return;
+		const { eye, target, up, fov } = view;
+		this.send({
+			type: "camera",
+			eye,
+			target,
+			up,
+			...fov === null ? {} : { fov },
+			moving: false
+		});
+	}
+	kept() {
+		try {
+			const kept = JSON.parse(localStorage.getItem(this.key) ?? "[]");
+			return Array.isArray(kept) ? kept.filter((view) => Array.isArray(view?.eye)) : [];
+		} catch {
+			return [];
+		}
+	}
+	store(views) {
+		try {
+			localStorage.setItem(this.key, JSON.stringify(views));
+		} catch {}
+		if (this.camera) this.update(this.key.slice(14), this.camera);
+	}
+};
+/** Whether two viewpoints are one but for the last digits, which the way to the server and back may change. */
+function same(a, b) {
+	const numbers = ({ eye, target, up, fov }) => [
+		...eye,
+		...target,
+		...up,
+		fov ?? 0
+	];
+	const [p, q] = [numbers(a), numbers(b)];
+	return p.every((v, i) => Math.abs(v - q[i]) <= 1e-9 * (1 + Math.abs(v)));
+}
 // src/panel.ts
 /** Panels "Render" and "Camera": what the server is asked to render. */
 /** A field for a whole number of the settings; empty for none where `optional`. */
@@ -2869,6 +2966,7 @@ var CameraPanel = class {
 	buttons;
 	fovRow;
 	fov;
+	bookmarks;
 	constructor(send, actions) {
 		this.send = send;
 		const button = (text, title, act) => h("button", {
@@ -2892,9 +2990,12 @@ var CameraPanel = class {
 			change: actions.fov
 		});
 		this.fovRow = row("Angle of view", this.fov.element);
-		this.element = section("Camera", false, this.nameRow, this.fovRow, h("div", { class: "buttons" }, ...this.buttons), this.facts);
+		this.bookmarks = new Bookmarks(send);
+		const buttons = h("div", { class: "buttons" }, ...this.buttons);
+		this.element = section("Camera", false, this.nameRow, this.fovRow, buttons, this.bookmarks.element, this.facts);
 	}
-	update({ camera }) {
+	update({ camera, scene }) {
+		this.bookmarks.update(scene.path ?? scene.name, camera);
 		this.nameRow.hidden = camera.names.length < 2;
 		setOptions(this.names, camera.names.map((value) => ({ value })));
 		if (camera.name !== null) setValue(this.names, camera.name);
@@ -4300,6 +4401,9 @@ function store(theme) {
 }
 // src/toolbar.ts
 /** Buttons over the picture. */
+function toggleFullScreen() {
+	(document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen()).catch(() => {});
+}
 var Toolbar = class {
 	element;
 	/** Whether the region tool is in hand. */
@@ -4323,7 +4427,7 @@ var Toolbar = class {
 			class: "toolbar",
 			role: "toolbar",
 			"aria-label": "Picture"
-		}, button("Fit", "Fit the picture into the window (F)", actions.fit), button("1:1", "One pixel for each pixel (1)", actions.actual), this.regionButton, this.clearButton, this.pauseButton, h("span", { class: "gap" }), themeButton(actions.themed), button("?", "Keys and pointer (?)", actions.help, { "aria-label": "Keys and pointer" }), this.panelButton);
+		}, button("Fit", "Fit the picture into the window (F)", actions.fit), button("1:1", "One pixel for each pixel (1)", actions.actual), this.regionButton, this.clearButton, this.pauseButton, h("span", { class: "gap" }), button("⛶", "Full screen (F11)", toggleFullScreen, { "aria-label": "Full screen" }), themeButton(actions.themed), button("?", "Keys and pointer (?)", actions.help, { "aria-label": "Keys and pointer" }), this.panelButton);
 	}
 	update(state) {
 		this.clearButton.hidden = state.region === null;
