@@ -18,6 +18,16 @@ pub enum Denoiser {
     Oidn,
 }
 
+impl From<Denoiser> for steradian_server::Denoiser {
+    fn from(denoiser: Denoiser) -> Self {
+        match denoiser {
+            Denoiser::Nlm => Self::Nlm,
+            Denoiser::Atrous => Self::Atrous,
+            Denoiser::Oidn => Self::Oidn,
+        }
+    }
+}
+
 impl Denoiser {
     /// By name.
     pub fn named(name: &str) -> PyResult<Self> {

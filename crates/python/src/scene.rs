@@ -455,19 +455,25 @@ impl Scene {
     }
 
     /// Shows the scene, as it is now, in a page of a server on this machine.
-    #[pyo3(signature = (*, integrator = None, spp = None, size = None, bind = "127.0.0.1".into(), port = 0))]
+    #[pyo3(signature = (*, integrator = None, spp = None, size = None, denoise = None, bind = "127.0.0.1".into(),
+        port = 0))]
     fn view(
         &self,
         py: Python<'_>,
         integrator: Option<String>,
         spp: Option<u32>,
         size: Option<(u32, u32)>,
+        denoise: Option<&str>,
         bind: String,
         port: u16,
     ) -> PyResult<View> {
+        let denoise = match denoise {
+            Some("off") => Some(None),
+            name => name.map(|name| crate::denoise::Denoiser::named(name).map(|d| Some(d.into()))).transpose()?,
+        };
         let (width, height) = size.unzip();
         let spp = spp.map(Some);
-        let settings = SettingsChange { integrator, spp, width, height, ..SettingsChange::default() };
+        let settings = SettingsChange { integrator, spp, width, height, denoise, ..SettingsChange::default() };
         let desc = self.state(py).desc.clone();
         View::start(py, desc, self.options.clone(), (settings, bind, port))
     }

@@ -442,6 +442,7 @@ class Scene(Mapping[str, Node]):
         integrator: str | None = None,
         spp: int | None = None,
         size: tuple[int, int] | None = None,
+        denoise: str | None = None,
         bind: str = "127.0.0.1",
         port: int = 0,
         open: bool | None = None,
@@ -450,9 +451,10 @@ class Scene(Mapping[str, Node]):
 
         The View ends with `close()`, at the end of a `with`, or when it goes away. In notebooks it is shown as a frame where a
         cell ends with it; elsewhere the browser opens, unless `open` is false. Anyone who knows the address may edit the page's copy of
-        the scene, and save pictures into its folder.
+        the scene, and save pictures into its folder. Noise is removed by the denoiser of a name, by default by the best there is,
+        and with "off" not at all.
         """
-        view = self._inner.view(integrator=integrator, spp=spp, size=size, bind=bind, port=port)
+        view = self._inner.view(integrator=integrator, spp=spp, size=size, denoise=denoise, bind=bind, port=port)
         if open or (open is None and not is_notebook()):
             webbrowser.open(view.url)
         return view

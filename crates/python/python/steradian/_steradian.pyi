@@ -351,6 +351,7 @@ class Scene:
         integrator: str | None = None,
         spp: int | None = None,
         size: tuple[int, int] | None = None,
+        denoise: str | None = None,
         bind: str = "127.0.0.1",
         port: int = 0,
     ) -> View:
