@@ -57,12 +57,16 @@ pub fn run(args: &ConvertArgs, terminal: Terminal) -> Outcome {
         }
         picture = shown;
     }
+    let is_asked = args.files.exposure.is_some() || args.files.tonemap.is_some();
+    if kind.is_display() && is_data && !is_asked {
+        scale(&mut picture).iter().for_each(|note| terminal.say(note));
+    }
     let exposure = brightness::automatic(&picture, std::slice::from_ref(&args.output), args.files.exposure, false);
     brightness::expose(&mut options, exposure, Some(terminal));
     image::write(&args.output, &picture, &options).map_err(|e| Failure::failed(e.to_string()))?;
     let cut = match kind {
         FileKind::Exr => output::clamped(std::slice::from_ref(&args.output), &picture, &options),
-        _ if kind.is_display() && is_data => beyond_display(&picture),
+        _ if kind.is_display() && is_data && is_asked => beyond_display(&picture),
         _ => None,
     };
     if let Some(cut) = cut {
@@ -102,12 +106,35 @@ fn is_data(whole: &Image, layer: Option<&str>) -> bool {
     }
 }
 
+/// The least and the greatest of a picture's numbers.
+fn range(picture: &Image) -> Option<[f32; 2]> {
+    let colours = picture.channels().iter().filter(|c| c.name != "A");
+    let values = || colours.clone().flat_map(|c| &c.data).copied().filter(|v| v.is_finite());
+    values().reduce(f32::min).zip(values().reduce(f32::max)).map(|(least, greatest)| [least, greatest])
+}
+
+/// Brings numbers that a display does not show into its range, and tells so: directions from -1 to 1 as usual, others
+/// between their least and their greatest. What is infinite becomes white or black.
+fn scale(picture: &mut Image) -> Option<String> {
+    let [least, greatest] = range(picture).filter(|[least, greatest]| *least < 0.0 || *greatest > 1.0)?;
+    let is_direction = least < 0.0 && least >= -1.0 && greatest <= 1.0;
+    let [from, to] = if is_direction { [-1.0, 1.0] } else { [least, greatest] };
+    let width = f64::from(to) - f64::from(from);
+    let part = |v: f32| match (f64::from(v) - f64::from(from)) / width {
+        _ if v.is_infinite() => f32::from(v > 0.0),
+        part if part.is_finite() => part as f32,
+        _ => 0.0,
+    };
+    let names: Vec<String> = picture.channels().iter().map(|c| c.name.clone()).filter(|name| name != "A").collect();
+    for name in names {
+        picture.channel_mut(&name).into_iter().flatten().for_each(|v| *v = part(*v));
+    }
+    Some(format!("values from {from} to {to} are shown from black to white (--exposure 0 leaves them as they are)"))
+}
+
 /// A message about numbers outside of what a display shows.
 fn beyond_display(picture: &Image) -> Option<String> {
-    let colours = picture.channels().iter().filter(|c| c.name != "A");
-    let values: Vec<f32> = colours.flat_map(|c| &c.data).copied().filter(|v| v.is_finite()).collect();
-    let least = values.iter().copied().reduce(f32::min)?;
-    let greatest = values.iter().copied().reduce(f32::max)?;
+    let [least, greatest] = range(picture)?;
     (least < 0.0 || greatest > 1.0).then(|| {
         format!(
             "the values go from {least} to {greatest}, and this format shows 0 to 1 of them; \
