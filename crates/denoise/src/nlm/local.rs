@@ -29,21 +29,36 @@ pub(super) fn around(
     rows.flat_map(move |y| columns.clone().map(move |x| y * width + x))
 }
 
+/// A function of the 3×3 pixels around each, rows in parallel; those at the edge stand for those beyond.
+fn map_neighbours([width, height]: [usize; 2], values: &[f32], value: impl Fn([f32; 9]) -> f32 + Sync) -> Vec<f32> {
+    let mut of_all = vec![0.0; width * height];
+    of_all.par_chunks_mut(width).enumerate().for_each(|(y, of_row)| {
+        let rows = [y.saturating_sub(1), y, (y + 1).min(height - 1)].map(|y| {
+            let row = &values[y * width..][..width];
+            [&row[..1], row, &row[width - 1..]].concat()
+        });
+        let [above, own, below] = rows.each_ref().map(|row| row.windows(3));
+        for (((place, a), b), c) in of_row.iter_mut().zip(above).zip(own).zip(below) {
+            *place = value([a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]]);
+        }
+    });
+    of_all
+}
+
 /// Variance between neighbours on one side of an edge: that of the calmest of the nine windows of 3×3 pixels that hold
 /// the pixel (the windows of Nagao and Matsuyama, "Edge Preserving Smoothing", CGIP 9, 1979, as squares). Beside a
 /// sharp edge, one window lies on the pixel's side.
 pub(crate) fn calm_variance(size: [usize; 2], values: &[f32]) -> Vec<f32> {
-    let of_windows = map(size, |x, y| {
-        let middle = values[y * size[0] + x];
+    let of_windows = map_neighbours(size, values, |near| {
         let (mut sum, mut squares) = (0.0, 0.0);
         // Sums of differences from the middle, so that large values do not cancel.
-        for place in around(size, [x, y], 1) {
-            let difference = values[place] - middle;
+        for value in near {
+            let difference = value - near[4];
             sum += difference;
             squares += difference * difference;
         }
         ((squares - sum * sum / WINDOW) / (WINDOW - 1.0)).max(0.0)
     });
     // The least variance of the windows that hold the pixel.
-    map(size, |x, y| around(size, [x, y], 1).map(|place| of_windows[place]).fold(f32::INFINITY, f32::min))
+    map_neighbours(size, &of_windows, |near| near.into_iter().fold(f32::INFINITY, f32::min))
 }

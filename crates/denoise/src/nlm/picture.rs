@@ -20,6 +20,8 @@ use crate::{
 
 /// The largest number that is calculated with: squares of differences stay finite.
 const MOST: f32 = 1e15;
+/// Numbers nearer to 0 are taken as 0: products with them would be too small for the processor's fast path.
+const LEAST: f32 = 1e-15;
 /// The least albedo that colours are divided by: what a surface mirrors does not follow its albedo.
 const LEAST_ALBEDO: f32 = 0.05;
 /// The variance of pixels of which nothing is known.
@@ -83,7 +85,7 @@ impl Picture<'_> {
         let size = self.size();
         let place = |x: usize, y: usize| y * size[0] + x;
         let is_known = |place: usize| self.radiance.values()[place].is_finite();
-        let hold_value = |v: f32| if v.is_finite() { v.clamp(-MOST, MOST) } else { 0.0 };
+        let hold_value = |v: f32| if v.is_finite() && v.abs() > LEAST { v.clamp(-MOST, MOST) } else { 0.0 };
         let mut channels = [0, 1, 2].map(|c| {
             // Demodulate by the albedo; the variance goes with its square.
             let over_albedo = |place: usize| hold_value(self.radiance.values()[place][c] / self.factor(place)[c]);

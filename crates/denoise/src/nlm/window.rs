@@ -15,8 +15,10 @@ const SCALES: [f64; TERMS] = [1.0, 0.2, 0.2, 0.2, 0.2, 0.2, 0.5, 0.5, 0.5];
 /// window of one pixel; of more it is so much less.
 const RIDGE: f64 = 0.003;
 const RIDGE_OF_ONE: f64 = 1.0;
+/// The mean square of a term that spreads too little, over that of its scale.
+const LEAST_SPREAD: f32 = 1e-4;
 /// Numbers that are summed side by side.
-const LANES: usize = 16;
+const LANES: usize = 64;
 
 /// Terms and colours of pixels, one after the other.
 type Column = [f32; PIXELS];
@@ -113,17 +115,21 @@ impl Window {
     /// Fits a line, and gives the variances of its middle; none where no pixel counts.
     #[inline(always)]
     pub fn fit(&mut self) -> Option<[f32; 3]> {
-        for (weighted, column) in self.weighted.iter_mut().zip(&self.columns) {
+        // Moments of terms with terms and channels, of all that is not symmetric. Terms that spread too little to tell
+        // anything are left out.
+        let mut moments = [[0.0; COLUMNS]; TERMS];
+        let mut is_used = [true; COLUMNS];
+        for i in 0..TERMS {
+            let (weighted, column) = (&mut self.weighted[i], &self.columns[i]);
             for k in 0..PIXELS {
                 weighted[k] = self.counts[k] * column[k];
             }
+            moments[i][i] = dot(weighted, column);
+            is_used[i] = moments[i][i] > LEAST_SPREAD * (SCALES[i] * SCALES[i]) as f32 * moments[0][0];
         }
-        // Moments of terms with terms and channels, of all that is not symmetric.
-        let mut moments = [[0.0; COLUMNS]; TERMS];
-        for (i, moments) in moments.iter_mut().enumerate() {
-            for j in (i / 4 * 4..COLUMNS).step_by(4) {
-                let of = [0, 1, 2, 3].map(|k| &self.columns[j + k]);
-                moments[j..j + 4].copy_from_slice(&products(&self.weighted[i], of));
+        for i in (0..TERMS).filter(|i| is_used[*i]) {
+            for j in (i + 1..COLUMNS).filter(|j| is_used[*j]) {
+                moments[i][j] = dot(&self.weighted[i], &self.columns[j]);
             }
         }
         let whole = moments[0][0];
@@ -134,52 +140,66 @@ impl Window {
         for k in 0..PIXELS {
             squares[k] = self.counts[k] * self.counts[k];
         }
-        let [r, g, b] = &self.variances;
-        let [r, g, b, all] = products(&squares, [r, g, b, &self.columns[0]]);
-        let variances = [r, g, b].map(|sum| sum / (whole * whole));
+        let all = dot(&squares, &self.columns[0]);
+        let variances = self.variances.each_ref().map(|variances| dot(&squares, variances) / (whole * whole));
         let factors = line(&moments, f64::from(all / (whole * whole)));
         // A line knows nothing of what is beyond the colours that it was fitted to.
         for (c, factors) in factors.iter().enumerate() {
-            let (mut least, mut most) = ([f32::MAX; LANES], [f32::MIN; LANES]);
-            let channel = self.columns[TERMS + c].chunks_exact(LANES).zip(self.counts.chunks_exact(LANES));
-            for (values, counts) in channel {
-                for k in 0..LANES {
-                    least[k] = least[k].min(if counts[k] > 0.0 { values[k] } else { f32::MAX });
-                    most[k] = most[k].max(if counts[k] > 0.0 { values[k] } else { f32::MIN });
+            let told = &mut self.told[c];
+            told.fill(factors[0]);
+            for i in (1..TERMS).filter(|i| is_used[*i]) {
+                let (factor, column) = (factors[i], &self.columns[i]);
+                for k in 0..PIXELS {
+                    told[k] += factor * column[k];
                 }
             }
-            let (least, most) = (least.into_iter().fold(f32::MAX, f32::min), most.into_iter().fold(f32::MIN, f32::max));
-            for from in (0..PIXELS).step_by(LANES) {
-                let mut told = [factors[0]; LANES];
-                for (column, factor) in self.columns[1..TERMS].iter().zip(&factors[1..]) {
-                    let column = &column[from..from + LANES];
-                    for k in 0..LANES {
-                        told[k] += factor * column[k];
-                    }
-                }
-                for (k, told) in told.into_iter().enumerate() {
-                    self.told[c][from + k] = told.max(least).min(most);
-                }
+            let [least, most] = bounds(&self.columns[TERMS + c], &self.counts);
+            for told in told {
+                *told = told.max(least).min(most);
             }
         }
         Some(variances)
     }
 }
 
-/// Dot products of a column with four others.
+/// The dot product of two columns.
 #[inline(always)]
-fn products(a: &Column, of: [&Column; 4]) -> [f32; 4] {
-    let mut sums = [[0.0; LANES]; 4];
-    for from in (0..PIXELS).step_by(LANES) {
-        let a: &[f32; LANES] = a[from..].first_chunk().expect("lanes fill columns");
-        for (sums, b) in sums.iter_mut().zip(of) {
-            let b: &[f32; LANES] = b[from..].first_chunk().expect("lanes fill columns");
-            for k in 0..LANES {
-                sums[k] += a[k] * b[k];
-            }
+fn dot(a: &Column, b: &Column) -> f32 {
+    let mut sums = [0.0; LANES];
+    for (a, b) in a.as_chunks::<LANES>().0.iter().zip(b.as_chunks::<LANES>().0) {
+        for k in 0..LANES {
+            sums[k] += a[k] * b[k];
         }
     }
-    sums.map(|sums| sums.into_iter().sum())
+    folded(sums, |a, b| a + b)
+}
+
+/// The least and the greatest value of what counts.
+#[inline(always)]
+fn bounds(values: &Column, counts: &Column) -> [f32; 2] {
+    let least = |a: f32, b: f32| if b < a { b } else { a };
+    let most = |a: f32, b: f32| if b > a { b } else { a };
+    let (mut low, mut high) = ([f32::MAX; LANES], [f32::MIN; LANES]);
+    for (values, counts) in values.as_chunks::<LANES>().0.iter().zip(counts.as_chunks::<LANES>().0) {
+        for k in 0..LANES {
+            low[k] = least(low[k], if counts[k] > 0.0 { values[k] } else { f32::MAX });
+            high[k] = most(high[k], if counts[k] > 0.0 { values[k] } else { f32::MIN });
+        }
+    }
+    [folded(low, least), folded(high, most)]
+}
+
+/// All lanes in one: halves onto halves.
+#[inline(always)]
+fn folded(mut lanes: [f32; LANES], both: impl Fn(f32, f32) -> f32) -> f32 {
+    let mut half = LANES / 2;
+    while half > 0 {
+        for k in 0..half {
+            lanes[k] = both(lanes[k], lanes[k + half]);
+        }
+        half /= 2;
+    }
+    lanes[0]
 }
 
 /// Factors of terms for each channel: least squares about the means, by Cholesky's method, held back where the terms
