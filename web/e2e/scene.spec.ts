@@ -8,8 +8,8 @@ test('a material is edited by colour and slider, saved, and taken back', async (
   await open(view, 'Scene');
   await view.locator('.node', { hasText: 'green' }).locator('> summary').click();
   await anew(view, () => view.getByLabel('green: reflectance', { exact: true }).fill('#2040ff'));
-  await view.locator('.node', { hasText: '#perspective12' }).locator('> summary').click();
-  await anew(view, () => view.getByLabel('#perspective12: fov, slider').fill('50'));
+  await view.locator('.node', { hasText: 'perspective 1' }).locator('> summary').click();
+  await anew(view, () => view.getByLabel('perspective 1: fov, slider').fill('50'));
   const edited = await canvas(view);
   expect(differing(edited, before)).toBeGreaterThan(1000);
   // The command is of the scene's file, once it is saved.
@@ -31,6 +31,7 @@ test('what cannot be is refused in words, and the picture stays', async ({ view 
   const before = await canvas(view);
   await open(view, 'Scene');
   await view.locator('.node', { hasText: 'green' }).locator('> summary').click();
+  await view.locator('.node', { hasText: 'green' }).locator('.more > summary').click();
   const map = view.getByLabel('green: normal_map', { exact: true });
   await map.fill('nowhere.png');
   await map.press('Enter');

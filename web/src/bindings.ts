@@ -9,6 +9,7 @@ import type { Side } from './panel';
 import type { Path } from './path';
 import type { Pick } from './pick';
 import type { PageMessage } from './protocol';
+import type { Selection } from './selection';
 import type { Toolbar } from './toolbar';
 import type { View } from './view';
 
@@ -20,6 +21,7 @@ export interface Bound {
   compare: Compare;
   inspector: Inspector;
   pick: Pick;
+  selection: Selection;
   focus(): void;
   path: Path;
   /** Moves the camera, if it may be moved. */
@@ -41,6 +43,7 @@ export function bindings({
   compare,
   inspector,
   pick,
+  selection,
   path,
   focus,
   move,
@@ -148,10 +151,10 @@ export function bindings({
     history('Ctrl + Shift + Z', 'redo', (e) => (isZ(e) && e.shiftKey) || (e.ctrlKey && e.key === 'y')),
     {
       shown: 'Escape',
-      doc: 'put the tool down, unpin the pixel',
+      doc: 'put the tool down, unpin the pixel, select nothing',
       group: 'Render',
       is: place('Escape'),
-      act: () => (toolbar.region ? toolbar.setRegion(false) : inspector.set(null)),
+      act: () => (toolbar.region ? toolbar.setRegion(false) : (inspector.set(null), selection.set(null))),
     },
   ];
 }

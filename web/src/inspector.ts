@@ -11,7 +11,9 @@ export class Inspector {
   readonly element: HTMLElement;
   /** The pixel that's pinned. */
   pinned: [number, number] | null = null;
-  private readonly hover = h('p', { class: 'values' }, 'Point at the picture; click to pin a pixel.');
+  /** Called with what is known of the pinned pixel. */
+  told: (pixel: Pixel) => void = () => {};
+  private readonly hover = h('p', { class: 'values' }, 'Point at the picture; click to pin a pixel and select.');
   private readonly pin = h('div', { class: 'pin', 'aria-live': 'polite' });
   private asked = 0;
   private timer = 0;
@@ -26,7 +28,7 @@ export class Inspector {
 
   /** Values under the pointer. */
   show(pixel: [number, number] | null, values: number[] | null, isMixed: boolean): void {
-    if (!pixel || !values) return setText(this.hover, 'Point at the picture; click to pin a pixel.');
+    if (!pixel || !values) return setText(this.hover, 'Point at the picture; click to pin a pixel and select.');
     setText(this.hover, `${pixel[0]}, ${pixel[1]}:  ${values.map(show).join('  ')}${isMixed ? '  (mixed)' : ''}`);
   }
 
@@ -54,8 +56,10 @@ export class Inspector {
       const response = await fetch(`./api/pixel?x=${pixel[0]}&y=${pixel[1]}`);
       const body = (await response.json()) as Pixel | { error: string };
       if (this.pinned !== pixel) return;
-      if ('channels' in body) this.fill(body);
-      else this.pin.replaceChildren(this.head(pixel), h('p', { class: 'facts' }, body.error ?? response.statusText));
+      if ('channels' in body) {
+        this.fill(body);
+        this.told(body);
+      } else this.pin.replaceChildren(this.head(pixel), h('p', { class: 'facts' }, body.error ?? response.statusText));
     } catch {
       if (this.pinned === pixel && this.pin.childElementCount === 0)
         this.pin.replaceChildren(this.head(pixel), h('p', { class: 'facts' }, 'no answer'));
@@ -77,6 +81,7 @@ export class Inspector {
       ['error', pixel.error === null ? null : `${show(100 * pixel.error)} %`],
       ['object', pixel.object],
       ['material', pixel.material],
+      ['light', pixel.light],
     ].filter((f): f is [string, string] => f[1] !== null);
     // Channels of a layer (`albedo.R`) are one row.
     const rows = new Map<string, string[]>();

@@ -19,7 +19,7 @@ const POINTER: [string, string][] = [
   ['Wheel', 'dolly'],
   ['Ctrl + wheel', 'zoom the picture'],
   ['Ctrl + drag', 'move the picture'],
-  ['Click', 'pin a pixel'],
+  ['Click', 'pin a pixel, select the object'],
   ['One finger', 'orbit'],
   ['Two fingers', 'pan and dolly'],
   ['W A S D Q E, mouse', 'fly, once started; Shift is faster, the wheel changes the speed, Escape ends'],

@@ -1,7 +1,8 @@
-/** What lies over the picture: the region's frame, the pinned pixel's mark, and a path. */
+/** What lies over the picture: the region's frame, the pinned pixel's mark, the selected shape's outline, and a path. */
 
 import { h } from './dom';
 import { Drawing } from './drawing';
+import { OutlineDrawing } from './outline';
 import type { Box } from './vector';
 import type { View } from './view';
 
@@ -11,18 +12,21 @@ export class Overlay {
   region: Box | null = null;
   pin: [number, number] | null = null;
   readonly drawing: Drawing;
+  readonly outline: OutlineDrawing;
   private readonly frame = h('div', { class: 'region' });
   private readonly mark = h('div', { class: 'mark' });
 
   constructor(private readonly view: View) {
     this.drawing = new Drawing(view);
-    this.element.append(this.frame, this.mark, this.drawing.element);
+    this.outline = new OutlineDrawing(view);
+    this.element.append(this.outline.element, this.frame, this.mark, this.drawing.element);
   }
 
   /** Puts all where the picture is. */
   place(): void {
     this.put(this.frame, this.region);
     this.put(this.mark, this.pin && [this.pin[0], this.pin[1], this.pin[0] + 1, this.pin[1] + 1]);
+    this.outline.place();
     this.drawing.place();
   }
 

@@ -48,7 +48,8 @@ export class Panels {
     this.surroundings = new SurroundingsPanel(send, (text) => this.output.copy(text));
     this.mixer = new Mixer(view, send, this.showHistogram);
     this.camera = new CameraPanel(send, { from: stage.from, fly: stage.fly, fov: (degrees) => stage.moving.fov(degrees) });
-    this.nodes = new Nodes(send);
+    this.nodes = new Nodes(send, () => stage.selection.set(null));
+    stage.selection.changed = (selected) => this.nodes.select(selected);
     this.element = h(
       'aside',
       { class: 'panel', 'aria-label': 'Panels' },

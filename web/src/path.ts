@@ -59,6 +59,11 @@ export class Path {
     this.element = h('div', { class: 'traced' }, bar, this.facts, this.table);
   }
 
+  /** Whether clicks trace paths. */
+  get isOn(): boolean {
+    return this.on;
+  }
+
   toggle(): void {
     this.on = !this.on;
     setPressed(this.button, this.on);

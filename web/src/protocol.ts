@@ -327,7 +327,28 @@ export type Sample = number | string;
 /**
  * Data of a pixel.
  */
-export type Pixel = { x: number, y: number, generation: number, kind: FrameKind, samples: number, error: number | null, object: string | null, material: string | null, channels: { [key in string]: Sample }, };
+export type Pixel = { x: number, y: number, generation: number, kind: FrameKind, samples: number, error: number | null, object: string | null, material: string | null, light: string | null, 
+/**
+ * True if it is known which surface is there, if any.
+ */
+hasSurface: boolean, channels: { [key in string]: Sample }, };
+
+/**
+ * The pixels of a shape, in runs.
+ */
+export type Outline = { generation: number, 
+/**
+ * Upper left corner of the first pixel, in pixels of the whole picture.
+ */
+origin: [number, number], 
+/**
+ * Size of a pixel here, in pixels of the whole picture.
+ */
+pixel: [number, number], 
+/**
+ * Row, first column, and the column after the last.
+ */
+runs: Array<[number, number, number]>, };
 
 /**
  * Kind of a vertex.

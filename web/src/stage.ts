@@ -15,6 +15,7 @@ import type { Side } from './panel';
 import { Path } from './path';
 import { Pick } from './pick';
 import type { FrameEnd, Message, PageMessage, State } from './protocol';
+import { Selection } from './selection';
 import type { Tile } from './tile';
 import { Toolbar } from './toolbar';
 import { View } from './view';
@@ -43,6 +44,7 @@ export class Stage {
   readonly path: Path;
   readonly inspector: Inspector;
   readonly pick: Pick;
+  readonly selection: Selection;
   readonly toolbar: Toolbar;
   readonly flying = h('div', { class: 'hint', hidden: true }, 'Flying: W A S D Q E and the mouse; Escape ends');
   /** Called when there is another theme. */
@@ -62,6 +64,8 @@ export class Stage {
       overlay.pin = this.inspector.pinned;
       overlay.place();
     });
+    this.selection = new Selection(overlay.outline);
+    this.inspector.told = (pixel) => this.selection.take(pixel);
     this.pick = new Pick(this.camera, this.move, this.send, actions.tell);
     this.toolbar = new Toolbar({
       fit: () => (view.placement.fit(), view.redraw()),
@@ -106,7 +110,7 @@ export class Stage {
   }
 
   private navigate(): void {
-    const { view, overlay, inspector, pick, toolbar } = this;
+    const { view, overlay, inspector, path, pick, selection, toolbar } = this;
     new Navigate(view, this.camera, this.moving, this.flight, {
       hover: (pixel) => {
         pick.pixel = pixel;
@@ -114,6 +118,9 @@ export class Stage {
       },
       click: (pixel) => {
         const inside = view.values(...pixel) !== null;
+        // A click that traces leaves its table in view.
+        if (!inside) selection.set(null);
+        else if (!path.isOn) selection.click();
         inspector.set(inside ? pixel : null);
         if (inside) inspector.show(pixel, view.values(...pixel), view.isMixed);
       },
@@ -143,6 +150,7 @@ export class Stage {
     this.view.film = { ...state.film };
     this.view.region = state.region;
     this.path.update(state);
+    this.selection.state(state);
   }
 
   takeFields(state: State, isNew: boolean): void {
@@ -162,5 +170,6 @@ export class Stage {
   takeFrame(frame: FrameEnd): void {
     this.view.frame(frame);
     this.moving.frame(frame.generation);
+    this.selection.frame(frame);
   }
 }

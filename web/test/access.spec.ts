@@ -25,6 +25,7 @@ for (const scheme of ['dark', 'light'] as const) {
     await ready.getByText('Table', { exact: true }).click();
     await expect(ready.locator('.plot .measured.curve')).toHaveCount(1);
     await ready.locator('.node', { hasText: 'red glass' }).locator('> summary').click();
+    await ready.locator('.node', { hasText: 'red glass' }).locator('.more > summary').click();
     const [x, y] = await middle(ready);
     // The divider is in the middle.
     await ready.mouse.click(x - 30, y);
@@ -73,6 +74,7 @@ test('a window of 360 pixels: nothing is cut, the panel is a sheet', async ({ mo
   await page.getByRole('button', { name: 'Keep as B' }).click();
   for (const mode of ['flip', 'difference', 'split']) await page.getByLabel('Compare with B').selectOption(mode);
   await page.locator('.node', { hasText: 'red glass' }).locator('> summary').click();
+  await page.locator('.node', { hasText: 'red glass' }).locator('.more > summary').click();
   const wide = await page.evaluate(() => {
     const all = [
       document.documentElement,

@@ -4,7 +4,7 @@ import { createServer, type IncomingMessage, type ServerResponse } from 'node:ht
 import { readFile } from 'node:fs/promises';
 import type { AddressInfo } from 'node:net';
 import { WebSocketServer, type WebSocket } from 'ws';
-import type { FrameEnd, NodeState, PageMessage, Pixel, State } from '../src/protocol';
+import type { FrameEnd, NodeState, Outline, PageMessage, Pixel, State } from '../src/protocol';
 import { toHalf } from './half';
 import { pathOf } from './path';
 import { Reference } from './reference';
@@ -46,6 +46,12 @@ export class Mock {
   groups: [string, Shade][] = [];
   /** Where the point of a pixel is, as channels. */
   places: (x: number, y: number) => Pixel['channels'] = () => ({});
+  /** The object of all pixels, and the pixels of its outline. */
+  object: string | null = 'sphere 2';
+  runs: Outline['runs'] = [
+    [0, 1, 3],
+    [1, 0, 4],
+  ];
   /** How many paths were asked for. */
   paths = 0;
   readonly reference = new Reference(this);
@@ -239,6 +245,7 @@ export class Mock {
     if (this.reference.answer(request, url, path, body, response)) return;
     if (path === 'api/state') return void json(this.state);
     if (path === 'api/nodes') return void json(this.nodes);
+    if (path === 'api/outline') return void json({ generation: this.state.generation, origin: [8, 8], pixel: [2, 2], runs: this.runs });
     if (path === 'api/pixel') return void this.pixel(url.searchParams, json);
     if (path === 'api/path') {
       this.paths++;
@@ -261,6 +268,17 @@ export class Mock {
     const value = (v: number) => (Number.isFinite(v) ? v : String(v));
     const [R, G, B] = this.shade(x, y).map(value);
     const channels = { R, G, B, 'albedo.R': 0.8, 'albedo.G': 0.25, 'albedo.B': y / film.height, depth: 3.25, ...this.places(x, y) };
-    json({ x, y, generation, samples: this.samples, error: 0.0123, object: 'sphere 2', material: 'red glass', channels });
+    json({
+      x,
+      y,
+      generation,
+      samples: this.samples,
+      error: 0.0123,
+      object: this.object,
+      material: 'red glass',
+      light: null,
+      hasSurface: true,
+      channels,
+    });
   }
 }

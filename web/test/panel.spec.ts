@@ -67,6 +67,7 @@ test('settings are sent and shown', async ({ mock, ready }) => {
 test('nodes are edited by kind of parameter, undone and redone', async ({ mock, ready }) => {
   await open(ready, 'Scene');
   await ready.locator('.node', { hasText: 'red glass' }).locator('> summary').click();
+  await ready.locator('.node', { hasText: 'red glass' }).locator('.more > summary').click();
   const edits = () => sent(mock, 'edit').map(({ parameter, value }) => [parameter, value]);
   await ready.getByLabel('red glass: eta', { exact: true }).fill('1.7');
   await ready.getByLabel('red glass: eta', { exact: true }).press('Enter');
@@ -133,6 +134,7 @@ test('a state on its way does not undo what was changed meanwhile', async ({ moc
 test('nodes on their way do not undo what was edited meanwhile', async ({ mock, ready }) => {
   await open(ready, 'Scene');
   await ready.locator('.node', { hasText: 'red glass' }).locator('> summary').click();
+  await ready.locator('.node', { hasText: 'red glass' }).locator('.more > summary').click();
   const [requests, nodes] = [gate(), gate()];
   mock.delay = requests.opened;
   let isAsked = false;
@@ -167,6 +169,7 @@ test('a slider that is held sends values as pictures come, and the last one to s
 }) => {
   await open(ready, 'Scene');
   await ready.locator('.node', { hasText: 'red glass' }).locator('> summary').click();
+  await ready.locator('.node', { hasText: 'red glass' }).locator('.more > summary').click();
   const slider = ready.getByLabel('red glass: alpha, slider');
   await slider.scrollIntoViewIfNeeded();
   const box = (await slider.boundingBox())!;

@@ -6,12 +6,13 @@ use crate::{
     edits::{Edit, What},
     frame, groups,
     look::{Look, Purpose, View, bytes, can_be_denoised, check_memory, quality, set},
+    names::labels,
     protocol::{Request, told},
     state,
     viewer::{Invalidates, Viewer, compile},
 };
 use std::sync::Arc;
-use steradian::Scene;
+use steradian::{Scene, scene::NodeId};
 
 /// Scene that can be rendered as it is looked at, and the bytes that its pictures take.
 type Remade = (Arc<Scene>, u64);
@@ -121,6 +122,12 @@ impl Viewer {
                 Ok(Invalidates::Scene)
             }
             Request::CameraName { name } => {
+                // Those without a name of their own go by their number.
+                let has_name = |k: &NodeId| document.desc.node(*k).name.as_ref() == Some(&name);
+                let labels = labels(&document.desc);
+                let nameless = |k: &NodeId| !has_name(k) && labels[k.0 as usize] == name;
+                let number = document.desc.cameras.iter().position(nameless);
+                let name = number.map_or(name, |k| k.to_string());
                 let Some(_) = document.desc.camera(Some(&name)) else {
                     return Err(format!("there is no camera '{name}'"));
                 };

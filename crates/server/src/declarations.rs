@@ -3,6 +3,7 @@
 use crate::{
     difference::{Figures, Metric},
     kept::AboutReference,
+    outline::Outline,
     path::{DirectTold, EndTold, KindTold, Told, VertexTold},
     protocol::{
         AboutScene, AnimationState, CameraState, Choices, Denoiser, Exposure, FrameEnd, FrameKind, Message, Named,
@@ -51,6 +52,7 @@ fn declarations() -> String {
         declaration::<NodeState>,
         declaration::<Sample>,
         declaration::<Pixel<'static>>,
+        declaration::<Outline>,
         declaration::<KindTold>,
         declaration::<DirectTold>,
         declaration::<VertexTold>,

@@ -3,6 +3,7 @@
 use crate::{
     edits::{Change, Edit, PLACE, placements},
     look::View,
+    names::{Names, labels},
     protocol::{NodeState, ParameterState},
 };
 use std::{
@@ -57,6 +58,7 @@ pub struct Document {
     undo: Vec<Change>,
     redo: Vec<Change>,
     kept: Kept,
+    names: Arc<Names>,
     /// Number of compilations.
     #[cfg(test)]
     pub compiled: usize,
@@ -78,6 +80,7 @@ impl Document {
         if diagnostics.has_errors() {
             return Err(diagnostics);
         }
+        let names = Arc::new(Names::new(&desc));
         Ok(Self {
             source,
             desc,
@@ -85,6 +88,7 @@ impl Document {
             undo: Vec::new(),
             redo: Vec::new(),
             kept: Default::default(),
+            names,
             #[cfg(test)]
             compiled: 0,
         })
@@ -127,6 +131,15 @@ impl Document {
             view.place(&mut desc, id);
         }
         desc
+    }
+
+    /// Names of the nodes.
+    pub fn names(&mut self) -> Arc<Names> {
+        // Edits add nodes, and change no names.
+        if self.names.count() != self.desc.nodes.len() {
+            self.names = Arc::new(Names::new(&self.desc));
+        }
+        self.names.clone()
     }
 
     /// Numbers of edits that can be taken back, and done again.
@@ -263,7 +276,7 @@ impl Document {
 
     /// All nodes, with all that can be set of them.
     pub fn nodes(&self) -> Vec<NodeState> {
-        let ids = native::ids(&self.desc);
+        let ids = labels(&self.desc);
         let node = |(node, id): (&Node, &String)| {
             let value = |name: &str| {
                 let text = node.get(name).map(|v| native::value_text(&ids, name, v));

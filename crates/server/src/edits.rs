@@ -1,7 +1,11 @@
 //! Edits of a scene, and taking them back.
 
-use crate::protocol::told;
+use crate::{
+    names::{labels, with_labels},
+    protocol::told,
+};
 use std::{
+    collections::HashSet,
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -11,7 +15,7 @@ use steradian::{
 };
 
 /// Begins the names of placements that are no node's own.
-const PLACEMENT: &str = "#placement";
+const PLACEMENT: &str = "placement";
 /// Name of the parameter for placements.
 pub const PLACE: &str = "to_world";
 
@@ -142,13 +146,18 @@ pub fn placements(desc: &SceneDesc, ids: &[String]) -> Vec<Placed> {
 fn all(desc: &SceneDesc, ids: &[String]) -> Vec<(String, String, Placement)> {
     let mut times = vec![0_u32; desc.nodes.len()];
     Placement::all(desc).filter_map(|(_, node)| node).for_each(|node| times[node.0 as usize] += 1);
+    let taken: HashSet<&str> = ids.iter().map(String::as_str).collect();
+    let numbered = |k: usize| match format!("{PLACEMENT} {}", k + 1) {
+        name if taken.contains(name.as_str()) => format!("#{name}"),
+        name => name,
+    };
     let named = |(k, (at, node)): (usize, (Placement, Option<NodeId>))| {
         let index = node.map(|n| n.0 as usize);
         let kind = match (at, index) {
             (Placement::Instance(i), _) => desc.groups.get(desc.instances[i].group).map(|g| g.name.clone()),
             (_, index) => index.map(|i| ids[i].clone()),
         };
-        let id = index.filter(|i| times[*i] == 1).map_or_else(|| format!("{PLACEMENT}{k}"), |i| ids[i].clone());
+        let id = index.filter(|i| times[*i] == 1).map_or_else(|| numbered(k), |i| ids[i].clone());
         (id, kind.unwrap_or_default(), at)
     };
     Placement::all(desc).enumerate().map(named).collect()
@@ -199,12 +208,13 @@ impl Change {
 /// Sets a parameter, or a place.
 fn set(desc: &mut SceneDesc, at: (&str, &str), value: &str, reading: &Options) -> Result<Held, String> {
     let (id, parameter) = at;
-    let ids = native::ids(desc);
+    let ids = labels(desc);
     let node = ids.iter().position(|known| known == id).map(|k| NodeId(k as u32));
     let is_node = node.is_some_and(|n| desc.node(n).family != Family::Shape || parameter != PLACE);
     if let Some(node) = node.filter(|_| is_node) {
         let params = desc.node(node).params.clone();
-        native::set(desc, node, parameter, value, reading).map_err(|d| told(&d))?;
+        let set = |desc: &mut SceneDesc| native::set(desc, node, parameter, value, reading).map_err(|d| told(&d));
+        with_labels(desc, &ids, set)?;
         return Ok(Held::Params(node, params));
     }
     let all = all(desc, &ids);

@@ -27,6 +27,8 @@ mod job;
 mod kept;
 mod log;
 mod look;
+mod names;
+mod outline;
 mod page;
 mod path;
 mod preview;

@@ -159,7 +159,9 @@ fn vertex(subject: &Subject, path: &TracedPath, k: usize) -> VertexTold {
         (there - here?).try_normalize().map(|d| d.to_array())
     };
     let (object, material) = v.surface.map_or((None, None), |(object, material)| {
-        (scene.object_names().get(&object).cloned(), scene.material_names().get(material as usize).cloned())
+        let named = subject.names.of(object);
+        let material = named.material.or_else(|| scene.material_names().get(material as usize).map(String::as_str));
+        (named.object.map(String::from), material.map(String::from))
     });
     let direct = v.direct.map(|d| {
         let position = d.distance.is_finite().then(|| v.position + d.towards * d.distance);

@@ -68,8 +68,12 @@ pub struct Pixel<'a> {
     kind: FrameKind,
     samples: u32,
     error: Option<f64>,
-    object: Option<&'a String>,
-    material: Option<&'a String>,
+    object: Option<&'a str>,
+    material: Option<&'a str>,
+    light: Option<&'a str>,
+    /// True if it is known which surface is there, if any.
+    #[serde(rename = "hasSurface")]
+    has_surface: bool,
     #[serde(serialize_with = "in_order")]
     #[cfg_attr(test, ts(as = "std::collections::BTreeMap<String, Sample>"))]
     channels: Vec<(&'a str, Sample)>,
@@ -95,14 +99,18 @@ pub async fn pixel(State(app): State<App>, Query(Place { x, y }): Query<Place>) 
     let added = clean.iter().flat_map(|(clean, k)| clean.channels().iter().map(|c| (c.name.as_str(), c.data[*k])));
     let added = added.filter(|(name, _)| image.channel(name).is_none());
     let channels = own.chain(added).map(|(name, value)| (name, number(value))).collect();
-    let names = shown.scene.material_names();
-    let material = hit.and_then(|h| names.get(h.material.checked_sub(1)? as usize));
-    let object = hit.and_then(|h| shown.scene.object_names().get(&h.shape));
+    let subject = app.viewer.subject();
+    let named = hit.map(|h| subject.names.of(h.shape)).unwrap_or_default();
+    // Of shapes that are given none.
+    let default = hit.and_then(|h| shown.scene.material_names().get(h.material.checked_sub(1)? as usize));
+    let material = named.material.or(default.map(String::as_str));
     // As the estimate of a picture's error, of a single pixel.
     let (mean, variance) = (film.pixels[0].mean(), film.pixels[0].variance_of_mean());
     let error = (film.pixels[0].samples > 1)
         .then(|| (0..3).map(|c| variance[c] / (mean[c] * mean[c] + 0.01)).sum::<f64>() / 3.0)
         .map(f64::sqrt);
     let (generation, kind, samples) = (shown.generation, shown.kind, film.pixels[0].samples);
-    Ok(Json(Pixel { x, y, generation, kind, samples, error, object, material, channels }).into_response())
+    let (object, light, has_surface) = (named.object, named.light, hit.is_some());
+    let told = Pixel { x, y, generation, kind, samples, error, object, material, light, has_surface, channels };
+    Ok(Json(told).into_response())
 }

@@ -2,7 +2,7 @@
 
 use crate::{
     app::{App, Refused},
-    difference, page, path, reference, requests, save, socket, upload,
+    difference, outline, page, path, reference, requests, save, socket, upload,
 };
 use axum::{
     Router,
@@ -27,6 +27,7 @@ pub fn router(app: App) -> Router {
         .route("/state", get(requests::state))
         .route("/nodes", get(requests::nodes))
         .route("/pixel", get(requests::pixel))
+        .route("/outline", get(outline::outline))
         .route("/path", get(path::path))
         .route("/scene.steradian", get(save::scene))
         .route("/{picture}", get(save::picture))

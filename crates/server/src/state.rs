@@ -5,6 +5,7 @@ use crate::{
     document::Document,
     frame::LAYERS,
     look::{Look, StartExposure, quality},
+    names::labels,
     protocol::{
         AboutScene, COLORS, CameraState, Choices, Denoiser, Exposure, Message, Named, ServerMessage, Settings,
         Severity, Size, State, ToneChoice, ToneParameter, text_of,
@@ -142,9 +143,10 @@ fn camera(document: &Document, look: &Look, scene: &Scene) -> CameraState {
     let has_focus = node.family.parameters(&node.kind).into_iter().flatten().any(|p| p.name == "focal_distance");
     let is_perspective = node.kind == "perspective";
     let fov = look.view.and_then(|v| v.fov).or_else(|| number("fov")).unwrap_or(90.0);
-    let ids = steradian::formats::native::ids(&document.desc);
+    let ids = labels(&document.desc);
+    let own = document.desc.camera(look.camera.as_deref()).map(|id| ids[id.0 as usize].clone());
     CameraState {
-        name: look.camera.clone().or_else(|| node.name.clone()),
+        name: own.clone(),
         names: document.desc.cameras.iter().map(|id| ids[id.0 as usize].clone()).collect(),
         kind: node.kind.clone(),
         eye: point.eye.to_array(),
@@ -154,7 +156,7 @@ fn camera(document: &Document, look: &Look, scene: &Scene) -> CameraState {
         handedness: if place.swaps_handedness() { 1 } else { -1 },
         moved: look.view.is_some(),
         movable: is_movable(document, look),
-        id: document.desc.camera(look.camera.as_deref()).map(|id| ids[id.0 as usize].clone()).unwrap_or_default(),
+        id: own.unwrap_or_default(),
         unit: place.vector(DVec3::Z).length(),
         lens: has_focus.then(|| number("lens_radius").unwrap_or(0.0).max(0.0)),
     }

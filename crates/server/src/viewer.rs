@@ -188,7 +188,8 @@ impl Viewer {
             (self.job, self.published, self.preview, self.is_fine) = (None, None, None, false);
             (self.broken_off, self.owed) = (0, true);
             let (generation, scene) = (self.generation, Arc::clone(&self.scene));
-            self.subject.send_replace(Arc::new(Subject { generation, scene, quality: quality(&self.look) }));
+            let (quality, names) = (quality(&self.look), self.document.names());
+            self.subject.send_replace(Arc::new(Subject { generation, scene, quality, names }));
         }
         let state = state::of(self.generation, &self.document, &self.look, &self.scene, &self.denoisers.library);
         self.state.send_replace(state);

@@ -68,7 +68,7 @@ var POINTER = [
 	["Wheel", "dolly"],
 	["Ctrl + wheel", "zoom the picture"],
 	["Ctrl + drag", "move the picture"],
-	["Click", "pin a pixel"],
+	["Click", "pin a pixel, select the object"],
 	["One finger", "orbit"],
 	["Two fingers", "pan and dolly"],
 	["W A S D Q E, mouse", "fly, once started; Shift is faster, the wheel changes the speed, Escape ends"]
@@ -127,7 +127,7 @@ var Keys = class {
 // src/bindings.ts
 /** CSS pixels of a drag that an arrow key stands for. */
 var STEP = 20;
-function bindings({ view, camera, toolbar, look, compare, inspector, pick, path, focus, move, from, fly, send, help }) {
+function bindings({ view, camera, toolbar, look, compare, inspector, pick, selection, path, focus, move, from, fly, send, help }) {
 	const zoom = (factor) => {
 		view.placement.zoom(factor);
 		view.redraw();
@@ -289,10 +289,10 @@ function bindings({ view, camera, toolbar, look, compare, inspector, pick, path,
 		history("Ctrl + Shift + Z", "redo", (e) => isZ(e) && e.shiftKey || e.ctrlKey && e.key === "y"),
 		{
 			shown: "Escape",
-			doc: "put the tool down, unpin the pixel",
+			doc: "put the tool down, unpin the pixel, select nothing",
 			group: "Render",
 			is: place$1("Escape"),
-			act: () => toolbar.region ? toolbar.setRegion(false) : inspector.set(null)
+			act: () => toolbar.region ? toolbar.setRegion(false) : (inspector.set(null), selection.set(null))
 		}
 	];
 }
@@ -2094,6 +2094,52 @@ var Mixer = class {
 		this.changed();
 	}
 };
+// src/first.ts
+var FIRST = /* @__PURE__ */ new Set([
+	...[
+		"base_color",
+		"color",
+		"reflectance",
+		"diffuse_reflectance",
+		"specular_reflectance",
+		"albedo",
+		"transmittance"
+	],
+	...[
+		"roughness",
+		"specular_roughness",
+		"alpha",
+		"alpha_u",
+		"alpha_v",
+		"exponent",
+		"beta_m",
+		"beta_n"
+	],
+	...[
+		"metallic",
+		"base_metalness",
+		"eta",
+		"k",
+		"specular_ior",
+		"index",
+		"emission",
+		"opacity",
+		"geometry_opacity"
+	],
+	...[
+		"file",
+		"material",
+		"front",
+		"back",
+		"amount"
+	]
+]);
+/** Those that are shown at once, and those that are folded; of nodes of other families, and where none matters first, all are shown. */
+function split({ family, parameters }) {
+	const first = parameters.filter((p) => FIRST.has(p.name));
+	if (family !== "material" || first.length === 0) return [parameters, []];
+	return [first, parameters.filter((p) => !FIRST.has(p.name))];
+}
 // src/vector.ts
 var add = (a, b) => [
 	a[0] + b[0],
@@ -2468,7 +2514,7 @@ function text$1(p, label, edit) {
 	};
 }
 // src/nodes.ts
-/** Panel "Scene": its nodes by family, and their parameters to be edited. */
+/** Panel "Scene": what is selected, the nodes by family, and their parameters to be edited. */
 /** Milliseconds after which a picture that did not come is no longer waited for. */
 var PATIENCE$1 = 2e3;
 var ParameterRow = class {
@@ -2481,7 +2527,14 @@ var ParameterRow = class {
 	constructor(node, parameter, edit) {
 		this.edit = edit;
 		const { name } = parameter;
-		this.name = h("span", { class: "name" }, name);
+		this.name = h("span", {
+			class: "name",
+			title: [
+				name,
+				parameter.doc,
+				parameter.type
+			].filter(Boolean).join("\n")
+		}, name.replaceAll("_", " "));
 		const what = `What holds when ${name} is not given`;
 		this.reset = h("button", {
 			class: "small",
@@ -2495,13 +2548,15 @@ var ParameterRow = class {
 	}
 	label;
 	update(parameter) {
-		const { name, type, doc } = parameter;
+		const { name, type, doc, unit } = parameter;
 		this.element.title = [doc, type].filter(Boolean).join("\n");
 		this.name.classList.toggle("unset", parameter.value === null);
 		this.reset.hidden = parameter.value === null;
 		if (this.field?.kind === kindOf(parameter)) return this.field.set(parameter);
 		this.field = parameterField(parameter, this.label, (value, done) => this.edit(name, value, done));
 		this.slot.replaceChildren(this.field.element);
+		this.name.querySelector(".unit")?.remove();
+		if (unit && this.field.kind !== "number") this.name.append(" ", h("span", { class: "unit" }, unit));
 	}
 };
 var NodeItem = class {
@@ -2510,6 +2565,7 @@ var NodeItem = class {
 	element;
 	title = h("span", { class: "kind" });
 	body = h("div", { class: "body" });
+	moreTitle = h("span");
 	rows = null;
 	constructor(node, edit) {
 		this.node = node;
@@ -2533,12 +2589,24 @@ var NodeItem = class {
 			old?.update(parameter);
 			rows.set(parameter.name, old ?? new ParameterRow(this.node, parameter, (p, value, done) => this.edit(this.node.id, p, value, done)));
 		}
-		if (!(this.rows && [...rows.values()].every((r, i) => this.body.children[i] === r.element) && this.body.children.length === rows.size)) this.body.replaceChildren(...rows.size ? [...rows.values()].map((r) => r.element) : [h("p", { class: "facts" }, "nothing to set")]);
+		const isSame = this.rows && [...rows.keys()].join() === [...this.rows.keys()].join();
 		this.rows = rows;
+		const [first, more] = split(this.node);
+		const set = more.filter((p) => p.value !== null).length;
+		setText(this.moreTitle, `more: ${more.length} parameters${set ? `, ${set} set` : ""}`);
+		if (isSame) return;
+		const elements = (of) => of.map((p) => rows.get(p.name).element);
+		const folded = more.length ? [h("details", { class: "more" }, h("summary", {}, this.moreTitle), ...elements(more))] : [];
+		this.body.replaceChildren(...rows.size ? [...elements(first), ...folded] : [h("p", { class: "facts" }, "nothing to set")]);
+	}
+	unfold() {
+		this.element.open = true;
+		this.fill();
 	}
 };
 var Nodes = class {
 	send;
+	deselect;
 	element;
 	undo = h("button", {
 		title: "Undo (Ctrl+Z)",
@@ -2554,8 +2622,18 @@ var Nodes = class {
 		"aria-label": "Filter the nodes",
 		oninput: () => this.sift()
 	});
+	chosen = h("div", {
+		class: "chosen",
+		role: "group",
+		"aria-label": "Selected",
+		hidden: true
+	});
 	list = h("div", { class: "nodes" });
 	items = /* @__PURE__ */ new Map();
+	nodes = [];
+	selected = null;
+	/** Whether what is selected is still to be scrolled to. */
+	reveals = false;
 	key = "";
 	wants = false;
 	/** The edit of a slider that is held, until it is sent. */
@@ -2563,9 +2641,10 @@ var Nodes = class {
 	sentAt = -2e3;
 	/** Edits that were sent. */
 	edits = 0;
-	constructor(send) {
+	constructor(send, deselect) {
 		this.send = send;
-		this.element = section("Scene", false, h("div", { class: "buttons" }, this.undo, this.redo, this.filter), this.list);
+		this.deselect = deselect;
+		this.element = section("Scene", false, h("div", { class: "buttons" }, this.undo, this.redo, this.filter), this.chosen, this.list);
 		this.element.addEventListener("toggle", () => void this.load());
 	}
 	/** Something else may be in the scene now. */
@@ -2592,20 +2671,66 @@ var Nodes = class {
 		}
 	}
 	show(nodes) {
-		const families = /* @__PURE__ */ new Map();
-		for (const node of nodes) families.set(node.family, [...families.get(node.family) ?? [], node]);
-		const shape = JSON.stringify(nodes.map((n) => [n.family, n.id]));
+		this.nodes = nodes;
 		for (const node of nodes) this.items.get(node.id)?.update(node);
-		if (this.list.dataset.shape === shape) return;
-		this.list.dataset.shape = shape;
+		this.arrange();
+		this.reveal();
+	}
+	/** What is selected stands above the others. */
+	select(selected) {
+		this.selected = selected;
+		this.arrange();
+		this.reveals = selected !== null;
+		if (!selected) return;
+		this.element.open = true;
+		if (this.wants) this.load();
+		else this.reveal();
+	}
+	/** The nodes that are selected: the shape, its light and its material. */
+	chosenIds() {
+		const { shape, light, material } = this.selected ?? {};
+		return [
+			shape,
+			light,
+			material
+		].filter((id) => typeof id === "string" && this.items.has(id));
+	}
+	reveal() {
+		if (!this.reveals || this.wants || this.chosen.hidden) return;
+		this.reveals = false;
+		this.items.get(this.chosenIds().at(-1))?.unfold();
+		this.chosen.scrollIntoView({ block: "start" });
+	}
+	arrange() {
 		const old = new Map(this.items);
 		this.items.clear();
-		for (const node of nodes) this.items.set(node.id, old.get(node.id) ?? new NodeItem(node, (...edit) => this.edit(...edit)));
+		for (const node of this.nodes) this.items.set(node.id, old.get(node.id) ?? new NodeItem(node, (...edit) => this.edit(...edit)));
+		const chosen = this.chosenIds();
+		const shape = JSON.stringify([chosen, this.nodes.map((n) => [n.family, n.id])]);
+		if (this.list.dataset.shape === shape) return;
+		this.list.dataset.shape = shape;
+		const families = /* @__PURE__ */ new Map();
+		for (const node of this.nodes.filter((n) => !chosen.includes(n.id))) families.set(node.family, [...families.get(node.family) ?? [], node]);
+		const folds = new Map([...this.list.querySelectorAll(".family")].map((f) => [f.dataset.family, f.open]));
 		this.list.replaceChildren(...[...families].map(([family, members]) => h("details", {
 			class: "family",
-			open: members.length <= 12
+			"data-family": family,
+			open: folds.get(family) ?? members.length <= 12
 		}, h("summary", {}, h("h3", {}, family), h("span", { class: "kind" }, String(members.length))), ...members.map((n) => this.items.get(n.id).element))));
+		this.choose(chosen);
 		this.sift();
+	}
+	choose(chosen) {
+		this.chosen.hidden = chosen.length === 0;
+		const what = "Select nothing (Escape)";
+		const close = h("button", {
+			class: "small",
+			title: what,
+			"aria-label": what,
+			onclick: () => this.deselect()
+		}, "×");
+		const head = h("div", { class: "pin-head" }, h("strong", {}, `Selected: ${chosen[0] ?? ""}`), close);
+		this.chosen.replaceChildren(...chosen.length ? [head, ...chosen.map((id) => this.items.get(id).element)] : []);
 	}
 	/** Sends an edit; while a slider is held only when the picture of the last one came. */
 	edit(node, parameter, value, done) {
@@ -2646,7 +2771,8 @@ var Nodes = class {
 	/** Shows the nodes whose id or kind has the filter's text. */
 	sift() {
 		const text = this.filter.value.trim().toLowerCase();
-		for (const { element, node } of this.items.values()) element.hidden = text !== "" && !`${node.id} ${node.kind}`.toLowerCase().includes(text);
+		const chosen = this.chosenIds();
+		for (const { element, node } of this.items.values()) element.hidden = text !== "" && !chosen.includes(node.id) && !`${node.id} ${node.kind}`.toLowerCase().includes(text);
 		for (const family of this.list.children) family.toggleAttribute("hidden", ![...family.querySelectorAll(".node")].some((n) => !n.hidden));
 	}
 };
@@ -3225,7 +3351,8 @@ var Panels = class {
 			fly: stage.fly,
 			fov: (degrees) => stage.moving.fov(degrees)
 		});
-		this.nodes = new Nodes(send);
+		this.nodes = new Nodes(send, () => stage.selection.set(null));
+		stage.selection.changed = (selected) => this.nodes.select(selected);
 		this.element = h("aside", {
 			class: "panel",
 			"aria-label": "Panels"
@@ -3637,7 +3764,9 @@ var Inspector = class {
 	element;
 	/** The pixel that's pinned. */
 	pinned = null;
-	hover = h("p", { class: "values" }, "Point at the picture; click to pin a pixel.");
+	/** Called with what is known of the pinned pixel. */
+	told = () => {};
+	hover = h("p", { class: "values" }, "Point at the picture; click to pin a pixel and select.");
 	pin = h("div", {
 		class: "pin",
 		"aria-live": "polite"
@@ -3652,7 +3781,7 @@ var Inspector = class {
 	}
 	/** Values under the pointer. */
 	show(pixel, values, isMixed) {
-		if (!pixel || !values) return setText(this.hover, "Point at the picture; click to pin a pixel.");
+		if (!pixel || !values) return setText(this.hover, "Point at the picture; click to pin a pixel and select.");
 		setText(this.hover, `${pixel[0]}, ${pixel[1]}:  ${values.map(show).join("  ")}${isMixed ? "  (mixed)" : ""}`);
 	}
 	set(pixel) {
@@ -3677,8 +3806,10 @@ var Inspector = class {
 			const response = await fetch(`./api/pixel?x=${pixel[0]}&y=${pixel[1]}`);
 			const body = await response.json();
 			if (this.pinned !== pixel) return;
-			if ("channels" in body) this.fill(body);
-			else this.pin.replaceChildren(this.head(pixel), h("p", { class: "facts" }, body.error ?? response.statusText));
+			if ("channels" in body) {
+				this.fill(body);
+				this.told(body);
+			} else this.pin.replaceChildren(this.head(pixel), h("p", { class: "facts" }, body.error ?? response.statusText));
 		} catch {
 			if (this.pinned === pixel && this.pin.childElementCount === 0) this.pin.replaceChildren(this.head(pixel), h("p", { class: "facts" }, "no answer"));
 		}
@@ -3697,7 +3828,8 @@ var Inspector = class {
 			["samples", show(pixel.samples)],
 			["error", pixel.error === null ? null : `${show(100 * pixel.error)} %`],
 			["object", pixel.object],
-			["material", pixel.material]
+			["material", pixel.material],
+			["light", pixel.light]
 		].filter((f) => f[1] !== null);
 		const rows = /* @__PURE__ */ new Map();
 		for (const [name, value] of Object.entries(pixel.channels)) {
@@ -3962,6 +4094,7 @@ var Navigate = class {
 var ARROW = 46;
 var RADIUS = 8;
 var SVG = "http://www.w3.org/2000/svg";
+/** An element of SVG. */
 function svg(tag, attributes) {
 	const element = document.createElementNS(SVG, tag);
 	for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, String(value));
@@ -4065,8 +4198,53 @@ var Drawing = class {
 		return group;
 	}
 };
+// src/outline.ts
+/** The outline of the selected shape over the picture, along the edges of its pixels. */
+/** The edges between pixels of the shape and others, as a path of SVG; a pixel is one long. */
+function edges(runs) {
+	const rows = /* @__PURE__ */ new Map();
+	for (const [row, from, to] of runs) rows.set(row, [
+		...rows.get(row) ?? [],
+		from,
+		to
+	]);
+	const upright = runs.flatMap(([row, from, to]) => [`M${from} ${row}v1`, `M${to} ${row}v1`]);
+	const level = [...new Set([...rows.keys()].flatMap((row) => [row, row + 1]))].flatMap((row) => {
+		const ends = [...rows.get(row - 1) ?? [], ...rows.get(row) ?? []].sort((a, b) => a - b);
+		return ends.flatMap((end, i) => i % 2 === 0 && ends[i + 1] > end ? `M${end} ${row}H${ends[i + 1]}` : []);
+	});
+	return [...upright, ...level].join("");
+}
+var OutlineDrawing = class {
+	view;
+	element = svg("svg", { class: "outline" });
+	group = svg("g", {});
+	outline = null;
+	constructor(view) {
+		this.view = view;
+		this.element.append(this.group);
+	}
+	show(outline) {
+		this.outline = outline;
+		const d = outline ? edges(outline.runs) : "";
+		this.group.replaceChildren(...d ? ["edge", "line"].map((name) => svg("path", {
+			class: name,
+			d
+		})) : []);
+		this.place();
+	}
+	/** Puts it where the picture is. */
+	place() {
+		if (!this.outline) return;
+		const { left, top, scale } = this.view.placement;
+		const { origin, pixel } = this.outline;
+		const at = (start, from) => (start + from * scale) / devicePixelRatio;
+		const sizes = pixel.map((size) => size * scale / devicePixelRatio);
+		this.group.setAttribute("transform", `matrix(${sizes[0]} 0 0 ${sizes[1]} ${at(left, origin[0])} ${at(top, origin[1])})`);
+	}
+};
 // src/overlay.ts
-/** What lies over the picture: the region's frame, the pinned pixel's mark, and a path. */
+/** What lies over the picture: the region's frame, the pinned pixel's mark, the selected shape's outline, and a path. */
 var Overlay = class {
 	view;
 	element = h("div", {
@@ -4077,12 +4255,14 @@ var Overlay = class {
 	region = null;
 	pin = null;
 	drawing;
+	outline;
 	frame = h("div", { class: "region" });
 	mark = h("div", { class: "mark" });
 	constructor(view) {
 		this.view = view;
 		this.drawing = new Drawing(view);
-		this.element.append(this.frame, this.mark, this.drawing.element);
+		this.outline = new OutlineDrawing(view);
+		this.element.append(this.outline.element, this.frame, this.mark, this.drawing.element);
 	}
 	/** Puts all where the picture is. */
 	place() {
@@ -4093,6 +4273,7 @@ var Overlay = class {
 			this.pin[0] + 1,
 			this.pin[1] + 1
 		]);
+		this.outline.place();
 		this.drawing.place();
 	}
 	put(element, box) {
@@ -4179,6 +4360,10 @@ var Path = class {
 		const bar = h("div", { class: "path-bar" }, this.button, this.group);
 		bar.addEventListener("keydown", (event) => this.press(event));
 		this.element = h("div", { class: "traced" }, bar, this.facts, this.table);
+	}
+	/** Whether clicks trace paths. */
+	get isOn() {
+		return this.on;
 	}
 	toggle() {
 		this.on = !this.on;
@@ -4351,6 +4536,75 @@ var Pick = class {
 			] : none("there is no surface under the pointer");
 		} catch {
 			return none("no answer");
+		}
+	}
+};
+// src/selection.ts
+var Selection = class {
+	drawing;
+	selected = null;
+	/** Called when something else is selected. */
+	changed = () => {};
+	/** Whether the pixel that is asked about selects. */
+	waits = false;
+	scene = "";
+	generation = 0;
+	frameKey = "";
+	outlined = "";
+	constructor(drawing) {
+		this.drawing = drawing;
+	}
+	/** A pixel was clicked: what is known of it selects. */
+	click() {
+		this.waits = true;
+	}
+	/** What is known of the clicked pixel; coarse pictures may know no surfaces. */
+	take({ hasSurface, object, material, light }) {
+		if (!this.waits || !hasSurface) return;
+		this.set(object === null ? null : {
+			shape: object,
+			material,
+			light
+		});
+	}
+	set(selected) {
+		this.waits = false;
+		if (selected === null && this.selected === null) return;
+		const isOther = selected?.shape !== this.selected?.shape;
+		this.selected = selected;
+		if (isOther) {
+			this.outlined = "";
+			this.drawing.show(null);
+			this.outline();
+		}
+		this.changed(selected);
+	}
+	/** Of another picture the outline is another. */
+	state({ generation, scene }) {
+		const name = `${scene.path} ${scene.name}`;
+		if (name !== this.scene) this.set(null);
+		this.scene = name;
+		if (generation === this.generation) return;
+		this.generation = generation;
+		this.outlined = "";
+		this.drawing.show(null);
+	}
+	frame({ generation, width, height, kind }) {
+		this.frameKey = `${generation} ${width} ${height} ${kind}`;
+		this.outline();
+	}
+	async outline() {
+		const { selected, frameKey } = this;
+		if (!selected || this.outlined === frameKey) return;
+		this.outlined = frameKey;
+		try {
+			const response = await fetch(`./api/outline?shape=${encodeURIComponent(selected.shape)}`);
+			const outline = response.ok ? await response.json() : null;
+			if (selected.shape !== this.selected?.shape || this.outlined !== frameKey) return;
+			if (outline?.generation === this.generation) this.drawing.show(outline);
+			else this.outlined = "";
+		} catch {
+			this.outlined = "";
 		}
 	}
 };
@@ -4834,6 +5088,7 @@ var Stage = class {
 	path;
 	inspector;
 	pick;
+	selection;
 	toolbar;
 	flying = h("div", {
 		class: "hint",
@@ -4853,6 +5108,8 @@ var Stage = class {
 			overlay.pin = this.inspector.pinned;
 			overlay.place();
 		});
+		this.selection = new Selection(overlay.outline);
+		this.inspector.told = (pixel) => this.selection.take(pixel);
 		this.pick = new Pick(this.camera, this.move, this.send, actions.tell);
 		this.toolbar = new Toolbar({
 			fit: () => (view.placement.fit(), view.redraw()),
@@ -4901,7 +5158,7 @@ var Stage = class {
 		return this.connection.state?.camera.movable ?? false;
 	}
 	navigate() {
-		const { view, overlay, inspector, pick, toolbar } = this;
+		const { view, overlay, inspector, path, pick, selection, toolbar } = this;
 		new Navigate(view, this.camera, this.moving, this.flight, {
 			hover: (pixel) => {
 				pick.pixel = pixel;
@@ -4909,6 +5166,8 @@ var Stage = class {
 			},
 			click: (pixel) => {
 				const inside = view.values(...pixel) !== null;
+				if (!inside) selection.set(null);
+				else if (!path.isOn) selection.click();
 				inspector.set(inside ? pixel : null);
 				if (inside) inspector.show(pixel, view.values(...pixel), view.isMixed);
 			},
@@ -4939,6 +5198,7 @@ var Stage = class {
 		this.view.film = { ...state.film };
 		this.view.region = state.region;
 		this.path.update(state);
+		this.selection.state(state);
 	}
 	takeFields(state, isNew) {
 		if (!this.toolbar.region) this.overlay.region = state.region;
@@ -4955,6 +5215,7 @@ var Stage = class {
 	takeFrame(frame) {
 		this.view.frame(frame);
 		this.moving.frame(frame.generation);
+		this.selection.frame(frame);
 	}
 };
 // src/main.ts

@@ -5,6 +5,7 @@ use crate::{
     frame::{Frame, Shown},
     job::Waiting,
     look::Look,
+    names::Names,
     protocol::Request,
 };
 use std::sync::{Arc, Mutex, PoisonError, mpsc::Sender};
@@ -37,6 +38,8 @@ pub struct Subject {
     pub scene: Arc<Scene>,
     /// Quality of the render.
     pub quality: Quality,
+    /// Names of its nodes.
+    pub names: Arc<Names>,
 }
 
 /// Handle of the thread for others.

@@ -78,7 +78,8 @@ pub(super) fn open(source: Source, mut look: Look, library: Library) -> Result<(
     let (tasks, from_pages) = channel();
     let (frame, frames) = watch::channel(Arc::new(Frame::default()));
     let (state, states) = watch::channel(Arc::from(""));
-    let first = Subject { generation: 0, scene: Arc::clone(&scene), quality: quality(&look) };
+    let (quality, names) = (quality(&look), document.names());
+    let first = Subject { generation: 0, scene: Arc::clone(&scene), quality, names };
     let (subject, subjects) = watch::channel(Arc::new(first));
     let (messages, _) = broadcast::channel(MOST_MESSAGES);
     let (waiting, shown) = (Waiting::default(), Arc::new(Mutex::new(None)));

@@ -327,8 +327,8 @@ fn places_of_shapes_are_edited() {
     assert_eq!(places.iter().map(|n| n["kind"].as_str().unwrap()).collect::<Vec<_>>(), ["ball", "ball", "pair"]);
     let edit = |node: &serde_json::Value| placing(node, "{translate: [0, 1, 0]}", false);
     let said = page.refusal(edit(&json!("ball")));
-    assert!(said.contains("placed several times, as #placement0, #placement1"), "{said}");
-    let said = page.refusal(edit(&json!("#placement9")));
+    assert!(said.contains("placed several times, as placement 1, placement 2"), "{said}");
+    let said = page.refusal(edit(&json!("placement 10")));
     assert!(said.contains("there is no node"), "{said}");
     for (k, place) in places.iter().enumerate() {
         page.finished(edit(&place["id"]));
