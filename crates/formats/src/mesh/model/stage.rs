@@ -23,7 +23,7 @@ const ELEVATION: f64 = 19.314_867_909_262_31;
 /// Places of the corners of a box that turns.
 const TURNS: usize = 64;
 /// Reflectance of the ground: in the studio as bright as the wall behind, elsewhere.
-const GROUND_IN_STUDIO: [f64; 3] = [0.068, 0.074, 0.084];
+const GROUND_IN_STUDIO: [f64; 3] = [0.11, 0.118, 0.131];
 const GROUND: [f64; 3] = [0.3; 3];
 /// Radius of the ground, share of it from which on it fades, and how far it lies below the model, in diagonals of the
 /// box.

@@ -26,10 +26,14 @@ const BOXES: [SoftBox; 5] = [
     SoftBox { place: [-138.0, 22.0], half: [0.08, 0.48], radiance: [5.8, 6.8, 8.2] },
     SoftBox { place: [130.0, 32.0], half: [0.10, 0.42], radiance: [5.8, 6.8, 8.2] },
 ];
-/// Radiance of the room at the nadir, at the horizon and at the zenith.
-const ROOM: [[f64; 3]; 3] = [[0.022, 0.024, 0.028], [0.055, 0.06, 0.068], [0.16, 0.165, 0.175]];
+/// Radiance of the room at the horizon and at the zenith.
+const ROOM: [[f64; 3]; 2] = [[0.055, 0.06, 0.068], [0.16, 0.165, 0.175]];
+/// Radiance of the floor, which is that of the ground that fades before it, and the heights (of unit directions)
+/// between which the wall becomes the floor.
+const FLOOR: [f64; 3] = [0.136, 0.145, 0.162];
+const FLOOR_BEGINS: [f64; 2] = [0.0, -0.11];
 /// A glow on the wall behind the model: its place, its width in radians, its radiance.
-const GLOW: ([f64; 2], f64, [f64; 3]) = ([180.0, -8.0], 0.36, [0.10, 0.11, 0.125]);
+const GLOW: ([f64; 2], f64, [f64; 3]) = ([180.0, 0.0], 0.36, [0.10, 0.11, 0.125]);
 
 /// Direction at an azimuth from +z towards +x and an elevation, in degrees.
 fn direction([azimuth, elevation]: [f64; 2]) -> DVec3 {
@@ -62,15 +66,18 @@ impl SoftBox {
 
 /// Radiance of a photographer's studio: soft boxes in a dim room that fades from floor to ceiling.
 fn studio(d: DVec3) -> [f64; 3] {
-    let [floor, wall, ceiling] = ROOM;
-    let end = if d.y < 0.0 { floor } else { ceiling };
-    let height = smoothstep(d.y.abs());
+    let [wall, ceiling] = ROOM;
+    let height = smoothstep(d.y);
+    // The ground fades before a floor as bright as it is: of its edge nothing is seen.
+    let [top, bottom] = FLOOR_BEGINS;
+    let floor = smoothstep((top - d.y) / (top - bottom));
     let shares = BOXES.map(|lamp| lamp.share(d));
     let (place, width, glow) = GLOW;
     let glowing = (-(d.angle_between(direction(place)) / width).powi(2)).exp();
     std::array::from_fn(|c| {
         let lamps: f64 = BOXES.iter().zip(shares).map(|(lamp, share)| lamp.radiance[c] * share).sum();
-        wall[c] + (end[c] - wall[c]) * height + glow[c] * glowing + lamps
+        let upright = wall[c] + (ceiling[c] - wall[c]) * height + glow[c] * glowing;
+        upright + (FLOOR[c] - upright) * floor + lamps
     })
 }
 
