@@ -518,7 +518,7 @@ pub struct ConvertArgs {
 /// Denoiser.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Denoiser {
-    /// Non-local means, built in.
+    /// First-order regression, built in.
     Nlm,
     /// A wavelet filter, built in: a small part of the time of nlm, for previews.
     Atrous,

@@ -10,7 +10,7 @@ use steradian::{
 /// A denoiser.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Denoiser {
-    /// Non-local means.
+    /// First-order regression.
     Nlm,
     /// The à-trous wavelet filter.
     Atrous,
@@ -52,7 +52,7 @@ impl Denoiser {
         if self == Self::Oidn { &OIDN_GUIDES } else { &GUIDES }
     }
 
-    /// A picture without its noise. `half` and `strength` are of non-local means.
+    /// A picture without its noise. `half` and `strength` are of `nlm`.
     pub fn picture(self, noisy: &Image, half: Option<&Image>, strength: f32) -> Result<Outcome, String> {
         let told = |e: Error| e.to_string();
         match self {

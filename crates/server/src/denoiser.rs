@@ -33,7 +33,7 @@ impl Denoisers {
 
 /// Denoisers that pages choose from.
 pub const CHOICES: [Named; 3] = [
-    Named { name: Denoiser::Nlm.name(), doc: "non-local means in the end, a wavelet filter on the way" },
+    Named { name: Denoiser::Nlm.name(), doc: "first-order regression in the end, a wavelet filter on the way" },
     Named { name: Denoiser::Atrous.name(), doc: "a wavelet filter, which takes a small part of the time" },
     Named { name: Denoiser::Oidn.name(), doc: "Open Image Denoise in the end, a wavelet filter on the way" },
 ];

@@ -109,7 +109,7 @@ pub struct SettingsChange {
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(rename_all = "lowercase")]
 pub enum Denoiser {
-    /// Non-local means.
+    /// First-order regression.
     Nlm,
     /// The à-trous wavelet filter.
     Atrous,

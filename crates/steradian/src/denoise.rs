@@ -20,10 +20,10 @@ const ERROR: &str = "steradian:denoised_relative_error";
 /// Metadata about the noise of a render, which a picture without it does not have.
 const OF_NOISE: [&str; 4] = [ERROR, "steradian:relative_error", "steradian:unreliable", "steradian:error_scale_"];
 
-/// The layers that guide denoising by non-local means. Of albedo and normal the layers of [`OIDN_GUIDES`] stand in, and
+/// The layers that guide denoising by regression. Of albedo and normal the layers of [`OIDN_GUIDES`] stand in, and
 /// the other way round.
 pub const GUIDES: [Layer; 4] = [Layer::ALBEDO, Layer::NORMAL, Layer::DEPTH, Layer::VARIANCE];
-/// The layers that guide Open Image Denoise: what mirrors and smooth glass show guides it better, and non-local means
+/// The layers that guide Open Image Denoise: what mirrors and smooth glass show guides it better, and regression
 /// less well, as it takes fewer pixels for alike.
 pub const OIDN_GUIDES: [Layer; 2] = [Layer::DENOISE_ALBEDO, Layer::DENOISE_NORMAL];
 
@@ -156,7 +156,7 @@ impl Halves {
     }
 }
 
-/// Denoises a picture by non-local means ([`steradian_denoise::nlm`]), with those of [`GUIDES`] that it has; one that
+/// Denoises a picture by first-order regression ([`steradian_denoise::nlm`]), with those of [`GUIDES`] that it has; one that
 /// was denoised before, from its layer `raw`. `half` is another picture of the view with as many samples and another
 /// seed: the two guide each other, and the outcome is their mean. Without it, the halves of the picture's samples do so
 /// where it has [`Layer::HALVES`]. `strength` is 1 by default; more filters more.
@@ -181,10 +181,10 @@ pub fn picture(image: &Image, half: Option<&Image>, strength: f32) -> Result<Out
             (denoised, Some(error))
         }
     };
-    outcome(image, &guided, (radiance, not_finite, error), &GUIDES, "non-local means")
+    outcome(image, &guided, (radiance, not_finite, error), &GUIDES, "first-order regression")
 }
 
-/// Denoises the frames of an animation by non-local means, each with what those before saw
+/// Denoises the frames of an animation by regression, each with what those before saw
 /// ([`steradian_denoise::nlm::Sequence`]).
 #[derive(Clone, Debug, Default)]
 pub struct Sequence(nlm::Sequence);
@@ -202,7 +202,7 @@ impl Sequence {
         let unknown = || Values::filled(width, height, Vec3::NAN);
         let motion = values(image, Layer::MOTION.prefix(), ["X", "Y", "Z"]).unwrap_or_else(unknown);
         let Denoised { radiance, not_finite } = self.0.frame(&guided.picture(), &motion)?;
-        outcome(image, &guided, (radiance, not_finite, None), &GUIDES, "non-local means, with frames before")
+        outcome(image, &guided, (radiance, not_finite, None), &GUIDES, "first-order regression, with frames before")
     }
 }
 

@@ -1,4 +1,4 @@
-//! Non-local means against what is known of it by other means.
+//! First-order regression against what is known of it by other means.
 
 mod halves;
 mod hostile;

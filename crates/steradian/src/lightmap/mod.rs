@@ -62,7 +62,7 @@ pub struct Settings {
     pub depth: Depth,
     /// Length of the rays of [`Part::Ao`], scene units.
     pub distance: f32,
-    /// Removes noise, chart by chart, by non-local means; of two samples or more, which tell the noise.
+    /// Removes noise, chart by chart, by regression; of two samples or more, which tell the noise.
     pub denoise: bool,
 }
 
