@@ -156,7 +156,7 @@ impl Halves {
     }
 }
 
-/// Denoises a picture by first-order regression ([`steradian_denoise::nlm`]), with those of [`GUIDES`] that it has; one that
+/// Denoises a picture by regression ([`steradian_denoise::nlm`]), with those of [`GUIDES`] that it has; one that
 /// was denoised before, from its layer `raw`. `half` is another picture of the view with as many samples and another
 /// seed: the two guide each other, and the outcome is their mean. Without it, the halves of the picture's samples do so
 /// where it has [`Layer::HALVES`]. `strength` is 1 by default; more filters more.

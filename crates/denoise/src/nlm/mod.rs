@@ -67,8 +67,8 @@ pub fn denoise(picture: &Picture<'_>, settings: &Settings) -> Result<Denoised> {
 /// Filters two pictures of one view with independent noise, such as two renders with different seeds: each with weights
 /// that the other tells, so that no pixel's weight follows from its own noise (Rousselle, Knaus, Zwicker, "Adaptive
 /// Rendering with Non-Local Means Filtering", SIGGRAPH Asia 2012, section 4). Gives their mean, and the relative error
-/// that remains in it, told by their difference: the root of the mean of (a − b)² / 4 over ((a + b)² / 4 + 0.01). Detail
-/// that both lost is not in it: it is a lower bound.
+/// that remains in it, told by their difference: the root of the mean of (a − b)² / 4 over ((a + b)² / 4 + 0.01).
+/// Detail that both lost is not in it: it is a lower bound.
 ///
 /// # Errors
 /// As [`denoise`], and where the two have different sizes.

@@ -1,4 +1,4 @@
-//! Lightmaps without most of their noise: first-order regression ([`steradian_denoise::nlm`]) over each chart by itself.
+//! Lightmaps without most of their noise: regression ([`steradian_denoise::nlm`]) over each chart by itself.
 //!
 //! A chart is a picture of its own, guided by the variances of its texels and the normals of their surfaces. Distances
 //! in it are those on the surface, so positions tell nothing more. Texels about it repeat the nearest one, for noise
