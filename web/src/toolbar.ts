@@ -47,7 +47,7 @@ export class Toolbar {
       this.clearButton,
       this.pauseButton,
       h('span', { class: 'gap' }),
-      button('⛶', 'Full screen (F11)', toggleFullScreen, { 'aria-label': 'Full screen' }),
+      button('Full', 'Full screen (F11)', toggleFullScreen, { 'aria-label': 'Full screen' }),
       themeButton(actions.themed),
       button('?', 'Keys and pointer (?)', actions.help, { 'aria-label': 'Keys and pointer' }),
       this.panelButton,

@@ -4681,7 +4681,7 @@ var Toolbar = class {
 			class: "toolbar",
 			role: "toolbar",
 			"aria-label": "Picture"
-		}, button("Fit", "Fit the picture into the window (F)", actions.fit), button("1:1", "One pixel for each pixel (1)", actions.actual), this.regionButton, this.clearButton, this.pauseButton, h("span", { class: "gap" }), button("⛶", "Full screen (F11)", toggleFullScreen, { "aria-label": "Full screen" }), themeButton(actions.themed), button("?", "Keys and pointer (?)", actions.help, { "aria-label": "Keys and pointer" }), this.panelButton);
+		}, button("Fit", "Fit the picture into the window (F)", actions.fit), button("1:1", "One pixel for each pixel (1)", actions.actual), this.regionButton, this.clearButton, this.pauseButton, h("span", { class: "gap" }), button("Full", "Full screen (F11)", toggleFullScreen, { "aria-label": "Full screen" }), themeButton(actions.themed), button("?", "Keys and pointer (?)", actions.help, { "aria-label": "Keys and pointer" }), this.panelButton);
 	}
 	update(state) {
 		this.clearButton.hidden = state.region === null;
