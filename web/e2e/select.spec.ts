@@ -85,6 +85,33 @@ test('what is selected is edited by its name, and a shape without one is placed'
   expect(differing(await canvas(view), before)).toBe(0);
 });
 
+test('an arrow moves the shape along its axis, and one undo takes it back', async ({ program, view }) => {
+  const before = await canvas(view);
+  await click(view, ...SPHERE);
+  await expect(view.locator('.gizmo .arrow.x')).toHaveCount(1);
+  const { handle, runs } = await ask<Outline>(program, 'outline?shape=sphere%201');
+  const [from, axis] = [handle!.at, handle!.axes[0]];
+  const to = (pixels: number) => place(view, from[0] + pixels * Math.sign(axis[0]) - 0.5, from[1] - 0.5);
+  await view.mouse.move(...(await to(40)));
+  await view.mouse.down();
+  await view.mouse.move(...(await to(46)));
+  await anew(view, async () => {
+    await view.mouse.move(...(await to(52)));
+    await view.mouse.up();
+  });
+  await chosen(view).locator('.node', { hasText: 'sphere 1' }).locator('> summary').click();
+  const located = async (name: string) => Number(await chosen(view).getByLabel(`sphere 1: to_world, location ${name}`).inputValue());
+  await expect.poll(() => located('x')).toBeCloseTo(12 / Math.abs(axis[0]), 3);
+  expect([await located('y'), await located('z')]).toEqual([0, 0]);
+  const left = (runs: Outline['runs']) => Math.min(...runs.map((r) => r[1]));
+  const moved = await ask<Outline>(program, 'outline?shape=sphere%201');
+  expect(Math.abs(left(moved.runs) - left(runs) - 12 * Math.sign(axis[0]))).toBeLessThanOrEqual(2);
+  await expect(view.locator('.gizmo .arrow.x')).toHaveCount(1);
+  await anew(view, () => view.locator('canvas.picture').press('Control+Z'));
+  expect(differing(await canvas(view), before)).toBe(0);
+  await expect(view.getByRole('button', { name: 'Undo' })).toBeDisabled();
+});
+
 test('of a material the parameters that matter first, names whole, numbers not cut', async ({ view }) => {
   await click(view, ...SPHERE);
   const material = chosen(view).locator('.node').last();

@@ -2,6 +2,7 @@
 
 import { h, section, setText } from './dom';
 import { split } from './first';
+import { shifted } from './place';
 import { kindOf, parameterField, type Field } from './parameter';
 import type { NodeState, PageMessage, ParameterState, State } from './protocol';
 import type { Selected } from './selection';
@@ -118,6 +119,8 @@ export class Nodes {
   private selected: Selected | null = null;
   /** Whether what is selected is still to be scrolled to. */
   private reveals = false;
+  /** Where the shape was that is dragged. */
+  private base: string | null = null;
   private key = '';
   private wants = false;
   /** The edit of a slider that is held, until it is sent. */
@@ -223,6 +226,18 @@ export class Nodes {
     const close = h('button', { class: 'small', title: what, 'aria-label': what, onclick: () => this.deselect() }, '×');
     const head = h('div', { class: 'pin-head' }, h('strong', {}, `Selected: ${chosen[0] ?? ''}`), close);
     this.chosen.replaceChildren(...(chosen.length ? [head, ...chosen.map((id) => this.items.get(id)!.element)] : []));
+  }
+
+  /** Moves the selected shape along an axis, by a distance from where it was before this began. */
+  shift(axis: number, distance: number, done: boolean): void {
+    const shape = this.selected?.shape;
+    if (shape === undefined) return;
+    // The place may have changed while the section was folded.
+    if (this.wants && this.base === null) (this.element as HTMLDetailsElement).open = true;
+    else this.base ??= this.nodes.find((n) => n.id === shape)?.parameters.find((p) => p.name === 'to_world')?.value ?? 'identity';
+    const value = this.base === null ? null : shifted(this.base, axis, distance);
+    if (done) this.base = null;
+    if (value !== null) this.edit(shape, 'to_world', value, done);
   }
 
   /** Sends an edit; while a slider is held only when the picture of the last one came. */

@@ -1,7 +1,8 @@
-/** What lies over the picture: the region's frame, the pinned pixel's mark, the selected shape's outline, and a path. */
+/** What lies over the picture: the region's frame, the pinned pixel's mark, the selected shape's outline and arrows, and a path. */
 
 import { h } from './dom';
 import { Drawing } from './drawing';
+import { Gizmo } from './gizmo';
 import { OutlineDrawing } from './outline';
 import type { Box } from './vector';
 import type { View } from './view';
@@ -13,13 +14,15 @@ export class Overlay {
   pin: [number, number] | null = null;
   readonly drawing: Drawing;
   readonly outline: OutlineDrawing;
+  readonly gizmo: Gizmo;
   private readonly frame = h('div', { class: 'region' });
   private readonly mark = h('div', { class: 'mark' });
 
   constructor(private readonly view: View) {
     this.drawing = new Drawing(view);
     this.outline = new OutlineDrawing(view);
-    this.element.append(this.outline.element, this.frame, this.mark, this.drawing.element);
+    this.gizmo = new Gizmo(view);
+    this.element.append(this.outline.element, this.frame, this.mark, this.drawing.element, this.gizmo.element);
   }
 
   /** Puts all where the picture is. */
@@ -28,6 +31,7 @@ export class Overlay {
     this.put(this.mark, this.pin && [this.pin[0], this.pin[1], this.pin[0] + 1, this.pin[1] + 1]);
     this.outline.place();
     this.drawing.place();
+    this.gizmo.place();
   }
 
   private put(element: HTMLElement, box: Box | null): void {

@@ -49,6 +49,7 @@ export class Panels {
     this.mixer = new Mixer(view, send, this.showHistogram);
     this.camera = new CameraPanel(send, { from: stage.from, fly: stage.fly, fov: (degrees) => stage.moving.fov(degrees) });
     this.nodes = new Nodes(send, () => stage.selection.set(null));
+    stage.overlay.gizmo.moved = (axis, distance, done) => this.nodes.shift(axis, distance, done);
     stage.selection.changed = (selected) => this.nodes.select(selected);
     this.element = h(
       'aside',

@@ -32,6 +32,15 @@ export function placeOf(text: string): Place | null {
   return { location: column(3), rotation: turns.map((v) => (v * 180) / Math.PI) as Vec3, scale: sizes };
 }
 
+/** A transform in Steradian's language, and then a shift along an axis; `null` where it is not told by a matrix. */
+export function shifted(text: string, axis: number, distance: number): string | null {
+  const identity = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
+  const m = text === 'identity' ? identity : /^\{matrix: \[([^[\]]*)\]\}$/.exec(text.trim())?.[1]?.split(',').map(Number);
+  if (m?.length !== 16 || !m.every(Number.isFinite)) return null;
+  m[4 * axis + 3]! += distance;
+  return `{matrix: [${m.join(', ')}]}`;
+}
+
 /** A place in Steradian's language. */
 export function textOf({ location, rotation, scale: size }: Place): string {
   const [[sx, cx], [sy, cy], [sz, cz]] = rotation.map((v) => {

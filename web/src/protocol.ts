@@ -334,6 +334,19 @@ export type Pixel = { x: number, y: number, generation: number, kind: FrameKind,
 hasSurface: boolean, channels: { [key in string]: Sample }, };
 
 /**
+ * Point of a shape in the picture, and the axes of the world there.
+ */
+export type Handle = { 
+/**
+ * Place in the whole picture, pixels.
+ */
+at: [number, number], 
+/**
+ * Pixels by which a point moves in the picture for each unit along x, y and z.
+ */
+axes: [[number, number], [number, number], [number, number]], };
+
+/**
  * The pixels of a shape, in runs.
  */
 export type Outline = { generation: number, 
@@ -348,7 +361,11 @@ pixel: [number, number],
 /**
  * Row, first column, and the column after the last.
  */
-runs: Array<[number, number, number]>, };
+runs: Array<[number, number, number]>, 
+/**
+ * Handle by which the shape is moved, where it is placed once.
+ */
+handle: Handle | null, };
 
 /**
  * Kind of a vertex.

@@ -1,5 +1,6 @@
 /** The shape that is selected by a click on the picture. */
 
+import type { Gizmo } from './gizmo';
 import type { OutlineDrawing } from './outline';
 import type { FrameEnd, Outline, Pixel, State } from './protocol';
 
@@ -21,7 +22,10 @@ export class Selection {
   private frameKey = '';
   private outlined = '';
 
-  constructor(private readonly drawing: OutlineDrawing) {}
+  constructor(
+    private readonly drawing: OutlineDrawing,
+    private readonly gizmo: Gizmo,
+  ) {}
 
   /** A pixel was clicked: what is known of it selects. */
   click(): void {
@@ -41,7 +45,7 @@ export class Selection {
     this.selected = selected;
     if (isOther) {
       this.outlined = '';
-      this.drawing.show(null);
+      this.show(null);
       void this.outline();
     }
     this.changed(selected);
@@ -55,7 +59,12 @@ export class Selection {
     if (generation === this.generation) return;
     this.generation = generation;
     this.outlined = '';
-    this.drawing.show(null);
+    this.show(null);
+  }
+
+  private show(outline: Outline | null): void {
+    this.drawing.show(outline);
+    this.gizmo.show(outline?.handle ?? null);
   }
 
   frame({ generation, width, height, kind }: FrameEnd): void {
@@ -72,7 +81,7 @@ export class Selection {
       const outline = response.ok ? ((await response.json()) as Outline | null) : null;
       if (selected.shape !== this.selected?.shape || this.outlined !== frameKey) return;
       // First paths know no surfaces: the outline of the preview stays.
-      if (outline?.generation === this.generation) this.drawing.show(outline);
+      if (outline?.generation === this.generation) this.show(outline);
       else this.outlined = '';
     } catch {
       this.outlined = '';

@@ -64,7 +64,7 @@ export class Stage {
       overlay.pin = this.inspector.pinned;
       overlay.place();
     });
-    this.selection = new Selection(overlay.outline);
+    this.selection = new Selection(overlay.outline, overlay.gizmo);
     this.inspector.told = (pixel) => this.selection.take(pixel);
     this.pick = new Pick(this.camera, this.move, this.send, actions.tell);
     this.toolbar = new Toolbar({

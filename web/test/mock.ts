@@ -245,7 +245,8 @@ export class Mock {
     if (this.reference.answer(request, url, path, body, response)) return;
     if (path === 'api/state') return void json(this.state);
     if (path === 'api/nodes') return void json(this.nodes);
-    if (path === 'api/outline') return void json({ generation: this.state.generation, origin: [8, 8], pixel: [2, 2], runs: this.runs });
+    if (path === 'api/outline')
+      return void json({ generation: this.state.generation, origin: [8, 8], pixel: [2, 2], runs: this.runs, handle: null });
     if (path === 'api/pixel') return void this.pixel(url.searchParams, json);
     if (path === 'api/path') {
       this.paths++;

@@ -3,7 +3,7 @@
 use crate::{
     difference::{Figures, Metric},
     kept::AboutReference,
-    outline::Outline,
+    outline::{Handle, Outline},
     path::{DirectTold, EndTold, KindTold, Told, VertexTold},
     protocol::{
         AboutScene, AnimationState, CameraState, Choices, Denoiser, Exposure, FrameEnd, FrameKind, Message, Named,
@@ -52,6 +52,7 @@ fn declarations() -> String {
         declaration::<NodeState>,
         declaration::<Sample>,
         declaration::<Pixel<'static>>,
+        declaration::<Handle>,
         declaration::<Outline>,
         declaration::<KindTold>,
         declaration::<DirectTold>,

@@ -51,12 +51,20 @@ pub fn with_labels<T>(desc: &mut SceneDesc, labels: &[String], act: impl FnOnce(
     done
 }
 
+/// Nodes that belong to a shape's node.
+#[derive(Clone, Copy, Debug)]
+struct Parts {
+    material: Option<NodeId>,
+    emission: Option<NodeId>,
+    /// True if it is placed once, in the world itself.
+    is_single: bool,
+}
+
 /// Names of a scene's nodes, and the nodes that belong to its shapes.
 #[derive(Debug, Default)]
 pub struct Names {
     labels: Vec<String>,
-    /// Material and emission by the nodes of shapes.
-    parts: HashMap<u32, [Option<NodeId>; 2]>,
+    parts: HashMap<u32, Parts>,
 }
 
 /// Names of a shape, its material and its light.
@@ -71,12 +79,14 @@ pub struct Named<'a> {
 }
 
 impl Names {
-    /// Those of a scene.
+    /// Names of a scene.
     pub fn new(desc: &SceneDesc) -> Self {
-        let shapes = desc.shapes.iter().chain(desc.groups.iter().flat_map(|group| &group.shapes));
-        let mut parts = HashMap::new();
-        for Shape { node, material, emission, .. } in shapes {
-            parts.entry(node.0).or_insert([*material, *emission]);
+        let of_world = desc.shapes.iter().map(|shape| (shape, true));
+        let grouped = desc.groups.iter().flat_map(|group| &group.shapes).map(|shape| (shape, false));
+        let mut parts: HashMap<u32, Parts> = HashMap::new();
+        for (Shape { node, material, emission, .. }, is_single) in of_world.chain(grouped) {
+            let new = Parts { material: *material, emission: *emission, is_single };
+            parts.entry(node.0).and_modify(|known| known.is_single = false).or_insert(new);
         }
         Self { labels: labels(desc), parts }
     }
@@ -90,14 +100,18 @@ impl Names {
     pub fn of(&self, shape: u32) -> Named<'_> {
         let label = |node: NodeId| self.labels.get(node.0 as usize).map(String::as_str);
         let found = shape.checked_sub(1).and_then(|node| self.parts.get_key_value(&node));
-        let Some((node, [material, light])) = found else { return Named::default() };
-        Named { object: label(NodeId(*node)), material: material.and_then(label), light: light.and_then(label) }
+        let Some((node, parts)) = found else { return Named::default() };
+        Named {
+            object: label(NodeId(*node)),
+            material: parts.material.and_then(label),
+            light: parts.emission.and_then(label),
+        }
     }
 
-    /// Number of the shape of a name, as first hits have it.
-    pub fn shape(&self, name: &str) -> Option<u32> {
+    /// Number of the shape of a name, as first hits have it, and true if it is placed once, in the world itself.
+    pub fn shape(&self, name: &str) -> Option<(u32, bool)> {
         let node = self.labels.iter().position(|label| label == name)? as u32;
-        self.parts.contains_key(&node).then_some(node + 1)
+        self.parts.get(&node).map(|parts| (node + 1, parts.is_single))
     }
 }
 

@@ -2231,6 +2231,30 @@ function placeOf(text) {
 		scale: sizes
 	};
 }
+/** A transform in Steradian's language, and then a shift along an axis; `null` where it is not told by a matrix. */
+function shifted(text, axis, distance) {
+	const m = text === "identity" ? [
+		1,
+		0,
+		0,
+		0,
+		0,
+		1,
+		0,
+		0,
+		0,
+		0,
+		1,
+		0,
+		0,
+		0,
+		0,
+		1
+	] : /^\{matrix: \[([^[\]]*)\]\}$/.exec(text.trim())?.[1]?.split(",").map(Number);
+	if (m?.length !== 16 || !m.every(Number.isFinite)) return null;
+	m[4 * axis + 3] += distance;
+	return `{matrix: [${m.join(", ")}]}`;
+}
 /** A place in Steradian's language. */
 function textOf({ location, rotation, scale: size }) {
 	const [[sx, cx], [sy, cy], [sz, cz]] = rotation.map((v) => {
@@ -2275,7 +2299,7 @@ var PARTS = [
 	"rotation",
 	"scale"
 ];
-var AXES = [
+var AXES$1 = [
 	"x",
 	"y",
 	"z"
@@ -2301,7 +2325,7 @@ function placeField(label, text, change) {
 		change(textOf(place), done);
 	}
 	function number(part, axis) {
-		const name = AXES[axis];
+		const name = AXES$1[axis];
 		const field = h("input", {
 			type: "number",
 			class: "number",
@@ -2337,7 +2361,7 @@ function placeField(label, text, change) {
 			element: h("span", { class: "axis-field" }, handle, field)
 		};
 	}
-	const numbers = PARTS.map((part) => AXES.map((_, axis) => number(part, axis)));
+	const numbers = PARTS.map((part) => AXES$1.map((_, axis) => number(part, axis)));
 	function show() {
 		PARTS.forEach((part, i) => place[part].forEach((v, axis) => setValue(numbers[i][axis].field, String(Number(v.toPrecision(7))))));
 	}
@@ -2634,6 +2658,8 @@ var Nodes = class {
 	selected = null;
 	/** Whether what is selected is still to be scrolled to. */
 	reveals = false;
+	/** Where the shape was that is dragged. */
+	base = null;
 	key = "";
 	wants = false;
 	/** The edit of a slider that is held, until it is sent. */
@@ -2731,6 +2757,16 @@ var Nodes = class {
 		}, "×");
 		const head = h("div", { class: "pin-head" }, h("strong", {}, `Selected: ${chosen[0] ?? ""}`), close);
 		this.chosen.replaceChildren(...chosen.length ? [head, ...chosen.map((id) => this.items.get(id).element)] : []);
+	}
+	/** Moves the selected shape along an axis, by a distance from where it was before this began. */
+	shift(axis, distance, done) {
+		const shape = this.selected?.shape;
+		if (shape === void 0) return;
+		if (this.wants && this.base === null) this.element.open = true;
+		else this.base ??= this.nodes.find((n) => n.id === shape)?.parameters.find((p) => p.name === "to_world")?.value ?? "identity";
+		const value = this.base === null ? null : shifted(this.base, axis, distance);
+		if (done) this.base = null;
+		if (value !== null) this.edit(shape, "to_world", value, done);
 	}
 	/** Sends an edit; while a slider is held only when the picture of the last one came. */
 	edit(node, parameter, value, done) {
@@ -3352,6 +3388,7 @@ var Panels = class {
 			fov: (degrees) => stage.moving.fov(degrees)
 		});
 		this.nodes = new Nodes(send, () => stage.selection.set(null));
+		stage.overlay.gizmo.moved = (axis, distance, done) => this.nodes.shift(axis, distance, done);
 		stage.selection.changed = (selected) => this.nodes.select(selected);
 		this.element = h("aside", {
 			class: "panel",
@@ -4198,6 +4235,103 @@ var Drawing = class {
 		return group;
 	}
 };
+// src/gizmo.ts
+/** Arrows at the selected shape, by which it is dragged along the axes of the world. */
+var AXES = [
+	"x",
+	"y",
+	"z"
+];
+/** Length of an arrow in CSS pixels. */
+var LENGTH = 64;
+/** Axes that are shorter in the picture than this part of the longest have no arrow: they point at the camera. */
+var SHORTEST = .15;
+var Gizmo = class {
+	view;
+	element = svg("svg", { class: "gizmo" });
+	/** Called as the shape is dragged along an axis, with the distance from where it was. */
+	moved = () => {};
+	handle = null;
+	next = null;
+	drag = null;
+	constructor(view) {
+		this.view = view;
+		this.element.addEventListener("pointerdown", (event) => this.down(event));
+		this.element.addEventListener("pointermove", (event) => this.move(event, false));
+		for (const type of ["pointerup", "pointercancel"]) this.element.addEventListener(type, (event) => this.move(event, true));
+	}
+	/** What is dragged keeps its arrows until it is let go. */
+	show(handle) {
+		this.next = handle;
+		if (!this.drag) this.handle = handle;
+		this.place();
+	}
+	place() {
+		const { handle, drag } = this;
+		if (!handle) return this.element.replaceChildren();
+		const { left, top, scale } = this.view.placement;
+		const from = handle.at.map((v, i) => {
+			const along = drag ? handle.axes[drag.axis][i] * drag.distance : 0;
+			return ([left, top][i] + (v + along) * scale) / devicePixelRatio;
+		});
+		const sizes = handle.axes.map(([x, y]) => Math.hypot(x, y));
+		const isLong = (axis) => sizes[axis] > SHORTEST * Math.max(...sizes);
+		this.element.replaceChildren(...[
+			0,
+			1,
+			2
+		].filter(isLong).map((axis) => this.arrow(axis, from, handle.axes[axis], sizes[axis])));
+	}
+	arrow(axis, [x, y], [ax, ay], size) {
+		const [dx, dy] = [ax / size, ay / size];
+		const [x2, y2] = [x + LENGTH * dx, y + LENGTH * dy];
+		const corner = (turn) => `${x2 - 11 * dx + turn * dy},${y2 - 11 * dy - turn * dx}`;
+		const lines = [
+			"edge",
+			"line",
+			"hit"
+		].map((name) => svg("line", {
+			class: name,
+			x1: x,
+			y1: y,
+			x2,
+			y2
+		}));
+		const group = svg("g", {
+			class: `arrow ${AXES[axis]}`,
+			"data-axis": axis
+		});
+		group.append(lines[0], lines[1], svg("polygon", { points: `${x2 + 3 * dx},${y2 + 3 * dy} ${corner(6)} ${corner(-6)}` }), lines[2]);
+		return group;
+	}
+	down(event) {
+		const axis = event.target.closest(".arrow")?.dataset.axis;
+		if (event.button !== 0 || axis === void 0) return;
+		event.preventDefault();
+		this.element.setPointerCapture(event.pointerId);
+		this.drag = {
+			axis: Number(axis),
+			start: [event.clientX, event.clientY],
+			distance: 0,
+			hasMoved: false
+		};
+	}
+	move(event, done) {
+		const { drag, handle } = this;
+		if (!drag || !handle) return;
+		const [ax, ay] = handle.axes[drag.axis];
+		const factor = devicePixelRatio / this.view.placement.scale;
+		const [dx, dy] = [(event.clientX - drag.start[0]) * factor, (event.clientY - drag.start[1]) * factor];
+		drag.distance = Number(((dx * ax + dy * ay) / (ax * ax + ay * ay)).toPrecision(6));
+		if (drag.hasMoved || !done) this.moved(drag.axis, drag.distance, done);
+		drag.hasMoved = true;
+		if (done) {
+			this.drag = null;
+			this.handle = this.next;
+		}
+		this.place();
+	}
+};
 // src/outline.ts
 /** The outline of the selected shape over the picture, along the edges of its pixels. */
 /** The edges between pixels of the shape and others, as a path of SVG; a pixel is one long. */
@@ -4244,7 +4378,7 @@ var OutlineDrawing = class {
 	}
 };
 // src/overlay.ts
-/** What lies over the picture: the region's frame, the pinned pixel's mark, the selected shape's outline, and a path. */
+/** What lies over the picture: the region's frame, the pinned pixel's mark, the selected shape's outline and arrows, and a path. */
 var Overlay = class {
 	view;
 	element = h("div", {
@@ -4256,13 +4390,15 @@ var Overlay = class {
 	pin = null;
 	drawing;
 	outline;
+	gizmo;
 	frame = h("div", { class: "region" });
 	mark = h("div", { class: "mark" });
 	constructor(view) {
 		this.view = view;
 		this.drawing = new Drawing(view);
 		this.outline = new OutlineDrawing(view);
-		this.element.append(this.outline.element, this.frame, this.mark, this.drawing.element);
+		this.gizmo = new Gizmo(view);
+		this.element.append(this.outline.element, this.frame, this.mark, this.drawing.element, this.gizmo.element);
 	}
 	/** Puts all where the picture is. */
 	place() {
@@ -4275,6 +4411,7 @@ var Overlay = class {
 		]);
 		this.outline.place();
 		this.drawing.place();
+		this.gizmo.place();
 	}
 	put(element, box) {
 		element.hidden = box === null;
@@ -4542,6 +4679,7 @@ var Pick = class {
 // src/selection.ts
 var Selection = class {
 	drawing;
+	gizmo;
 	selected = null;
 	/** Called when something else is selected. */
 	changed = () => {};
@@ -4551,8 +4689,9 @@ var Selection = class {
 	generation = 0;
 	frameKey = "";
 	outlined = "";
-	constructor(drawing) {
+	constructor(drawing, gizmo) {
 		this.drawing = drawing;
+		this.gizmo = gizmo;
 	}
 	/** A pixel was clicked: what is known of it selects. */
 	click() {
@@ -4574,7 +4713,7 @@ var Selection = class {
 		this.selected = selected;
 		if (isOther) {
 			this.outlined = "";
-			this.drawing.show(null);
+			this.show(null);
 			this.outline();
 		}
 		this.changed(selected);
@@ -4587,7 +4726,11 @@ var Selection = class {
 		if (generation === this.generation) return;
 		this.generation = generation;
 		this.outlined = "";
-		this.drawing.show(null);
+		this.show(null);
+	}
+	show(outline) {
+		this.drawing.show(outline);
+		this.gizmo.show(outline?.handle ?? null);
 	}
 	frame({ generation, width, height, kind }) {
 		this.frameKey = `${generation} ${width} ${height} ${kind}`;
@@ -4601,7 +4744,7 @@ var Selection = class {
 			const response = await fetch(`./api/outline?shape=${encodeURIComponent(selected.shape)}`);
 			const outline = response.ok ? await response.json() : null;
 			if (selected.shape !== this.selected?.shape || this.outlined !== frameKey) return;
-			if (outline?.generation === this.generation) this.drawing.show(outline);
+			if (outline?.generation === this.generation) this.show(outline);
 			else this.outlined = "";
 		} catch {
 			this.outlined = "";
@@ -5108,7 +5251,7 @@ var Stage = class {
 			overlay.pin = this.inspector.pinned;
 			overlay.place();
 		});
-		this.selection = new Selection(overlay.outline);
+		this.selection = new Selection(overlay.outline, overlay.gizmo);
 		this.inspector.told = (pixel) => this.selection.take(pixel);
 		this.pick = new Pick(this.camera, this.move, this.send, actions.tell);
 		this.toolbar = new Toolbar({
