@@ -1,10 +1,10 @@
 //! The preview that stands until the render is nearer to the truth.
 //!
-//! The pipeline's picture is free of noise and biased, the render's first samples are noisy and right in the mean. Of the
-//! render an early state is kept, with and without its noise. The samples that come after it give a second picture B,
-//! which errs independently of both candidates: of the preview P, and of the early picture E without its noise. The
+//! The pipeline's picture is free of noise and biased, the render's first samples are noisy and right in the mean. Of
+//! the render an early state is kept, with and without its noise. The samples that come after it give a second picture
+//! B, which errs independently of both candidates: of the preview P, and of the early picture E without its noise. The
 //! variance of B cancels in Σ w ((P − B)² − (E − B)²) = Σ w (P − E)(P + E − 2 B), whose mean is the difference of the
-//! squared errors. Where it is above zero beyond doubt, the render is shown; what is shown then has more samples than E.
+//! squared errors. Where it is above zero beyond doubt, the render is shown, which has more samples than E by then.
 
 use crate::frame::{Shown, rgb};
 

@@ -79,7 +79,8 @@ pub async fn open(State(app): State<App>, form: Multipart) -> Result<Response, R
         (None, _) => {
             let known = extensions().map(|e| format!(".{}", e.0)).collect::<Vec<_>>().join(", ");
             let why = format!(
-                "there is no scene among the files, nor is it one picture, for an environment map; scenes are {known}, .zip"
+                "there is no scene among the files, nor is it one picture, for an environment map; \
+                 scenes are {known}, .zip"
             );
             return Err(Refused(StatusCode::UNPROCESSABLE_ENTITY, why));
         }
