@@ -1,6 +1,6 @@
 //! Shared state of all requests, and their refusal.
 
-use crate::{access::Access, kept::Keeper, log::Log, upload::Upload, viewer};
+use crate::{access::Access, kept::Keeper, log::Log, uploaded::Upload, viewer};
 use axum::{
     http::StatusCode,
     response::{IntoResponse, Json, Response},

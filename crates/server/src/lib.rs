@@ -44,6 +44,7 @@ mod tile;
 #[cfg(test)]
 mod tones;
 mod upload;
+mod uploaded;
 mod viewer;
 
 pub use document::Source;

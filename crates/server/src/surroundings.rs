@@ -2,10 +2,7 @@
 
 use crate::{
     document::Document,
-    look::{Purpose, View},
-    protocol::{AnimationState, Surroundings, told},
-    state,
-    viewer::{Viewer, compile},
+    protocol::{AnimationState, Surroundings},
 };
 use steradian::scene::Format;
 
@@ -46,7 +43,10 @@ pub fn of(document: &Document) -> Option<Surroundings> {
 }
 
 /// Refuses definitions that are not for pages: unknown ones, and skies that are files.
-fn check(document: &Document, name: &str, value: Option<&str>) -> Result<(), String> {
+///
+/// # Errors
+/// Which there are.
+pub fn check(document: &Document, name: &str, value: Option<&str>) -> Result<(), String> {
     let names = names(document);
     if !names.contains(&name) {
         let known = if names.is_empty() { "nothing".into() } else { names.join(", ") };
@@ -60,41 +60,10 @@ fn check(document: &Document, name: &str, value: Option<&str>) -> Result<(), Str
     }
 }
 
-impl Viewer {
-    /// Reads the scene with another definition, or without it; while a hand is on it, previews alone are made.
-    pub fn define(&mut self, name: String, value: Option<String>, moving: bool) -> Result<(), String> {
-        check(&self.document, &name, value.as_deref())?;
-        let mut source = self.document.source.clone();
-        // The camera of a scene without one would follow what moves.
-        if name == "at" && self.look.view.is_none() {
-            self.look.view =
-                state::viewpoint(&self.document, &self.look, &self.scene).map(|point| View { point, fov: None });
-        }
-        match value {
-            Some(value) => _ = source.reading.defines.insert(name, value),
-            None => _ = source.reading.defines.remove(&name),
-        }
-        let (fresh, _) = self.document.read_again(source).map_err(|d| told(&d))?;
-        let old = self.document.replace(fresh);
-        let was_moving = std::mem::replace(&mut self.look.moving, moving);
-        let coarse = self.preview_look();
-        let done = match moving {
-            true => compile(&mut self.document, &coarse, Purpose::Preview)
-                .map(|scene| self.drawn = Some(scene))
-                .map_err(|d| told(&d)),
-            false => self.remake(),
-        };
-        done.inspect_err(|_| {
-            self.document.replace(old);
-            self.look.moving = was_moving;
-        })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::Source;
+    use crate::{document::Source, protocol::told};
 
     /// All words that pages choose from are read.
     #[test]

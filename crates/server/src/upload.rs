@@ -5,6 +5,7 @@ use crate::{
     app::{App, Refused},
     document::Source,
     save::{LONGEST_NAME, is_printable},
+    uploaded::Upload,
     viewer::Task,
 };
 use axum::{
@@ -18,7 +19,7 @@ use std::{
     sync::PoisonError,
 };
 use steradian::{
-    archive::{self, UnpackedScene},
+    archive,
     formats::Options,
     image::{FileKind, TemporaryFolder},
     load::extensions,
@@ -36,20 +37,6 @@ const DEEPEST: usize = 16;
 const MOST_UNPACKED: u64 = 8 << 30;
 /// Bytes of an environment map.
 const MOST_OF_PICTURE: u64 = 256 << 20;
-
-/// Files that came, in folders that go away with it.
-pub struct Upload {
-    folder: TemporaryFolder,
-    /// The files of the archive that came.
-    unpacked: Option<UnpackedScene>,
-}
-
-impl Upload {
-    /// The folder that the scene is in.
-    fn path(&self) -> &Path {
-        self.unpacked.as_ref().map_or_else(|| self.folder.path(), |unpacked| unpacked.folder.path())
-    }
-}
 
 /// Opens the scene among the files that come, form fields `file` with their names; where there is none but a picture,
 /// makes that the environment map.

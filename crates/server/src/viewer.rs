@@ -15,6 +15,7 @@
 //! render by the path tracer itself, with a `Sink` that keeps its steps. Readers hold files of uploads and edits to a
 //! folder (`Options::within`).
 
+mod defining;
 mod files;
 mod handle;
 mod opening;
