@@ -145,3 +145,13 @@ test('while paths are drawn a click selects nothing', async ({ view }) => {
   await expect(chosen(view)).toBeHidden();
   expect(await generation(view)).toBe(before);
 });
+
+test('a click on an arrow is about what lies beneath', async ({ view }) => {
+  await view.mouse.click(...(await place(view, 48, 32)));
+  const arrow = view.locator('.gizmo .arrow .hit').first();
+  await expect(arrow).toBeAttached();
+  const box = (await arrow.boundingBox())!;
+  const answered = view.waitForResponse((r) => r.url().includes('/api/pixel?'));
+  await view.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
+  expect((await answered).ok()).toBe(true);
+});

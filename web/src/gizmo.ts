@@ -9,6 +9,8 @@ const AXES = ['x', 'y', 'z'];
 const LENGTH = 64;
 /** Axes that are shorter in the picture than this part of the longest have no arrow: they point at the camera. */
 const SHORTEST = 0.15;
+/** CSS pixels that a click may move. */
+const STILL = 4;
 
 interface Drag {
   axis: number;
@@ -21,6 +23,8 @@ export class Gizmo {
   readonly element = svg('svg', { class: 'gizmo' });
   /** Called as the shape is dragged along an axis, with the distance from where it was. */
   moved: (axis: number, distance: number, done: boolean) => void = () => {};
+  /** Called on a click, which is about what lies beneath. */
+  clicked: (clientX: number, clientY: number) => void = () => {};
   private handle: Handle | null = null;
   private next: Handle | null = null;
   private drag: Drag | null = null;
@@ -76,9 +80,10 @@ export class Gizmo {
     const factor = devicePixelRatio / this.view.placement.scale;
     const [dx, dy] = [(event.clientX - drag.start[0]) * factor, (event.clientY - drag.start[1]) * factor];
     drag.distance = Number(((dx * ax + dy * ay) / (ax * ax + ay * ay)).toPrecision(6));
-    // A click moves nothing.
-    if (drag.hasMoved || !done) this.moved(drag.axis, drag.distance, done);
-    drag.hasMoved = true;
+    drag.hasMoved ||= Math.hypot(event.clientX - drag.start[0], event.clientY - drag.start[1]) > STILL;
+    if (drag.hasMoved) this.moved(drag.axis, drag.distance, done);
+    else if (event.type === 'pointerup') this.clicked(event.clientX, event.clientY);
+    else drag.distance = 0;
     if (done) {
       this.drag = null;
       // Where the picture of the new place did not come yet, they come with it.

@@ -111,19 +111,21 @@ export class Stage {
 
   private navigate(): void {
     const { view, overlay, inspector, path, pick, selection, toolbar } = this;
+    const click = (pixel: [number, number]) => {
+      const inside = view.values(...pixel) !== null;
+      // A click that traces leaves its table in view.
+      if (!inside) selection.set(null);
+      else if (!path.isOn) selection.click();
+      inspector.set(inside ? pixel : null);
+      if (inside) inspector.show(pixel, view.values(...pixel), view.isMixed);
+    };
+    overlay.gizmo.clicked = (x, y) => click(view.pixelAt(x, y));
     new Navigate(view, this.camera, this.moving, this.flight, {
       hover: (pixel) => {
         pick.pixel = pixel;
         inspector.show(pixel, pixel && view.values(...pixel), view.isMixed);
       },
-      click: (pixel) => {
-        const inside = view.values(...pixel) !== null;
-        // A click that traces leaves its table in view.
-        if (!inside) selection.set(null);
-        else if (!path.isOn) selection.click();
-        inspector.set(inside ? pixel : null);
-        if (inside) inspector.show(pixel, view.values(...pixel), view.isMixed);
-      },
+      click,
       region: (a, b, done) => {
         overlay.region = regionOf(a, b, view.film);
         overlay.place();

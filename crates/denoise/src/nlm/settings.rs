@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 pub struct Settings {
     /// Pixels so far away tell of each other: 1 to 11. 11.
     pub radius: u32,
-    /// k, above 0: by how many standard deviations of their difference pixels may differ. More filters more. 1.
+    /// k, above 0: by how many standard deviations of their difference pixels may differ. More filters more. 0.95.
     pub damping: f32,
     /// The part of a pixel's variance that is taken to be left after the first pass beyond that of its mean, from 0 to
     /// 1. 0.03.
@@ -27,7 +27,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             radius: 11,
-            damping: 1.0,
+            damping: 0.95,
             pilot: 0.03,
             sigma_albedo: 0.1,
             sigma_normal: 0.5,

@@ -4012,7 +4012,7 @@ var Moving = class {
 };
 // src/navigate.ts
 /** CSS pixels that a click may move. */
-var STILL = 4;
+var STILL$1 = 4;
 var Navigate = class {
 	view;
 	camera;
@@ -4058,7 +4058,7 @@ var Navigate = class {
 		if (this.fly.on) return this.fly.look(event.movementX, event.movementY);
 		if (event.pointerType !== "touch") this.actions.hover(this.view.pixelAt(...at));
 		if (!this.drag) return;
-		if (Math.hypot(at[0] - this.start[0], at[1] - this.start[1]) > STILL) this.isClick = false;
+		if (Math.hypot(at[0] - this.start[0], at[1] - this.start[1]) > STILL$1) this.isClick = false;
 		if (this.touches.size === 2) return this.pinch(event.pointerId, at);
 		if (this.touches.has(event.pointerId)) this.touches.set(event.pointerId, at);
 		if (this.isClick) return;
@@ -4246,11 +4246,15 @@ var AXES = [
 var LENGTH = 64;
 /** Axes that are shorter in the picture than this part of the longest have no arrow: they point at the camera. */
 var SHORTEST = .15;
+/** CSS pixels that a click may move. */
+var STILL = 4;
 var Gizmo = class {
 	view;
 	element = svg("svg", { class: "gizmo" });
 	/** Called as the shape is dragged along an axis, with the distance from where it was. */
 	moved = () => {};
+	/** Called on a click, which is about what lies beneath. */
+	clicked = () => {};
 	handle = null;
 	next = null;
 	drag = null;
@@ -4323,8 +4327,10 @@ var Gizmo = class {
 		const factor = devicePixelRatio / this.view.placement.scale;
 		const [dx, dy] = [(event.clientX - drag.start[0]) * factor, (event.clientY - drag.start[1]) * factor];
 		drag.distance = Number(((dx * ax + dy * ay) / (ax * ax + ay * ay)).toPrecision(6));
-		if (drag.hasMoved || !done) this.moved(drag.axis, drag.distance, done);
-		drag.hasMoved = true;
+		drag.hasMoved ||= Math.hypot(event.clientX - drag.start[0], event.clientY - drag.start[1]) > STILL;
+		if (drag.hasMoved) this.moved(drag.axis, drag.distance, done);
+		else if (event.type === "pointerup") this.clicked(event.clientX, event.clientY);
+		else drag.distance = 0;
 		if (done) {
 			this.drag = null;
 			this.handle = this.next;
@@ -5302,18 +5308,20 @@ var Stage = class {
 	}
 	navigate() {
 		const { view, overlay, inspector, path, pick, selection, toolbar } = this;
+		const click = (pixel) => {
+			const inside = view.values(...pixel) !== null;
+			if (!inside) selection.set(null);
+			else if (!path.isOn) selection.click();
+			inspector.set(inside ? pixel : null);
+			if (inside) inspector.show(pixel, view.values(...pixel), view.isMixed);
+		};
+		overlay.gizmo.clicked = (x, y) => click(view.pixelAt(x, y));
 		new Navigate(view, this.camera, this.moving, this.flight, {
 			hover: (pixel) => {
 				pick.pixel = pixel;
 				inspector.show(pixel, pixel && view.values(...pixel), view.isMixed);
 			},
-			click: (pixel) => {
-				const inside = view.values(...pixel) !== null;
-				if (!inside) selection.set(null);
-				else if (!path.isOn) selection.click();
-				inspector.set(inside ? pixel : null);
-				if (inside) inspector.show(pixel, view.values(...pixel), view.isMixed);
-			},
+			click,
 			region: (a, b, done) => {
 				overlay.region = regionOf(a, b, view.film);
 				overlay.place();
