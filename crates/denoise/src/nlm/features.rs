@@ -203,9 +203,7 @@ impl<const N: usize, const S: usize> Kernel for Summing<'_, N, S> {
                 let far = (dx * dx + dy * dy) as f32 / ((around.reach + 1) * (around.reach + 1)) as f32;
                 let near = if [dx, dy] == [0, 0] { around.own } else { (1.0 - far).max(0.0) };
                 weights.iter_mut().for_each(|weight| *weight *= near);
-                for k in 0..BLOCK {
-                    sums.weights[k] += weights[k];
-                }
+                sums.weights.iter_mut().zip(&weights).for_each(|(sum, weight)| *sum += weight);
                 for (sums, plane) in sums.values.iter_mut().zip(around.values) {
                     let values = plane.block([x + dx, y + dy]);
                     for k in 0..BLOCK {

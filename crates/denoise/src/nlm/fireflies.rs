@@ -49,7 +49,7 @@ pub(super) fn hold(
     let sums = features.sums((REACH, 0.0), (planes.each_ref(), []), lanes);
     for (place, sums) in sums.iter().enumerate() {
         let [count, sum, squares] = sums.values;
-        if !(count > FEWEST) {
+        if count.is_nan() || count <= FEWEST {
             continue;
         }
         let mean = sum / count;

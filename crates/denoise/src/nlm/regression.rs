@@ -139,14 +139,14 @@ kernel! {
                 continue;
             }
             let weights = window.weights(j);
-            for c in 0..3 {
+            for (c, variance) in variances.iter().enumerate() {
                 let (values, sums) = (window.told(c, j), strip.row(c, [at[0], y]));
                 for k in 0..SIDE {
                     sums[k] += weights[k] * values[k];
                 }
                 let sums = strip.row(3 + c, [at[0], y]);
                 for k in 0..SIDE {
-                    sums[k] += weights[k] * variances[c];
+                    sums[k] += weights[k] * variance;
                 }
             }
             let sums = strip.row(SUMS - 1, [at[0], y]);

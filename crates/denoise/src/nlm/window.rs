@@ -133,13 +133,11 @@ impl Window {
             }
         }
         let whole = moments[0][0];
-        if !(whole > 0.0) {
+        if whole.is_nan() || whole <= 0.0 {
             return None;
         }
         let mut squares = [0.0; PIXELS];
-        for k in 0..PIXELS {
-            squares[k] = self.counts[k] * self.counts[k];
-        }
+        squares.iter_mut().zip(&self.counts).for_each(|(square, count)| *square = count * count);
         let all = dot(&squares, &self.columns[0]);
         let variances = self.variances.each_ref().map(|variances| dot(&squares, variances) / (whole * whole));
         let factors = line(&moments, f64::from(all / (whole * whole)));
@@ -217,9 +215,8 @@ fn line(moments: &[[f32; COLUMNS]; TERMS], one: f64) -> [[f32; TERMS]; 3] {
             if i == j {
                 rest = rest.max(0.0) + ridge * SCALES[i] * SCALES[i];
             }
-            for k in 1..j {
-                rest -= root[i][k] * root[j][k];
-            }
+            let [of_i, of_j] = [root[i], root[j]];
+            of_i[1..j].iter().zip(&of_j[1..j]).for_each(|(a, b)| rest -= a * b);
             // Rounding may leave nothing of what terms that follow each other have by themselves.
             root[i][j] = if i == j { rest.max(0.5 * ridge * SCALES[i] * SCALES[i]).sqrt() } else { rest / root[j][j] };
         }
