@@ -117,7 +117,7 @@ fn range(picture: &Image) -> Option<[f32; 2]> {
 /// between their least and their greatest. What is infinite becomes white or black.
 fn scale(picture: &mut Image) -> Option<String> {
     let [least, greatest] = range(picture).filter(|[least, greatest]| *least < 0.0 || *greatest > 1.0)?;
-    let is_direction = least < 0.0 && least >= -1.0 && greatest <= 1.0;
+    let is_direction = (-1.0..0.0).contains(&least) && greatest <= 1.0;
     let [from, to] = if is_direction { [-1.0, 1.0] } else { [least, greatest] };
     let width = f64::from(to) - f64::from(from);
     let part = |v: f32| match (f64::from(v) - f64::from(from)) / width {

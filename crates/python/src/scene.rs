@@ -457,6 +457,7 @@ impl Scene {
     /// Shows the scene, as it is now, in a page of a server on this machine.
     #[pyo3(signature = (*, integrator = None, spp = None, size = None, denoise = None, bind = "127.0.0.1".into(),
         port = 0))]
+    #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn view(
         &self,
         py: Python<'_>,
