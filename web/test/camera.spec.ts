@@ -202,6 +202,8 @@ test('with Shift the lens is focused as far as the point is along the axis', asy
   expect(sent(mock, 'camera')).toEqual([]);
 
   mock.change({ camera: { ...mock.state.camera, lens: null } });
+  mock.broadcast({ type: 'message', severity: 'note', text: 'the state came' });
+  await expect(ready.locator('.toast')).toHaveText('the state came');
   await ready.keyboard.press('Shift+Period');
   await expect(ready.locator('.toast')).toHaveText('this kind of camera has no focal distance');
   await pointAt(mock, ready, { 'P.X': 0, 'P.Y': 0, 'P.Z': 0, Z: 'Infinity' });

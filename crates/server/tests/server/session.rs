@@ -265,6 +265,41 @@ fn edits_that_cannot_be_rendered_leave_the_scene() {
     assert_eq!((&page.state["undo"], &page.state["redo"]), (&json!(1), &json!(0)));
 }
 
+/// Nodes without names go by the same ones in the list, in values, in edits and of pixels; outlines are by them, too.
+#[test]
+fn nameless_nodes_have_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.steradian");
+    let text = "steradian: 1\ncameras: [{camera: perspective, to_world: {translate: [0, 0, -4]}},\n\
+                {camera: perspective, to_world: {translate: [0, 0, -9]}}]\n\
+                lights: [{light: environment}]\nfilm: {film: rgb, width: 24, height: 16}\n\
+                shapes: [{shape: sphere, material: {material: diffuse, reflectance: {texture: checkerboard}}}]\n";
+    std::fs::write(&path, text).unwrap();
+    let server = Server::of(&path);
+    let mut page = server.page();
+    let value = |server: &Server| {
+        let nodes = server.get("api/nodes").json();
+        let node = nodes.as_array().unwrap().iter().find(|n| n["id"] == "diffuse 1").unwrap().clone();
+        node["parameters"].as_array().unwrap().iter().find(|p| p["name"] == "reflectance").unwrap()["value"].clone()
+    };
+    let before = value(&server);
+    assert!(before.as_str().unwrap().contains("checkerboard 1"), "{before}");
+    let edit = |value: &serde_json::Value| json!({"type": "edit", "node": "diffuse 1", "parameter": "reflectance", "value": value, "moving": false});
+    page.finished(edit(&json!("0.25")));
+    assert_eq!(value(&server), "0.25");
+    page.finished(edit(&before));
+    assert_eq!(value(&server), before);
+    let pixel = server.get("api/pixel?x=12&y=8").json();
+    assert_eq!((&pixel["object"], &pixel["material"]), (&json!("sphere 1"), &json!("diffuse 1")));
+    let outline = server.get("api/outline?shape=sphere%201").json();
+    assert!(!outline["runs"].as_array().unwrap().is_empty() && outline["handle"].is_object(), "{outline}");
+    assert_eq!(server.get("api/outline?shape=cube%201").status, 404);
+    // A camera without a name is chosen by its label.
+    page.finished(json!({"type": "camera-name", "name": "perspective 2"}));
+    assert_eq!(page.state["camera"]["name"], "perspective 2");
+    assert_eq!(page.state["camera"]["eye"], json!([0.0, 0.0, -9.0]));
+}
+
 /// The edit that places something.
 fn placing(node: &serde_json::Value, value: &str, moving: bool) -> serde_json::Value {
     let parameter = "to_world";
