@@ -1,7 +1,7 @@
 //! Finished pictures: first-order regressions weighted by the noise of pixels and by the surfaces that they show.
 //!
 //! Windows are fitted by lines in place, normal and albedo, and overlap; a pixel is the mean of what all windows over
-//! it tell ([`regression`]). Pixels of a window weigh by how alike their colours are to its centre's beyond what noise
+//! it tell (`regression`). Pixels of a window weigh by how alike their colours are to its centre's beyond what noise
 //! explains, as in non-local means, and how alike the surfaces are (Bitterli and others, "Nonlinearly Weighted
 //! First-order Regression for Denoising Monte Carlo Renderings", EGSR 2016; distances after Rousselle, Manzi, Zwicker,
 //! "Robust Denoising using Feature and Color Information", Pacific Graphics 2013, sections 3 and 4).
@@ -10,7 +10,7 @@
 //! in the first pass it is the mean over 3×3 pixels, in the second the outcome of the first; surfaces weigh as well;
 //! weights fall to nothing at the rim of the window; the variance of a pixel that tells others what it may be is held
 //! to four times theirs, since a rare bright path would else be alike to all; colours are divided by the albedo
-//! meanwhile; pixels far brighter than all around are held back before ([`fireflies`]); the light that was lost is
+//! meanwhile; pixels far brighter than all around are held back before (`fireflies`); the light that was lost is
 //! given back; one filter is used instead of a choice among several. Frames of an animation are filtered with what
 //! those before saw by [`Sequence`].
 
