@@ -103,18 +103,20 @@ test('a frame is shown when it is whole', async ({ mock, ready }) => {
   await expect.poll(() => codes(ready, [[0, 0]])).toEqual([255, 255, 255]);
 });
 
-test('a frame of half the size fills the film', async ({ mock, ready }) => {
+test('a frame of half the size fills the film, smoothly', async ({ mock, ready }) => {
   mock.shade = (x) => (x < 48 ? [1, 0, 0] : [0, 0, 1]);
   mock.frame({ reduced: 2, kind: 'preview' });
   await expect(ready.locator('.status-facts')).toContainText('preview');
   expect(
     await codes(ready, [
       [0, 0],
-      [47, 63],
-      [48, 0],
+      [46, 63],
+      [49, 0],
       [95, 63],
     ]),
   ).toEqual([255, 0, 0, 255, 0, 0, 0, 0, 255, 0, 0, 255]);
+  const [r, g, b] = await codes(ready, [[47, 30]]);
+  expect([r! > b!, g, b! > 0]).toEqual([true, 0, true]);
 });
 
 test('layers are asked for and shown', async ({ mock, ready }) => {
