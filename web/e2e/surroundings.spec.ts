@@ -28,6 +28,13 @@ test('a model is shown in other surroundings, as its command renders it', async 
     await expect(command).toContainText(`-D ${define}`);
   expect(differing(await canvas(page), before)).toBeGreaterThan(1000);
   await expectSame(page, program, 'gold');
+  // The command of a film runs, also where the camera was moved.
+  await page.getByRole('heading', { name: 'Camera' }).click();
+  await anew(page, () => page.getByRole('button', { name: 'Top', exact: true }).click());
+  await page.getByRole('button', { name: 'Copy turntable command' }).click();
+  const film = await page.evaluate(() => navigator.clipboard.readText());
+  await program.run(film.replace('--turntable 96', '--turntable 2'));
+  expect((await program.read('turntable.gif')).subarray(0, 3).toString()).toBe('GIF');
   await program.stop();
 });
 
@@ -50,6 +57,17 @@ test('an animation is posed by its slider and plays', async ({ page }) => {
   });
   await expect(page.locator('code.command')).toContainText(`-D at=${await time.inputValue()}`);
   await expectSame(page, program, 'stopped');
+  await program.stop();
+});
+
+test('the exposure is chosen by the picture, as the command chooses it', async ({ page }) => {
+  const program = await start('gem.obj', '-D', 'strength=300');
+  await show(page, program);
+  // White as it is: a model is exposed by itself.
+  const exposure = page.getByLabel('Exposure in EV', { exact: true });
+  expect(Number(await exposure.inputValue())).toBeLessThan(-2);
+  await page.getByRole('button', { name: 'Expose by the picture' }).click();
+  await expectSame(page, program, 'auto', '--exposure', 'auto');
   await program.stop();
 });
 

@@ -42,10 +42,10 @@ export class Look {
       'View',
       true,
       row('Exposure', this.exposure.element, 'Powers of two; keys [ and ]'),
-      row(
-        '',
-        h('button', { class: 'small', onclick: () => this.exposeBy('auto') }, 'Expose by the picture'),
-        'What is lit becomes grey on average',
+      h(
+        'div',
+        { class: 'buttons' },
+        h('button', { title: 'What is lit becomes grey on average', onclick: () => this.exposeBy('auto') }, 'Expose by the picture'),
       ),
       row('Tone', this.tone),
       this.parameters,

@@ -57,8 +57,10 @@ export class SurroundingsPanel {
     row('Time', this.time),
     h('div', { class: 'buttons' }, this.play, this.seconds),
   );
+  /** Edited scenes are saved in a form that has a camera of its own: there is no turntable of those. */
+  private readonly copyFilm = h('button', { onclick: () => void this.copy(this.film()) }, 'Copy turntable command');
   private surroundings: Surroundings | null = null;
-  private scene = '';
+  private command = '';
   private sentAt: number | null = null;
   private began = 0;
 
@@ -78,7 +80,7 @@ export class SurroundingsPanel {
       row('Background', h('span', { class: 'plain' }, this.background, this.color), 'Behind the scene; the light stays that of the sky'),
       this.materialRow,
       this.moment,
-      h('div', { class: 'buttons' }, h('button', { onclick: () => void this.copy(this.film()) }, 'Copy turntable command')),
+      h('div', { class: 'buttons' }, this.copyFilm),
     );
   }
 
@@ -86,7 +88,8 @@ export class SurroundingsPanel {
     const { surroundings } = state;
     this.surroundings = surroundings;
     this.element.hidden = surroundings === null;
-    this.scene = state.command;
+    this.command = state.command;
+    this.copyFilm.disabled = state.undo > 0;
     if (!surroundings) return this.setPlaying(false);
     const { defines, skies, backgrounds, finishes, animations } = surroundings;
     setOptions(this.sky, [{ value: '', text: 'usual' }, ...withOwn(skies, defines['sky'])]);
@@ -172,9 +175,10 @@ export class SurroundingsPanel {
     this.send({ type: 'define', name, value, moving });
   }
 
-  /** The command of a film of the scene that turns once. */
+  /** The command of a film of the scene that turns once, which places the camera and shows one moment. */
   private film(): string {
-    return `${this.scene} --turntable 96 -o turntable.mp4`;
+    const still = this.command.replace(/ (--look-at|--camera) ('[^']*'|\S+)/g, '').replace(/ -D at=\S+/, '');
+    return `${still} --turntable 96 -o turntable.gif`;
   }
 }
 

@@ -609,9 +609,9 @@ pub struct ViewArgs {
     /// Random seed
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
-    /// Maximum number of scattering events of a path
-    #[arg(long, value_name = "N")]
-    pub max_depth: Option<u32>,
+    /// Maximum number of scattering events of a path; -1 for no limit
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(i64).range(-1..=i64::from(u32::MAX)))]
+    pub max_depth: Option<i64>,
     /// Denoiser of the pictures, or off; default: the best there is, where noise can be removed
     #[arg(long, value_name = "NAME", value_enum, num_args = 0..=1, require_equals = true)]
     pub denoise: Option<Option<ViewDenoiser>>,

@@ -50,7 +50,7 @@ pub fn run(args: &ViewArgs, terminal: Terminal) -> Outcome {
                 Color::Spectral => Some("spectral".into()),
             },
             seed: args.seed.map(Some),
-            max_depth: args.max_depth.map(Some),
+            max_depth: args.max_depth.map(|d| Some(u32::try_from(d).unwrap_or(u32::MAX))),
             denoise: args.denoise.flatten().map(|denoiser| match denoiser {
                 ViewDenoiser::Off => None,
                 ViewDenoiser::Nlm => Some(Denoiser::Nlm),

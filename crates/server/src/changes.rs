@@ -26,13 +26,14 @@ fn remade(document: &mut Document, look: &mut Look, held: u64, denoisers: &Denoi
     let needed = bytes(&render, &scene, look);
     let there_is = document.source.memory.and_then(|there_is| there_is());
     check_memory(needed, held, there_is)?;
-    let denoiser = look.denoiser();
-    if let Some(denoiser) = denoiser {
+    // The usual denoiser is one that can be had, and none where it cannot be used.
+    let chosen = look.settings.denoise.flatten();
+    if let Some(denoiser) = chosen {
         can_be_denoised(look, &scene)?;
         denoiser.check(denoisers)?;
     }
     if look.settings.light_groups == Some(true) {
-        if denoiser.is_some() {
+        if chosen.is_some() {
             return Err("a picture without its noise has no light groups: only one of both can be on".into());
         }
         groups::check(&scene)?;

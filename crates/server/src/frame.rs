@@ -171,7 +171,7 @@ impl Frame {
         Self { number: NUMBER.fetch_add(1, Ordering::Relaxed), tiles, end: Some(end) }
     }
 
-    /// The same picture, while the render that will replace it is so far.
+    /// This picture with the progress of the render that will replace it.
     pub fn while_rendered(&self, render: &Shown) -> Self {
         let end = self.end.clone().map(|end| FrameEnd {
             samples: render.samples,

@@ -69,7 +69,7 @@ pub struct Names {
 
 /// Names of a shape, its material and its light.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Named<'a> {
+pub struct SurfaceNames<'a> {
     /// Shape.
     pub object: Option<&'a str>,
     /// Material.
@@ -97,11 +97,11 @@ impl Names {
     }
 
     /// Names of what a first hit's shape is, which counts from one; none for zero.
-    pub fn of(&self, shape: u32) -> Named<'_> {
+    pub fn of(&self, shape: u32) -> SurfaceNames<'_> {
         let label = |node: NodeId| self.labels.get(node.0 as usize).map(String::as_str);
         let found = shape.checked_sub(1).and_then(|node| self.parts.get_key_value(&node));
-        let Some((node, parts)) = found else { return Named::default() };
-        Named {
+        let Some((node, parts)) = found else { return SurfaceNames::default() };
+        SurfaceNames {
             object: label(NodeId(*node)),
             material: parts.material.and_then(label),
             light: parts.emission.and_then(label),

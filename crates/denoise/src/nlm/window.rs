@@ -7,7 +7,7 @@ pub(super) const REACH: usize = 11;
 const PIXELS: usize = SIDE * SIDE;
 /// Numbers that a line has factors for: one, column, row, normal, albedo.
 const TERMS: usize = 9;
-/// Those, and three channels.
+/// Terms, and three channels.
 const COLUMNS: usize = TERMS + 3;
 /// By how much a term is to spread for its factor to be known well.
 const SCALES: [f64; TERMS] = [1.0, 0.2, 0.2, 0.2, 0.2, 0.2, 0.5, 0.5, 0.5];

@@ -1589,10 +1589,10 @@ var Look = class {
 			unit: "EV",
 			change: (v) => this.expose(v)
 		});
-		this.element = section("View", true, row("Exposure", this.exposure.element, "Powers of two; keys [ and ]"), row("", h("button", {
-			class: "small",
+		this.element = section("View", true, row("Exposure", this.exposure.element, "Powers of two; keys [ and ]"), h("div", { class: "buttons" }, h("button", {
+			title: "What is lit becomes grey on average",
 			onclick: () => this.exposeBy("auto")
-		}, "Expose by the picture"), "What is lit becomes grey on average"), row("Tone", this.tone), this.parameters, row("Layer", this.layer), row("False colour", this.falseColor, "Luminance as a colour of viridis, on a logarithmic scale"), row("Mark NaN", this.mark, "Pixels that are NaN or infinite become magenta"));
+		}, "Expose by the picture")), row("Tone", this.tone), this.parameters, row("Layer", this.layer), row("False colour", this.falseColor, "Luminance as a colour of viridis, on a logarithmic scale"), row("Mark NaN", this.mark, "Pixels that are NaN or infinite become magenta"));
 	}
 	update(state) {
 		const isFirst = this.state === null;
@@ -3227,8 +3227,10 @@ var SurroundingsPanel = class {
 		onclick: () => this.setPlaying(!isPressed(this.play))
 	}, "Play");
 	moment = h("div", {}, row("Animation", this.animation), row("Time", this.time), h("div", { class: "buttons" }, this.play, this.seconds));
+	/** Edited scenes are saved in a form that has a camera of its own: there is no turntable of those. */
+	copyFilm = h("button", { onclick: () => void this.copy(this.film()) }, "Copy turntable command");
 	surroundings = null;
-	scene = "";
+	command = "";
 	sentAt = null;
 	began = 0;
 	constructor(send, copy) {
@@ -3236,13 +3238,14 @@ var SurroundingsPanel = class {
 		this.copy = copy;
 		this.time.addEventListener("input", () => this.pose(this.time.valueAsNumber, true));
 		this.time.addEventListener("change", () => this.pose(this.time.valueAsNumber, false));
-		this.element = section("Surroundings", false, row("Sky", this.sky, "Light from all sides; a dropped picture takes its place"), row("Turn", this.turn.element, "The sky, turned to the right"), row("Strength", this.strength.element, "Factor on the light of the sky"), row("Ground", this.ground), row("Background", h("span", { class: "plain" }, this.background, this.color), "Behind the scene; the light stays that of the sky"), this.materialRow, this.moment, h("div", { class: "buttons" }, h("button", { onclick: () => void this.copy(this.film()) }, "Copy turntable command")));
+		this.element = section("Surroundings", false, row("Sky", this.sky, "Light from all sides; a dropped picture takes its place"), row("Turn", this.turn.element, "The sky, turned to the right"), row("Strength", this.strength.element, "Factor on the light of the sky"), row("Ground", this.ground), row("Background", h("span", { class: "plain" }, this.background, this.color), "Behind the scene; the light stays that of the sky"), this.materialRow, this.moment, h("div", { class: "buttons" }, this.copyFilm));
 	}
 	update(state) {
 		const { surroundings } = state;
 		this.surroundings = surroundings;
 		this.element.hidden = surroundings === null;
-		this.scene = state.command;
+		this.command = state.command;
+		this.copyFilm.disabled = state.undo > 0;
 		if (!surroundings) return this.setPlaying(false);
 		const { defines, skies, backgrounds, finishes, animations } = surroundings;
 		setOptions(this.sky, [{
@@ -3338,9 +3341,9 @@ var SurroundingsPanel = class {
 			moving
 		});
 	}
-	/** The command of a film of the scene that turns once. */
+	/** The command of a film of the scene that turns once, which places the camera and shows one moment. */
 	film() {
-		return `${this.scene} --turntable 96 -o turntable.mp4`;
+		return `${this.command.replace(/ (--look-at|--camera) ('[^']*'|\S+)/g, "").replace(/ -D at=\S+/, "")} --turntable 96 -o turntable.gif`;
 	}
 };
 /** Words, and the one that the program was started with. */

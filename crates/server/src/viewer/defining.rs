@@ -8,7 +8,8 @@ use crate::{
 };
 
 impl Viewer {
-    /// Reads the scene with another definition, or without it; while a hand is on it, previews alone are made.
+    /// Reads the scene with another definition, or without it; while a hand is on it, previews alone are made. Where it
+    /// fails the document stays, and the caller puts the look back.
     pub fn define(&mut self, name: String, value: Option<String>, moving: bool) -> Result<(), String> {
         surroundings::check(&self.document, &name, value.as_deref())?;
         let mut source = self.document.source.clone();
@@ -21,9 +22,9 @@ impl Viewer {
             Some(value) => _ = source.reading.defines.insert(name, value),
             None => _ = source.reading.defines.remove(&name),
         }
-        let (fresh, _) = self.document.read_again(source).map_err(|d| told(&d))?;
+        let (fresh, lost) = self.document.read_again(source).map_err(|d| told(&d))?;
         let old = self.document.replace(fresh);
-        let was_moving = std::mem::replace(&mut self.look.moving, moving);
+        self.look.moving = moving;
         let coarse = self.preview_look();
         let done = match moving {
             true => compile(&mut self.document, &coarse, Purpose::Preview)
@@ -31,9 +32,10 @@ impl Viewer {
                 .map_err(|d| told(&d)),
             false => self.remake(),
         };
-        done.inspect_err(|_| {
-            self.document.replace(old);
-            self.look.moving = was_moving;
-        })
+        match done {
+            Ok(()) => self.tell_lost(lost),
+            Err(_) => _ = self.document.replace(old),
+        }
+        done
     }
 }

@@ -20,6 +20,11 @@ impl Viewer {
         is_changed && self.seen == before
     }
 
+    /// Tells which edits could not be made again, and why.
+    pub(super) fn tell_lost(&self, lost: Vec<String>) {
+        lost.into_iter().for_each(|why| self.say(Severity::Warning, format!("an edit does not fit any more: {why}")));
+    }
+
     /// Shows the scene as its files have it now; the camera, settings and edits stay.
     pub(super) fn reload(&mut self) -> Invalidates {
         self.stamps.clone_from(&self.seen);
@@ -37,7 +42,7 @@ impl Viewer {
             self.say(Severity::Error, why);
             return Invalidates::Nothing;
         }
-        lost.into_iter().for_each(|why| self.say(Severity::Warning, format!("an edit does not fit any more: {why}")));
+        self.tell_lost(lost);
         self.say(Severity::Note, "the scene's files have changed: they were read again".into());
         self.stamps = self.document.stamps();
         Invalidates::Scene
