@@ -91,6 +91,7 @@ impl Compiler<'_> {
             alpha = None;
         }
         let is_single_sided = self.bool(node, "single_sided");
+        let catches_shadows = self.bool(node, "shadow_catcher");
         let media = shape.is_medium_boundary.then(|| (self.medium(shape.interior), self.medium(shape.exterior)));
         let emission = shape.emission.map(|id| self.node(id));
         let placed = Placed {
@@ -126,6 +127,7 @@ impl Compiler<'_> {
                 material: material.id,
                 alpha,
                 is_single_sided,
+                catches_shadows,
                 emitter: None,
                 lights: Box::default(),
                 media,

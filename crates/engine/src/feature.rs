@@ -37,6 +37,8 @@ pub enum Feature {
     RealisticLens,
     /// A camera without an inverse: light paths are not connected to it.
     UnconnectedCamera,
+    /// Surfaces that are seen by their shadows alone.
+    ShadowCatchers,
     /// A picture without its background.
     Transparency,
     /// A picture without its background, of a scene with participating media.
@@ -81,7 +83,7 @@ impl Support {
 
 impl Feature {
     /// Features of scenes, in the order in which limits are told.
-    pub(crate) const OF_SCENES: [Self; 16] = [
+    pub(crate) const OF_SCENES: [Self; 17] = [
         Self::MovingCamera,
         Self::Media,
         Self::Subsurface,
@@ -98,10 +100,11 @@ impl Feature {
         Self::SurfaceDetail,
         Self::UnsampledEmitters,
         Self::Bands,
+        Self::ShadowCatchers,
     ];
 
     /// All features: those of scenes, then those of requests.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 24] = [
         Self::Media,
         Self::GlowingMedia,
         Self::Subsurface,
@@ -118,6 +121,7 @@ impl Feature {
         Self::RealisticLens,
         Self::UnconnectedCamera,
         Self::Bands,
+        Self::ShadowCatchers,
         Self::Transparency,
         Self::TransparencyBehindMedia,
         Self::Samplers,
@@ -145,6 +149,7 @@ impl Feature {
             Self::MovingCamera => "a camera that moves",
             Self::RealisticLens => "a camera with a lens of several elements (realistic)",
             Self::UnconnectedCamera => "a spherical camera with a lens",
+            Self::ShadowCatchers => "shadow catchers",
             Self::Transparency => "a transparent background",
             Self::TransparencyBehindMedia => "a transparent background behind media",
             Self::Samplers => "a choice of samplers",
@@ -191,6 +196,7 @@ impl Feature {
             Self::RealisticLens => matches!(scene.camera().projection, Projection::Realistic(_)),
             Self::UnconnectedCamera => !scene.camera().can_receive(),
             Self::Bands => scene.film().bands.is_some(),
+            Self::ShadowCatchers => scene.has_shadow_catchers(),
             Self::Transparency
             | Self::TransparencyBehindMedia
             | Self::Samplers

@@ -5,6 +5,7 @@
 //! `Session::follow`), and `steradian_core::scene` finds the position of the surface point in the earlier frame
 //! (`earlier`).
 
+use crate::shadow_catcher::{DIRECTIONS, opacity};
 use steradian_bsdf::{Bsdf, TransportMode};
 use steradian_core::{
     ColorMode, Scene,
@@ -57,6 +58,8 @@ pub fn first_hit(scene: &Scene, ray: Ray, lambda: &Wavelengths, sight: Sight, be
         shape: geometry.id,
         material: geometry.material + 1,
         coverage: 1.0,
+        opacity: if geometry.catches_shadows { opacity(scene, &i, frame.z, lambda, DIRECTIONS) } else { 1.0 },
+        catches_shadows: geometry.catches_shadows,
         ..FirstHit::default()
     };
     if sight.sees_through {

@@ -21,6 +21,7 @@ mod passes;
 mod pieces;
 mod plan;
 mod session;
+pub mod shadow_catcher;
 mod state;
 mod state_checks;
 mod tiles;

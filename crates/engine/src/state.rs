@@ -69,7 +69,7 @@ fields! {
     Pixel { sum, sum_squares, samples }
     FirstHit {
         albedo, normal, seen_albedo, seen_normal, geometric_normal,
-        position, motion, depth, distance, uv, shape, material, coverage
+        position, motion, depth, distance, uv, shape, material, coverage, opacity
     }
     FirstHitSums { sum, samples }
     LayerSums { features, mattes, by_light, by_band }

@@ -45,7 +45,10 @@ pub(crate) fn are_hits(sums: &FirstHitSums) -> bool {
     let vectors = [s.albedo, s.normal, s.geometric_normal, s.position, s.motion];
     // Surfaces are counted by ones.
     let is_count = s.coverage >= 0.0 && s.coverage <= sums.samples as f32 && s.coverage.fract() == 0.0;
-    is_count && vectors.as_flattened().iter().chain(&s.uv).chain(&[s.depth, s.distance]).all(|v| v.is_finite())
+    let is_opacity = (0.0..=s.coverage).contains(&s.opacity);
+    is_count
+        && is_opacity
+        && vectors.as_flattened().iter().chain(&s.uv).chain(&[s.depth, s.distance]).all(|v| v.is_finite())
 }
 
 /// True if things can have been counted so.

@@ -30,6 +30,11 @@ pub struct FirstHit {
     pub material: u32,
     /// 1 where a surface is hit; in the mean the part of the pixel that surfaces cover.
     pub coverage: f32,
+    /// Part of the background that surfaces hide: 1, or of a shadow catcher the part of its direct light that is
+    /// blocked.
+    pub opacity: f32,
+    /// True if the surface is a shadow catcher.
+    pub catches_shadows: bool,
 }
 
 /// Sums of first hits over the samples of a pixel; ids are those of the first surface that a sample hits.
@@ -69,14 +74,15 @@ impl FirstHitSums {
         add(std::slice::from_mut(&mut s.depth), &[hit.depth]);
         add(std::slice::from_mut(&mut s.distance), &[hit.distance]);
         add(std::slice::from_mut(&mut s.coverage), &[hit.coverage]);
+        add(std::slice::from_mut(&mut s.opacity), &[hit.opacity]);
         if s.shape == 0 {
             (s.shape, s.material) = (hit.shape, hit.material);
         }
         self.samples += of.samples;
     }
 
-    /// The averages: of albedo (held in [0, 1]), normals, motion and coverage over all samples; of position, parameters
-    /// and distances over those that hit a surface. Distances are infinite where none does.
+    /// The averages: of albedo (held in [0, 1]), normals, motion, coverage and opacity over all samples; of position,
+    /// parameters and distances over those that hit a surface. Distances are infinite where none does.
     pub fn mean(&self) -> FirstHit {
         let s = &self.sum;
         let over_all = 1.0 / self.samples.max(1) as f32;
@@ -94,6 +100,7 @@ impl FirstHitSums {
             depth: distance(s.depth),
             distance: distance(s.distance),
             coverage: s.coverage * over_all,
+            opacity: s.opacity * over_all,
             ..*s
         }
     }

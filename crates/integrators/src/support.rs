@@ -29,6 +29,7 @@ pub(crate) fn of_local_scattering(feature: Feature) -> Support {
 pub(crate) fn of_passes(feature: Feature) -> Support {
     match feature {
         Feature::MovingCamera | Feature::Transparency | Feature::TransparencyBehindMedia => Refuses(""),
+        Feature::ShadowCatchers => LeavesOut("they are shown as surfaces"),
         Feature::RealisticLens => Refuses("what it sees has no inverse"),
         Feature::Adaptivity => Refuses("it makes whole pictures pass by pass"),
         Feature::Bands => LeavesOut("it adds its light to R, G and B; 'path', 'volpath' and 'whitted' have bands"),

@@ -71,6 +71,9 @@ impl Method for Raster {
             Feature::LightGroups if self.options.frame != FrameKind::Forward => {
                 Refuses("frame=preview and frame=hybrid do not tell groups of lights apart")
             }
+            Feature::ShadowCatchers if self.options.frame == FrameKind::Hybrid => {
+                LeavesOut("frame=hybrid shows them as surfaces")
+            }
             Feature::Transparency if is_preview => Refuses("frame=preview has none"),
             _ => Support::Exact,
         }

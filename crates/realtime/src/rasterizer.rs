@@ -24,7 +24,7 @@ use steradian_core::{
     film::{FilmSpec, LayerInputs, PassFilm},
     scene::Shape,
 };
-use steradian_engine::{Counters, Pass, Plan, Run, Sight, first_hit};
+use steradian_engine::{Counters, Pass, Plan, Run, Sight, first_hit, shadow_catcher};
 use steradian_math::{Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
 use steradian_transport::Depth;
 
@@ -304,10 +304,17 @@ impl Rasterizer {
                 found.add(&self.shade(drawing, &shader, (&ray, seen), (at, None), counters), *share);
             }
         }
-        // A transparent background leaves pixels without coverage black.
-        let sight = Sight { sees_through: false, hide_emitters: self.depth.hide_emitters };
-        let is_clear = self.transparent && first_hit(scene, ray, &shader.wavelengths(at), sight, None).coverage == 0.0;
-        if is_clear { Found { value: Vec3::ZERO, lights: vec![Vec3::ZERO; found.lights.len()] } } else { found }
+        // A transparent background leaves pixels without coverage black; shadow catchers show their shadows.
+        if self.transparent || scene.has_shadow_catchers() {
+            let sight = Sight { sees_through: false, hide_emitters: self.depth.hide_emitters };
+            let lambda = shader.wavelengths(at);
+            let hit = first_hit(scene, ray, &lambda, sight, None);
+            if let Some(shown) = shadow_catcher::shown(scene, &ray, &hit, self.transparent, &lambda) {
+                let value = scene.film().to_rgb(shown, &lambda, scene.mode()) * drawing.weight;
+                return Found { value, lights: vec![Vec3::ZERO; found.lights.len()] };
+            }
+        }
+        found
     }
 
     /// Shades the point that a ray sees: its radiance in the colours of the film, split by the groups of lights.

@@ -265,10 +265,15 @@ pub const SHAPES: &[Model] = &[
 /// Parameters of every shape.
 pub static ANY_SHAPE: Group = Group {
     name: "any",
-    doc: "every shape: where rays pass",
+    doc: "every shape: where rays pass, and as what it is seen",
     parameters: &[
         scalar("alpha", ANY, "1", "part of rays that meet it"),
         flag("single_sided", "false", "whether rays pass that meet it from behind, against the order of the corners"),
+        flag(
+            "shadow_catcher",
+            "false",
+            "whether the camera sees of it only the shadows that it receives: before the background, or as alpha",
+        ),
     ],
     source: "",
 };

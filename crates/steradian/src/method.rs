@@ -164,6 +164,7 @@ impl Render {
         let groups = scene.light_groups().names.len();
         let asked = [
             (plan.transparent, transparency, format!("a transparent background{behind}")),
+            (scene.has_shadow_catchers() && scene.has_media(), transparency, format!("shadow catchers{behind}")),
             (by_light, Feature::LightGroups, "layers of groups of lights".into()),
             (by_bounce, Feature::Bounces, "layers of bounces".into()),
         ];

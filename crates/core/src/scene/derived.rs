@@ -18,6 +18,8 @@ pub struct Facts {
     pub is_timed: bool,
     pub has_mixtures: bool,
     pub has_media: bool,
+    /// True if any surface is a shadow catcher.
+    pub has_shadow_catchers: bool,
     pub is_see_through: bool,
     /// Media that give off light, where it may arrive straight.
     pub emissive_volumes: Vec<EmissiveVolume>,
@@ -57,6 +59,7 @@ impl Facts {
             has_mixtures: materials.iter().any(|m| matches!(m.model, Model::Mix(..) | Model::Fluorescent(_))),
             is_fluorescent: materials.iter().any(|m| matches!(m.model, Model::Fluorescent(_))),
             has_media: parts.has_media(),
+            has_shadow_catchers: geometries.iter().any(|g| g.catches_shadows),
             is_see_through,
             emissive_volumes: if is_see_through { emissive_volumes(parts) } else { Vec::new() },
             below_surfaces: materials.iter().find_map(|m| m.model.below()),

@@ -223,6 +223,12 @@ impl Scene {
         self.facts.has_media
     }
 
+    /// True if pictures show only the shadows of some surfaces.
+    #[inline]
+    pub fn has_shadow_catchers(&self) -> bool {
+        self.facts.has_shadow_catchers
+    }
+
     /// True if there are surfaces that light passes straight: interfaces and thin panes.
     #[inline]
     pub fn is_see_through(&self) -> bool {

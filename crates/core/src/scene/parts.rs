@@ -26,6 +26,8 @@ pub struct Geometry {
     pub alpha: Option<FloatTexture>,
     /// True if rays pass that meet it from behind, against the geometric normal.
     pub is_single_sided: bool,
+    /// True if pictures show of it only the shadows that it receives.
+    pub catches_shadows: bool,
     /// Index of what it emits.
     pub emitter: Option<u32>,
     /// For emitting shapes the light of each primitive; one entry when all belong to the same. In groups they count

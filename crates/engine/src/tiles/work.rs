@@ -14,6 +14,7 @@ use crate::{
     camera_rays::CameraRays,
     first_hit,
     partition::{CELLS, Partition, Place, TILE, Window, cell_of},
+    shadow_catcher,
 };
 use std::{
     sync::{
@@ -319,12 +320,11 @@ impl<'a, G: GroupIntegrator> Work<'a, G> {
         let mut l = scene.film().exposed(pixel_sample.radiance);
         let gathers = plan.has(LayerInputs::FIRST_HITS) || plan.has(LayerInputs::MATTES);
         let mut measured = Measured { hit: None, bands: None };
-        if gathers || plan.transparent {
+        if gathers || plan.transparent || scene.has_shadow_catchers() {
             let before = self.frame.before.as_deref();
             let hit = first_hit(scene, pixel_sample.ray, &pixel_sample.lambda, plan.sight(), before);
-            if plan.transparent && hit.coverage == 0.0 {
-                l = Spectrum::ZERO;
-            }
+            let PixelSample { ray, lambda, .. } = pixel_sample;
+            l = shadow_catcher::shown(scene, ray, &hit, plan.transparent, lambda).unwrap_or(l);
             measured.hit = gathers.then_some(hit);
         }
         if bands.is_some() {

@@ -108,6 +108,7 @@ pub const IDS: Layer = Layer(&surface(
 pub const ALPHA: Layer = Layer(&surface(
     "alpha",
     &["A"],
-    "part of the pixel that surfaces cover: A; --transparent leaves out the background",
-    |hit, _| [hit.coverage, 0.0, 0.0],
+    "part of the pixel that surfaces cover, shadow catchers by their shadows: A; --transparent leaves out the \
+     background",
+    |hit, _| [hit.opacity, 0.0, 0.0],
 ));

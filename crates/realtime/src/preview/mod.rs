@@ -29,7 +29,7 @@ use steradian_core::{
     sampler::Sampler,
     scene::Shape,
 };
-use steradian_engine::{Counters, Pass, PathContext, Plan, Run, albedo, albedo_of, dimension};
+use steradian_engine::{Counters, Pass, PathContext, Plan, Run, albedo, albedo_of, dimension, shadow_catcher};
 use steradian_math::{Ray, Spectrum, Vec2, Vec3, spectra::Wavelengths};
 use steradian_transport::{Depth, NoGuide, PathState, along};
 
@@ -46,6 +46,8 @@ const LAYER_POINTS: u32 = 16;
 /// Transparent layers that are followed, and the least share of the light behind them that matters.
 const MOST_LAYERS: usize = 64;
 const LEAST_LAYER: f32 = 0.01;
+/// Directions by each technique to find the opacity of shadow catchers, which is not freed of noise.
+const SHADOW_DIRECTIONS: u32 = 48;
 /// Albedos are taken for at least this, so that light over albedo is finite.
 const LEAST_ALBEDO: f32 = 1e-3;
 
@@ -195,8 +197,19 @@ impl Drawing<'_> {
         let mut lambda = shader.wavelengths(at);
         let mut trace = Trace { counters, pixel: None, world: None };
         // Follow the pixel's ray to the first surface that scatters diffusely or glossily.
-        let (start, layers) = self.layers(self.start(&shader, at, &mut trace), &mut trace);
+        let (start, mut layers) = self.layers(self.start(&shader, at, &mut trace), &mut trace);
+        layers.insert(0, start);
+        // Of shadow catchers only the shadow is seen, before the background.
+        let shadows = match self.run.scene.has_shadow_catchers() {
+            true => self.take_shadows(&mut layers, &lambda),
+            false => Spectrum::ZERO,
+        };
+        let mut layers = layers.into_iter();
+        let Some(start) = layers.next() else {
+            return Pixel { aside: self.run.developed(shadows, &lambda), surface: None };
+        };
         let mut look = look(&shader, Some(&reflections), start, &numbers, &mut lambda, &mut trace);
+        look.aside += shadows;
         look.distance += (start.ray.origin - self.ray(at).origin).length();
         for layer in layers {
             look.aside += of_layers.follow(layer, &numbers, &mut lambda, &mut trace);
@@ -217,6 +230,21 @@ impl Drawing<'_> {
             }
         });
         Pixel { aside: rgb(look.aside), surface }
+    }
+
+    /// Takes the shadow catchers out of the layers of a pixel: the background behind them, less their opacity.
+    fn take_shadows(&self, layers: &mut Vec<CameraPath>, lambda: &Wavelengths) -> Spectrum {
+        let scene = self.run.scene;
+        let mut sum = Spectrum::ZERO;
+        layers.retain(|layer| {
+            let Some(hit) = layer.hit.filter(|hit| scene.geometry(hit.id).catches_shadows) else { return true };
+            let i = scene.interaction_of_light(&layer.ray, &hit);
+            let normal = if i.surface.n.dot(i.wo) < 0.0 { -i.surface.n } else { i.surface.n };
+            let opacity = shadow_catcher::opacity(scene, &i, normal, lambda, SHADOW_DIRECTIONS);
+            sum += layer.beta * shadow_catcher::background(scene, &layer.ray, lambda) * (1.0 - opacity);
+            false
+        });
+        sum
     }
 
     fn start(&self, shader: &Shader<'_>, at: [u32; 2], trace: &mut Trace<'_>) -> CameraPath {

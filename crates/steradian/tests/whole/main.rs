@@ -31,6 +31,7 @@ mod raster;
 mod ray_pipeline;
 mod references;
 mod shading_models;
+mod shadow_catcher;
 mod single_sided;
 mod structures;
 mod subsurface;

@@ -105,6 +105,10 @@ fn axis(text: &str) -> Option<DVec3> {
 /// User options of a model's surroundings.
 struct StageOptions {
     ground: bool,
+    /// True if the user asked for it: it is there under models with light or a camera of their own, too.
+    ground_is_asked_for: bool,
+    /// True if only the shadow on the ground is seen.
+    ground_is_shadow: bool,
     /// Azimuth of the viewer from the front to the right, and elevation above the horizon, in degrees.
     azimuth: f64,
     elevation: f64,
@@ -135,14 +139,9 @@ impl StageOptions {
         };
         let ground = match word("ground") {
             None => word("background") != Some("none"),
-            Some("true") => true,
+            Some("true" | "shadow") => true,
             Some("false") => false,
-            Some("shadow") => {
-                return Err("'ground=shadow' (a ground that is its shadow alone) does not exist yet: \
-                            with --transparent the ground is left out, with -D ground=true it is opaque"
-                    .into());
-            }
-            Some(other) => return Err(format!("'ground' is 'true' or 'false', not '{other}'")),
+            Some(other) => return Err(format!("'ground' is 'true', 'false' or 'shadow', not '{other}'")),
         };
         let sun = angle("sun", usual_sun()[1].to_degrees(), 90.0)?;
         let sky = word("sky").map(|word| Sky::of(word, options, sun)).transpose()?;
@@ -182,6 +181,8 @@ impl StageOptions {
         };
         Ok(Self {
             ground,
+            ground_is_asked_for: options.defines.contains_key("ground"),
+            ground_is_shadow: word("ground") == Some("shadow"),
             azimuth: angle("azimuth", AZIMUTH, 360.0)?,
             elevation: angle("elevation", ELEVATION, 89.0)?,
             is_turned: word("azimuth").is_some(),
@@ -222,7 +223,7 @@ pub(super) fn set(import: &mut Import, options: &Options, knows_up: bool) {
 }
 
 /// Adds what a scene lacks: a camera that frames the box of its shapes, a studio where it has no light of its own, and
-/// a ground where it has neither, unless the user defines `ground=false`. A sky that the user names is always there.
+/// a ground where it has neither, unless the user defines `ground`. A sky that the user names is always there.
 /// Documents with lamps and no sky get dim light from all sides, and a note says so.
 pub(crate) fn complete(import: &mut Import, options: &Options, corners: [DVec3; 2], has_lights: bool, dim: bool) {
     let Import { desc, diagnostics } = import;
@@ -248,11 +249,12 @@ pub(crate) fn complete(import: &mut Import, options: &Options, corners: [DVec3; 
 fn add_missing(desc: &mut SceneDesc, stage: &StageOptions, corners: [DVec3; 2], has_lights: bool) {
     let is_lit = has_lights || !desc.lights.is_empty();
     let viewer = viewer(desc, stage);
-    if desc.cameras.is_empty() {
+    let has_camera = !desc.cameras.is_empty();
+    if !has_camera {
         add_camera(desc, stage, corners);
-        if !is_lit && stage.ground {
-            add_ground(desc, stage, corners);
-        }
+    }
+    if stage.ground && (stage.ground_is_asked_for || !has_camera && !is_lit) {
+        add_ground(desc, stage, corners);
     }
     if let Some(sky) = stage.sky.clone().or_else(|| (!is_lit).then(Sky::usual)) {
         add_sky(desc, stage, &sky, viewer);
@@ -404,6 +406,9 @@ fn add_ground(desc: &mut SceneDesc, stage: &StageOptions, [low, high]: [DVec3; 2
         GROUND_RADIUS
     };
     let mut disk = Node::new(Family::Shape, "disk", None).with("radius", radius * diagonal);
+    if stage.ground_is_shadow {
+        disk.set("shadow_catcher", true, None);
+    }
     disk.name = Some("ground".into());
     let disk = desc.add(disk);
     desc.shapes.push(Shape { world_from_object: to_world, material: Some(material), ..Shape::new(disk) });

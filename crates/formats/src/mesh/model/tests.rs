@@ -286,7 +286,10 @@ fn the_ground_can_be_left_out() {
         leave_out_ground(&mut desc);
         assert_eq!((desc.shapes.len(), desc.shapes[0].mesh.is_some()), (shapes, true), "the ground alone goes");
     }
-    assert!(messages(&with("maybe")).contains("'ground' is 'true' or 'false', not 'maybe'"));
+    assert!(messages(&with("maybe")).contains("'ground' is 'true', 'false' or 'shadow', not 'maybe'"));
+    let catcher = with("shadow").desc;
+    let ground = catcher.node(catcher.shapes[1].node);
+    assert_eq!(ground.get("shadow_catcher"), Some(&Value::Bool(true)));
 }
 
 /// View direction and up axis follow the user's options; malformed options are refused.
