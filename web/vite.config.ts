@@ -12,7 +12,9 @@ export default defineConfig({
     cssCodeSplit: false,
     assetsInlineLimit: 0,
     rolldownOptions: {
-      output: { entryFileNames: 'assets/app.js', chunkFileNames: 'assets/[name].js', assetFileNames: 'assets/app.[ext]' },
+      // Of scenes, and of finished pictures.
+      input: { app: 'index.html', pictures: 'pictures.html' },
+      output: { entryFileNames: 'assets/[name].js', chunkFileNames: 'assets/[name].js', assetFileNames: 'assets/app.[ext]' },
     },
   },
 });

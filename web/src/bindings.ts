@@ -8,6 +8,7 @@ import type { Look } from './look';
 import type { Side } from './panel';
 import type { Path } from './path';
 import type { Pick } from './pick';
+import { pictureKeys } from './picturekeys';
 import type { PageMessage } from './protocol';
 import type { Selection } from './selection';
 import type { Toolbar } from './toolbar';
@@ -52,10 +53,6 @@ export function bindings({
   send,
   help,
 }: Bound): Key[] {
-  const zoom = (factor: number) => {
-    view.placement.zoom(factor);
-    view.redraw();
-  };
   const side = (code: string, shown: string, of: Side): Key => ({
     shown,
     doc: `from the ${of}; with Ctrl from the opposite side`,
@@ -75,47 +72,8 @@ export function bindings({
     side('Numpad1', 'Numpad 1', 'front'),
     side('Numpad3', 'Numpad 3', 'right'),
     side('Numpad7', 'Numpad 7', 'top'),
-    {
-      shown: '[  ]',
-      doc: 'exposure by half an EV',
-      group: 'Picture',
-      is: character('[', ']'),
-      act: (e) => look.expose(view.tone.exposure + (e.key === '[' ? -0.5 : 0.5)),
-    },
-    { shown: '\\', doc: 'exposure 0', group: 'Picture', is: character('\\'), act: () => look.expose(0) },
-    { shown: '+  −', doc: 'zoom', group: 'Picture', is: character('+', '=', '-'), act: (e) => zoom(e.key === '-' ? 1 / 1.5 : 1.5) },
-    {
-      shown: 'F',
-      doc: 'fit the picture into the window',
-      group: 'Picture',
-      is: character('f'),
-      act: () => (view.placement.fit(), view.redraw()),
-    },
-    {
-      shown: '1',
-      doc: 'one pixel for each pixel',
-      group: 'Picture',
-      is: character('1'),
-      act: () => (view.placement.actual(), view.redraw()),
-    },
-    { shown: 'C', doc: 'false colour', group: 'Picture', is: character('c'), act: () => look.setFalse(!view.isFalse) },
-    {
-      shown: 'L',
-      doc: 'next layer; with Shift the one before',
-      group: 'Picture',
-      is: character('l', 'L'),
-      act: (e) => look.stepLayer(e.shiftKey ? -1 : 1),
-    },
-    {
-      shown: 'B',
-      doc: 'picture A or B, the one it is compared with',
-      group: 'Picture',
-      is: character('b'),
-      act: () => compare.alternate(),
-    },
+    ...pictureKeys({ view, look, compare, panel: () => toolbar.press('panel'), help }),
     { shown: 'T', doc: 'draw the path of a sample of the pinned pixel', group: 'Picture', is: character('t'), act: () => path.toggle() },
-    { shown: 'N', doc: 'show or hide the panel', group: 'Picture', is: character('n'), act: () => toolbar.press('panel') },
-    { shown: '?', doc: 'this list', group: 'Picture', is: character('?'), act: help },
     {
       shown: 'Arrows',
       doc: 'orbit; with Shift pan',

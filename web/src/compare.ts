@@ -4,13 +4,25 @@ import { Divider } from './divider';
 import { h, row, section, setText, show } from './dom';
 import { FlipMap } from './flipmap';
 import { numberField } from './number';
-import type { AboutReference, Figures, FrameEnd, Message, State } from './protocol';
-import { clearReference, fetchReference, keepReference } from './reference';
+import type { AboutReference, Figures, FrameEnd, Message, ToneChoice } from './protocol';
+import type { Pieces } from './reference';
 import { toneText } from './tone';
 import type { Comparison, View } from './view';
 
 /** Milliseconds that A and B are shown in turn. */
 const TURN = 500;
+
+/** Where B comes from. */
+export interface Source {
+  /** B with its tiles; `null` where there is none. */
+  fetch(): Promise<Pieces<AboutReference> | null>;
+  /** The map of FLIP errors of what is displayed. */
+  flip(tone: string, exposure: number): Promise<Pieces<Figures>>;
+  /** What chooses B; `act` carries out a change of it, and takes the new one. */
+  controls(act: (change: () => Promise<void>) => void): HTMLElement[];
+  /** Whether there is a B to be taken away. */
+  update?(hasOther: boolean): void;
+}
 
 export class Compare {
   readonly element: HTMLElement;
@@ -25,7 +37,6 @@ export class Compare {
 
   private readonly facts = h('p', { class: 'facts' }, 'Nothing is kept as B.');
   private readonly figures = h('p', { class: 'facts', hidden: true });
-  private readonly clearButton = h('button', { disabled: true, onclick: () => void this.act(clearReference) }, 'Clear B');
   private readonly mode = h(
     'select',
     { 'aria-label': 'Compare with B', onchange: () => this.choose(this.mode.value as Comparison) },
@@ -42,15 +53,19 @@ export class Compare {
   private readonly gain: HTMLElement;
   private readonly automatic = h('input', { type: 'checkbox', onchange: () => this.update() });
   private readonly automaticRow = row('By itself', this.automatic, 'A and B take turns of half a second; else by key B');
-  private readonly file = h('input', { type: 'file', hidden: true, tabindex: -1, 'aria-label': 'Picture to load as B' });
   private readonly map: FlipMap;
-  private state: State | null = null;
+  private tones: ToneChoice[] = [];
+  /** Why there is no B. */
+  private fault = '';
   private timer = 0;
+  /** Number of the last question for B. */
+  private turn = 0;
   private isPreview = true;
 
   constructor(
     private readonly view: View,
     private readonly tell: (message: Message) => void,
+    private readonly source: Source,
   ) {
     this.divider = new Divider((part) => {
       view.split = part;
@@ -58,7 +73,8 @@ export class Compare {
     });
     this.map = new FlipMap(
       view,
-      () => toneText(view.tone, this.state?.choices.tones ?? []),
+      () => toneText(view.tone, this.tones),
+      source.flip,
       (figures) => this.showFigures(figures),
     );
     const field = numberField({
@@ -72,37 +88,27 @@ export class Compare {
       },
     });
     this.gain = row('Gain', field.element, 'Grey where both are the same; with the exposure, 1 is a difference of 1 to white or black');
-    this.file.addEventListener('change', () => {
-      const file = this.file.files?.[0];
-      this.file.value = '';
-      if (file) void this.act(() => keepReference(file));
-    });
-    const load = h('button', { title: 'EXR, PNG, HDR, PFM, JPEG, …', onclick: () => this.file.click() }, 'Load B');
-    const keep = h(
-      'button',
-      { title: 'Keep the picture as it is now', onclick: () => void this.act(() => keepReference(null)) },
-      'Keep as B',
-    );
     this.element = section(
       'Compare',
       false,
       this.facts,
-      h('div', { class: 'buttons' }, keep, load, this.clearButton, this.file),
+      ...source.controls((change) => void this.act(change)),
       row('Show', this.mode),
       this.gain,
       this.automaticRow,
       this.figures,
     );
     this.update();
-    void this.fetch();
+    void this.take();
   }
 
-  takeState(state: State): void {
-    this.state = state;
+  /** The tone curves, or the film, may have changed. */
+  takeTones(tones: ToneChoice[]): void {
+    this.tones = tones;
     this.place();
   }
 
-  takeFrame({ kind }: FrameEnd): void {
+  takeFrame({ kind }: Pick<FrameEnd, 'kind'>): void {
     this.isPreview = kind === 'preview';
     this.refresh();
   }
@@ -129,7 +135,7 @@ export class Compare {
 
   /** B is another one; by another page, unless this one is about to take it. */
   changedElsewhere(): void {
-    if (!this.acts) void this.fetch();
+    if (!this.acts) void this.take();
   }
 
   /** Carries out what changes B, and takes the new one. */
@@ -137,7 +143,7 @@ export class Compare {
     this.acts = true;
     try {
       await change();
-      await this.fetch();
+      await this.take();
       if (this.about && this.view.comparison === 'off') this.choose('split');
     } catch (error) {
       this.tell({ severity: 'error', text: error instanceof Error ? error.message : String(error) });
@@ -146,8 +152,16 @@ export class Compare {
     }
   }
 
-  private async fetch(): Promise<void> {
-    const found = await fetchReference().catch(() => null);
+  private async take(): Promise<void> {
+    const turn = ++this.turn;
+    let fault = '';
+    const found = await this.source.fetch().catch((error: unknown) => {
+      fault = error instanceof Error ? error.message : String(error);
+      return null;
+    });
+    // Another one was asked for meanwhile.
+    if (turn !== this.turn) return;
+    this.fault = fault;
     this.about = found?.head ?? null;
     this.map.clear();
     if (found) {
@@ -175,8 +189,9 @@ export class Compare {
   private update(): void {
     const { view, about } = this;
     const mode = about ? view.comparison : 'off';
-    if (!about) setText(this.facts, 'Nothing is kept as B.');
-    this.clearButton.disabled = this.mode.disabled = about === null;
+    if (!about) setText(this.facts, this.fault || 'Nothing is kept as B.');
+    this.mode.disabled = about === null;
+    this.source.update?.(about !== null);
     this.divider.element.hidden = mode !== 'split';
     this.gain.hidden = mode !== 'difference';
     this.automaticRow.hidden = mode !== 'flip';

@@ -8,10 +8,26 @@ interface Dropped {
   path: string;
 }
 
-export class Drop {
-  readonly hint = h('div', { class: 'drop', hidden: true }, 'Drop a model or a scene with what belongs to it, or an environment map');
+/** What the server made of the files. */
+interface Answer {
+  messages?: (Message | string)[];
+  error?: string;
+  /** A picture that is the environment map now. */
+  environment?: string;
+  /** Numbers of the pictures on the list. */
+  added?: number[];
+}
 
-  constructor(private readonly tell: (message: Message) => void) {
+export class Drop {
+  readonly hint: HTMLElement;
+
+  /** `hint` says what may be dropped; `opened` is given the server's answer. */
+  constructor(
+    private readonly tell: (message: Message) => void,
+    hint = 'Drop a model or a scene with what belongs to it, or an environment map',
+    private readonly opened: (answer: Answer) => void = () => {},
+  ) {
+    this.hint = h('div', { class: 'drop', hidden: true }, hint);
     let depth = 0;
     const isFiles = (event: DragEvent) => event.dataTransfer?.types.includes('Files') ?? false;
     const show = (on: boolean) => (this.hint.hidden = !on);
@@ -38,11 +54,12 @@ export class Drop {
       for (const { file, path } of found) form.append('file', file, path);
       this.tell({ severity: 'note', text: `opening ${found.length === 1 ? found[0]!.path : `${found.length} files`}` });
       const response = await fetch('./api/open', { method: 'POST', body: form });
-      const answer = (await response.json().catch(() => ({}))) as { messages?: (Message | string)[]; error?: string; environment?: string };
+      const answer = (await response.json().catch(() => ({}))) as Answer;
       for (const message of answer.messages ?? []) {
         this.tell(typeof message === 'string' ? { severity: response.ok ? 'warning' : 'error', text: message } : message);
       }
       if (answer.environment) this.tell({ severity: 'note', text: `${answer.environment} is the environment map now` });
+      if (response.ok) this.opened(answer);
       if (!response.ok && !answer.messages?.length) this.tell({ severity: 'error', text: answer.error ?? response.statusText });
     } catch (error) {
       this.tell({ severity: 'error', text: `not opened: ${String(error)}` });

@@ -1,7 +1,7 @@
 /** The map of FLIP errors: asked of the server as frames come, one at a time. */
 
 import type { Figures } from './protocol';
-import { fetchFlip } from './reference';
+import type { Pieces } from './reference';
 import type { View } from './view';
 
 export class FlipMap {
@@ -13,6 +13,7 @@ export class FlipMap {
   constructor(
     private readonly view: View,
     private readonly tone: () => string,
+    private readonly fetch: (tone: string, exposure: number) => Promise<Pieces<Figures>>,
     private readonly told: (figures: Figures | string) => void,
   ) {}
 
@@ -33,7 +34,7 @@ export class FlipMap {
     this.isBusy = true;
     const { turn } = this;
     try {
-      const { head, tiles } = await fetchFlip(this.tone(), this.view.tone.exposure);
+      const { head, tiles } = await this.fetch(this.tone(), this.view.tone.exposure);
       if (turn === this.turn) {
         for (const tile of tiles) this.view.others.tile('map', tile);
         this.view.others.swap(head.crop, 'map');

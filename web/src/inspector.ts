@@ -83,17 +83,20 @@ export class Inspector {
       ['material', pixel.material],
       ['light', pixel.light],
     ].filter((f): f is [string, string] => f[1] !== null);
-    // Channels of a layer (`albedo.R`) are one row.
-    const rows = new Map<string, string[]>();
-    for (const [name, value] of Object.entries(pixel.channels)) {
-      const dot = name.lastIndexOf('.');
-      const layer = dot < 0 ? (/^[RGB]$/.test(name) ? 'picture' : name) : name.slice(0, dot);
-      rows.set(layer, [...(rows.get(layer) ?? []), text(value)]);
-    }
-    const line = (name: string, values: string[]) => h('tr', {}, h('th', { scope: 'row' }, name), h('td', {}, values.join('  ')));
-    const table = h('table', {}, h('tbody', {}, ...[...rows].map(([n, v]) => line(n, v)), ...facts.map(([n, v]) => line(n, [v]))));
-    this.pin.replaceChildren(this.head([pixel.x, pixel.y]), table);
+    this.pin.replaceChildren(this.head([pixel.x, pixel.y]), channelTable(pixel.channels, facts));
   }
+}
+
+/** A table of a pixel's channels, those of a layer (`albedo.R`) in one row, and of facts. */
+export function channelTable(channels: Record<string, Sample>, facts: [string, string][] = []): HTMLElement {
+  const rows = new Map<string, string[]>();
+  for (const [name, value] of Object.entries(channels)) {
+    const dot = name.lastIndexOf('.');
+    const layer = dot < 0 ? (/^[RGB]$/.test(name) ? 'picture' : name) : name.slice(0, dot);
+    rows.set(layer, [...(rows.get(layer) ?? []), text(value)]);
+  }
+  const line = (name: string, values: string[]) => h('tr', {}, h('th', { scope: 'row' }, name), h('td', {}, values.join('  ')));
+  return h('table', {}, h('tbody', {}, ...[...rows].map(([n, v]) => line(n, v)), ...facts.map(([n, v]) => line(n, [v]))));
 }
 
 /** A float's shortest digits. */

@@ -46,18 +46,22 @@ function isTyping(target: EventTarget | null): boolean {
 export class Keys {
   readonly help: HTMLDialogElement;
 
-  constructor(private readonly keys: Key[]) {
+  /** `pointer` is what the pointer does, for the list. */
+  constructor(
+    private readonly keys: Key[],
+    pointer = POINTER,
+  ) {
     const rows = (list: [string, string][]) => list.map(([key, doc]) => h('div', {}, h('dt', {}, h('kbd', {}, key)), h('dd', {}, doc)));
-    const groups = (['Picture', 'Camera', 'Render'] as const).map((group) => {
+    const groups = (['Picture', 'Camera', 'Render'] as const).flatMap((group) => {
       const list = keys.filter((k) => k.group === group).map((k): [string, string] => [k.shown, k.doc]);
-      return h('section', {}, h('h3', {}, group), h('dl', {}, ...rows(list)));
+      return list.length === 0 ? [] : h('section', {}, h('h3', {}, group), h('dl', {}, ...rows(list)));
     });
     const close = h('button', { onclick: () => this.help.close(), 'aria-label': 'Close' }, 'Close');
     this.help = h(
       'dialog',
       { class: 'help', 'aria-labelledby': 'help-title' },
       h('header', {}, h('h2', { id: 'help-title' }, 'Keys and pointer'), close),
-      h('div', { class: 'columns' }, h('section', {}, h('h3', {}, 'Pointer'), h('dl', {}, ...rows(POINTER))), ...groups),
+      h('div', { class: 'columns' }, h('section', {}, h('h3', {}, 'Pointer'), h('dl', {}, ...rows(pointer))), ...groups),
     );
     this.help.addEventListener('click', (event) => event.target === this.help && this.help.close());
     addEventListener('keydown', (event) => this.press(event));

@@ -3,9 +3,15 @@
 import { h, row, section, setOptions, setValue, show } from './dom';
 import { numberField, type NumberField } from './number';
 import { averageStops, neededStops } from './exposure';
-import type { Exposure, State } from './protocol';
+import type { Choices, Exposure, State } from './protocol';
 import { CURVES, parseTone } from './tone';
 import type { View } from './view';
+
+/** What is shown, and how it may be. */
+export interface Shown extends Pick<State, 'exposure' | 'tone' | 'layers'> {
+  choices: Pick<Choices, 'tones' | 'layers'>;
+  scene: Pick<State['scene'], 'name' | 'path'>;
+}
 
 export class Look {
   readonly element: HTMLElement;
@@ -19,7 +25,7 @@ export class Look {
     checked: true,
     onchange: () => this.set(() => (this.view.isMarked = this.mark.checked)),
   });
-  private state: State | null = null;
+  private state: Shown | null = null;
   private scene = '';
   /** Exposure that the scene's first picture is to choose. */
   private awaited: Exposure = 'given';
@@ -55,7 +61,7 @@ export class Look {
     );
   }
 
-  update(state: State): void {
+  update(state: Shown): void {
     const isFirst = this.state === null;
     this.state = state;
     const known = state.choices.tones.filter((t) => CURVES.includes(t.name));

@@ -17,6 +17,13 @@ export interface Actions {
   isMovable(): boolean;
 }
 
+/** What moves the camera. */
+export interface Hands {
+  camera: Camera;
+  moving: Moving;
+  fly: Fly;
+}
+
 type Drag = 'orbit' | 'pan' | 'picture' | 'region';
 
 /** CSS pixels that a click may move. */
@@ -31,9 +38,8 @@ export class Navigate {
 
   constructor(
     private readonly view: View,
-    private readonly camera: Camera,
-    private readonly moving: Moving,
-    private readonly fly: Fly,
+    /** The camera, where there is one. */
+    private readonly hands: Hands | null,
     private readonly actions: Actions,
   ) {
     const { canvas } = view;
@@ -49,7 +55,7 @@ export class Navigate {
   }
 
   private down(event: PointerEvent): void {
-    if (this.fly.on) return this.fly.stop();
+    if (this.hands?.fly.on) return this.hands.fly.stop();
     if (event.button > 1) return;
     this.view.canvas.focus({ preventScroll: true });
     this.view.canvas.setPointerCapture(event.pointerId);
@@ -64,7 +70,7 @@ export class Navigate {
 
   private move(event: PointerEvent): void {
     const at: [number, number] = [event.clientX, event.clientY];
-    if (this.fly.on) return this.fly.look(event.movementX, event.movementY);
+    if (this.hands?.fly.on) return this.hands.fly.look(event.movementX, event.movementY);
     if (event.pointerType !== 'touch') this.actions.hover(this.view.pixelAt(...at));
     if (!this.drag) return;
     if (Math.hypot(at[0] - this.start[0], at[1] - this.start[1]) > STILL) this.isClick = false;
@@ -78,9 +84,9 @@ export class Navigate {
       this.view.placement.pan(Math.round(dx * devicePixelRatio), Math.round(dy * devicePixelRatio));
       return this.view.redraw();
     }
-    if (this.drag === 'orbit') this.camera.orbit(dx, dy);
-    else this.camera.pan(dx, dy, this.pictureSize());
-    this.moving.moved();
+    if (this.drag === 'orbit') this.hands?.camera.orbit(dx, dy);
+    else this.hands?.camera.pan(dx, dy, this.pictureSize());
+    this.hands?.moving.moved();
   }
 
   private up(event: PointerEvent): void {
@@ -95,10 +101,10 @@ export class Navigate {
     this.drag = null;
     if (!drag) return;
     const at: [number, number] = [event.clientX, event.clientY];
-    if (event.type === 'pointercancel') this.moving.stop();
+    if (event.type === 'pointercancel') this.hands?.moving.stop();
     else if (drag === 'region') this.actions.region(this.view.pixelAt(...this.start), this.view.pixelAt(...at), true);
     else if (this.isClick) this.actions.click(this.view.pixelAt(...at));
-    else this.moving.stop();
+    else this.hands?.moving.stop();
   }
 
   /** Two fingers: their middle pans, their distance dollies. */
@@ -110,9 +116,9 @@ export class Navigate {
     const apart = (a: [number, number]) => Math.max(Math.hypot(a[0] - other[0], a[1] - other[1]), 1);
     const [dx, dy] = [(at[0] - before[0]) / 2, (at[1] - before[1]) / 2];
     if (this.actions.isMovable()) {
-      this.camera.pan(dx, dy, this.pictureSize());
-      this.camera.dolly(apart(before) / apart(at));
-      this.moving.moved();
+      this.hands?.camera.pan(dx, dy, this.pictureSize());
+      this.hands?.camera.dolly(apart(before) / apart(at));
+      this.hands?.moving.moved();
     } else {
       this.view.placement.pan(dx * devicePixelRatio, dy * devicePixelRatio);
       const middle = this.view.devicePixel((at[0] + other[0]) / 2, (at[1] + other[1]) / 2);
@@ -124,15 +130,15 @@ export class Navigate {
   private wheel(event: WheelEvent): void {
     event.preventDefault();
     const delta = event.deltaY * (event.deltaMode === 1 ? 16 : event.deltaMode === 2 ? 400 : 1);
-    if (this.fly.on) return this.fly.wheel(delta);
+    if (this.hands?.fly.on) return this.hands.fly.wheel(delta);
     if (event.ctrlKey || event.metaKey || !this.actions.isMovable()) {
       const factor = Math.exp(-Math.max(-100, Math.min(100, delta)) * 0.003);
       this.view.placement.zoom(factor, ...this.view.devicePixel(event.clientX, event.clientY));
       return this.view.redraw();
     }
-    this.camera.dolly(Math.exp(delta * 0.001));
-    this.moving.moved();
-    this.moving.stop(250);
+    this.hands?.camera.dolly(Math.exp(delta * 0.001));
+    this.hands?.moving.moved();
+    this.hands?.moving.stop(250);
   }
 
   /** The picture's smaller side, CSS pixels. */

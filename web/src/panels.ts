@@ -11,6 +11,7 @@ import { Nodes } from './nodes';
 import { Output } from './output';
 import { CameraPanel, RenderPanel } from './panel';
 import type { FrameEnd, Message, State } from './protocol';
+import { keptReference } from './reference';
 import type { Stage } from './stage';
 import { SurroundingsPanel } from './surroundings';
 
@@ -31,7 +32,7 @@ export class Panels {
   constructor(private readonly stage: Stage) {
     const { view, send } = stage;
     this.output = new Output(view, this.tell);
-    this.compare = new Compare(view, this.tell);
+    this.compare = new Compare(view, this.tell, keptReference());
     this.errors = new Errors(view);
     this.compare.changed = () => this.errors.changeReference();
     this.look = new Look(
@@ -77,7 +78,7 @@ export class Panels {
 
   takeState(state: State): void {
     this.look.update(state);
-    this.compare.takeState(state);
+    this.compare.takeTones(state.choices.tones);
     this.errors.takeState(state);
     this.output.update(state);
     this.messages.scene(state.scene.messages);

@@ -1,7 +1,7 @@
 /** Where the picture lies on the canvas: fitted, or zoomed and moved. Lengths are in device pixels. */
 
 const LEAST = 1 / 16;
-const MOST = 64;
+const MOST = 128;
 
 export class Placement {
   /** Device pixels for each pixel of the film. */

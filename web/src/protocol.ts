@@ -458,3 +458,101 @@ quantile95: number | null, relmse: number | null,
  * Decibels, of display values without a tone curve.
  */
 psnr: number | null, };
+
+/**
+ * Picture of the list for pages.
+ */
+export type Listing = { 
+/**
+ * Its number, which stays.
+ */
+id: number, 
+/**
+ * Its path, as it was given.
+ */
+name: string, 
+/**
+ * Grows with each change of the file.
+ */
+version: number, 
+/**
+ * Reason why it cannot be shown; `null` where none is known.
+ */
+fault: string | null, };
+
+/**
+ * A layer or a channel.
+ */
+export type LayerChoice = { 
+/**
+ * Its name in the file.
+ */
+name: string, 
+/**
+ * Description.
+ */
+doc: string, };
+
+/**
+ * Description of a picture for pages; its tiles follow.
+ */
+export type AboutPicture = { id: number, 
+/**
+ * Path.
+ */
+name: string, 
+/**
+ * Version of its file.
+ */
+version: number, 
+/**
+ * Pixels.
+ */
+width: number, 
+/**
+ * Pixels.
+ */
+height: number, 
+/**
+ * The layer that comes.
+ */
+layer: string, 
+/**
+ * Layers and channels that can be asked for.
+ */
+layers: Array<LayerChoice>, 
+/**
+ * Notes about reading the file.
+ */
+notes: Array<string>, };
+
+/**
+ * Values of all channels of a pixel, as exact as the file has them.
+ */
+export type PicturePixel = { x: number, y: number, channels: { [key in string]: Sample }, };
+
+/**
+ * Display of the first picture.
+ */
+export type FirstLook = { 
+/**
+ * Tone curves that can be chosen.
+ */
+tones: Array<ToneChoice>, 
+/**
+ * Tone curve to begin with, with its exposure.
+ */
+tone: string, 
+/**
+ * Exposure to begin with.
+ */
+exposure: Exposure, };
+
+/**
+ * Pictures that were dropped on the page.
+ */
+export type Added = { 
+/**
+ * Numbers of those that are on the list now.
+ */
+added: Array<number>, };

@@ -1,10 +1,18 @@
 /** B, the picture that the shown one is compared with: the server keeps it. */
 
+import type { Source } from './compare';
+import { h } from './dom';
 import type { AboutReference, Figures } from './protocol';
 import { parseTile, type Tile } from './tile';
 
+/** JSON and tiles. */
+export interface Pieces<T> {
+  head: T;
+  tiles: Tile[];
+}
+
 /** An answer of JSON and tiles, each after its length. */
-export function parsePieces<T>(buffer: ArrayBuffer): { head: T; tiles: Tile[] } {
+export function parsePieces<T>(buffer: ArrayBuffer): Pieces<T> {
   const view = new DataView(buffer);
   const pieces: ArrayBuffer[] = [];
   for (let at = 0; at + 4 <= buffer.byteLength; ) {
@@ -17,32 +25,55 @@ export function parsePieces<T>(buffer: ArrayBuffer): { head: T; tiles: Tile[] } 
   return { head, tiles: pieces.slice(1).flatMap((piece) => parseTile(piece) ?? []) };
 }
 
-async function checked(response: Response): Promise<Response> {
+/** An answer that does not refuse. */
+export async function checked(response: Response): Promise<Response> {
   if (response.ok) return response;
   const body = (await response.json().catch(() => ({}))) as { error?: string };
   throw new Error(body.error ?? response.statusText);
 }
 
 /** B with its tiles; `null` where there is none. */
-export async function fetchReference(): Promise<{ head: AboutReference; tiles: Tile[] } | null> {
+async function fetchReference(): Promise<Pieces<AboutReference> | null> {
   const response = await checked(await fetch('./api/reference'));
   return response.status === 204 ? null : parsePieces<AboutReference>(await response.arrayBuffer());
 }
 
 /** Makes the shown picture B, or a file. */
-export async function keepReference(file: File | null): Promise<void> {
+async function keepReference(file: File | null): Promise<void> {
   const body = new FormData();
   if (file) body.append('file', file, file.name);
   await checked(await fetch(`./api/reference${file ? '' : '?from=current'}`, file ? { method: 'POST', body } : { method: 'POST' }));
 }
 
-export async function clearReference(): Promise<void> {
+async function clearReference(): Promise<void> {
   await checked(await fetch('./api/reference', { method: 'DELETE' }));
 }
 
 /** The map of FLIP errors of what is displayed. */
-export async function fetchFlip(tone: string, exposure: number): Promise<{ head: Figures; tiles: Tile[] }> {
+async function fetchFlip(tone: string, exposure: number): Promise<Pieces<Figures>> {
   const query = new URLSearchParams({ metric: 'flip', tone, exposure: String(exposure) });
   const response = await checked(await fetch(`./api/difference?${query}`));
   return parsePieces<Figures>(await response.arrayBuffer());
+}
+
+/** B as the server keeps it: the shown picture as it was, or a file. */
+export function keptReference(): Source {
+  const clear = h('button', { disabled: true }, 'Clear B');
+  return {
+    fetch: fetchReference,
+    flip: fetchFlip,
+    controls: (act) => {
+      const file = h('input', { type: 'file', hidden: true, tabindex: -1, 'aria-label': 'Picture to load as B' });
+      file.addEventListener('change', () => {
+        const chosen = file.files?.[0];
+        file.value = '';
+        if (chosen) act(() => keepReference(chosen));
+      });
+      const load = h('button', { title: 'EXR, PNG, HDR, PFM, JPEG, …', onclick: () => file.click() }, 'Load B');
+      const keep = h('button', { title: 'Keep the picture as it is now', onclick: () => act(() => keepReference(null)) }, 'Keep as B');
+      clear.addEventListener('click', () => act(clearReference));
+      return [h('div', { class: 'buttons' }, keep, load, clear, file)];
+    },
+    update: (hasOther) => (clear.disabled = !hasOther),
+  };
 }

@@ -14,7 +14,7 @@ precision highp int;
 precision highp sampler2D;
 uniform sampler2D picture;
 uniform vec2 canvasSize, corner, shownSize;  // in device pixels; the picture's left upper corner, and its size there
-uniform bool isGrey, isNearest, isFalse, isMarked;
+uniform bool isGrey, isOtherGrey, isNearest, isFalse, isMarked;
 uniform float gain;                          // 2 to the exposure
 uniform sampler2D other;                     // the other picture, or a map of errors
 uniform vec2 otherCorner, otherSize;
@@ -46,7 +46,9 @@ void main() {
     return;
   }
   vec3 v = groupCount > 0 ? mixedAt(at) : colorAt(picture, at);
+  if (isGrey) v = v.rrr;
   vec3 o = comparison > 0 ? colorAt(other, atOther) : v;
+  if (isOtherGrey) o = o.rrr;
   if (comparison == 3) {
     vec3 d = v - o;
     bool isOdd = !isFinite(d);
@@ -58,7 +60,6 @@ void main() {
     return;
   }
   if (isOther) v = o;
-  if (isGrey) v = v.rrr;
   bool isOdd = !isFinite(v);
   if (isOdd && (isMarked || isFalse)) {
     color = vec4(1.0, 0.0, 1.0, 1.0);

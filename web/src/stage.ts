@@ -120,23 +120,27 @@ export class Stage {
       if (inside) inspector.show(pixel, view.values(...pixel), view.isMixed);
     };
     overlay.gizmo.clicked = (x, y) => click(view.pixelAt(x, y));
-    new Navigate(view, this.camera, this.moving, this.flight, {
-      hover: (pixel) => {
-        pick.pixel = pixel;
-        inspector.show(pixel, pixel && view.values(...pixel), view.isMixed);
+    new Navigate(
+      view,
+      { camera: this.camera, moving: this.moving, fly: this.flight },
+      {
+        hover: (pixel) => {
+          pick.pixel = pixel;
+          inspector.show(pixel, pixel && view.values(...pixel), view.isMixed);
+        },
+        click,
+        region: (a, b, done) => {
+          overlay.region = regionOf(a, b, view.film);
+          overlay.place();
+          if (!done) return;
+          toolbar.setRegion(false);
+          if (overlay.region) this.send({ type: 'region', pixels: overlay.region });
+          else overlay.region = this.connection.state?.region ?? null;
+        },
+        drawsRegion: () => toolbar.region,
+        isMovable: () => this.isMovable,
       },
-      click,
-      region: (a, b, done) => {
-        overlay.region = regionOf(a, b, view.film);
-        overlay.place();
-        if (!done) return;
-        toolbar.setRegion(false);
-        if (overlay.region) this.send({ type: 'region', pixels: overlay.region });
-        else overlay.region = this.connection.state?.region ?? null;
-      },
-      drawsRegion: () => toolbar.region,
-      isMovable: () => this.isMovable,
-    });
+    );
   }
 
   private drawn(): void {

@@ -14,6 +14,19 @@ import { CURVES, type Tone } from './tone';
 /** How the picture is shown with the other one. */
 export type Comparison = 'off' | 'split' | 'flip' | 'difference' | 'map';
 
+/** The number of a picture's pixel at a pixel of the film; `null` outside of it. */
+function indexIn({ crop: [x0, y0, x1, y1], width, height }: Picture, x: number, y: number): number | null {
+  if (x < x0 || y < y0 || x >= x1 || y >= y1) return null;
+  return Math.floor(((y - y0) * height) / (y1 - y0)) * width + Math.floor(((x - x0) * width) / (x1 - x0));
+}
+
+/** A picture's values at a pixel of the film; `null` outside of it. */
+export function valuesIn(picture: Picture, x: number, y: number): number[] | null {
+  const { components, halves } = picture;
+  const pixel = indexIn(picture, x, y);
+  return pixel === null ? null : Array.from(halves.subarray(pixel * components, (pixel + 1) * components), (bits) => VALUES[bits]!);
+}
+
 export class View {
   readonly canvas: HTMLCanvasElement;
   readonly placement = new Placement();
@@ -23,6 +36,8 @@ export class View {
   /** The light of each group of lights, where the server sends it. */
   readonly groups: Groups;
   comparison: Comparison = 'off';
+  /** Whether the other one has the shown layer, too, and not the picture alone. */
+  comparesLayers = false;
   /** Where the picture ends and the other one begins, as a part of the canvas' width. */
   split = 0.5;
   /** Whether it's the other one's turn. */
@@ -69,11 +84,16 @@ export class View {
   }
 
   /** A frame's tiles are all there. */
-  frame(message: FrameEnd): void {
+  frame(message: Pick<FrameEnd, 'crop' | 'lightGroups' | 'width' | 'height'>): void {
     this.layers.swap(message.crop);
     this.groups.swap(message.lightGroups, message.width, message.height);
     this.version++;
     this.redraw();
+  }
+
+  /** Pixels of the longest edge of a picture that can be drawn. */
+  get longest(): number {
+    return this.gl.getParameter(this.gl.MAX_TEXTURE_SIZE) as number;
   }
 
   /** Whether a mix of groups of lights is shown. */
@@ -103,8 +123,9 @@ export class View {
   }
 
   /** What the picture is shown with, and how, as the shader counts. */
-  private compared(): [number, Picture | null] {
-    const other = this.layer === 'picture' ? this.others.shown(this.comparison === 'map' ? 'map' : 'reference') : null;
+  compared(): [number, Picture | null] {
+    const other =
+      this.comparesLayers || this.layer === 'picture' ? this.others.shown(this.comparison === 'map' ? 'map' : 'reference') : null;
     const way = { off: 0, split: 1, flip: this.showsOther ? 2 : 0, difference: 3, map: 4 }[this.comparison];
     return other ? [way, other] : [0, null];
   }
@@ -124,13 +145,9 @@ export class View {
   values(x: number, y: number): number[] | null {
     const picture = this.picture;
     if (!picture) return null;
-    const [x0, y0, x1, y1] = picture.crop;
-    if (x < x0 || y < y0 || x >= x1 || y >= y1) return null;
-    const column = Math.floor(((x - x0) * picture.width) / (x1 - x0));
-    const line = Math.floor(((y - y0) * picture.height) / (y1 - y0));
-    if (this.isMixed) return this.groups.at(line * picture.width + column);
-    const at = (line * picture.width + column) * picture.components;
-    return Array.from(picture.halves.subarray(at, at + picture.components), (bits) => VALUES[bits]!);
+    const pixel = indexIn(picture, x, y);
+    if (pixel !== null && this.isMixed) return this.groups.at(pixel);
+    return valuesIn(picture, x, y);
   }
 
   /** The pixel of the film at a place of the window, in CSS pixels; also outside of the film. */
@@ -209,6 +226,7 @@ export class View {
     gl.uniform2f(this.at('corner'), left + x0 * scale, top + y0 * scale);
     gl.uniform2f(this.at('shownSize'), ...shown);
     gl.uniform1i(this.at('isGrey'), Number(picture.components === 1));
+    gl.uniform1i(this.at('isOtherGrey'), Number(other?.components === 1));
     // Coarse previews are enlarged smoothly, pixels of the film are squares.
     gl.uniform1i(this.at('isNearest'), Number(shown[0] >= picture.width && picture.width >= x1 - x0));
     gl.uniform1i(this.at('isFalse'), Number(this.isFalse));

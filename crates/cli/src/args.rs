@@ -576,14 +576,14 @@ pub struct DenoiseArgs {
 
 /// `steradian view`.
 #[derive(Args, Debug)]
-#[command(
-    after_help = "The address that is printed holds a secret: who knows it may look at the scene, edit it, and save \
-                  pictures into its folder."
-)]
+#[command(after_help = "Examples: steradian view builtin:cornell-box, steradian view A.exr B.exr FOLDER\n\n\
+                  The address that is printed holds a secret: who knows it may look at the scene, edit it, and save \
+                  pictures into its folder. Of options, pictures take --tonemap, --exposure and those of the server.")]
 pub struct ViewArgs {
     /// Scene file (.pbrt .pbrt.gz .xml .gltf .glb .obj .ply .bpt .steradian), or builtin:NAME; default: the built-in
-    /// Cornell box
-    pub scene: Option<PathBuf>,
+    /// Cornell box. Or finished pictures (.exr .pfm .hdr .png and others) and folders of them
+    #[arg(value_name = "SCENE|PICTURE|FOLDER")]
+    pub files: Vec<PathBuf>,
     /// Override the scene's integrator (`steradian list integrators`)
     #[arg(long, value_name = "NAME[:key=value,…]", value_parser = values::integrator)]
     pub integrator: Option<String>,

@@ -52,7 +52,7 @@ pub enum Command {
     Farm(Box<FarmArgs>),
     /// Pack a scene and all files that it names into one archive, which every command reads
     Pack(PackArgs),
-    /// Look at a scene in the browser while it renders; without SCENE, at the built-in Cornell box
+    /// Look at a scene in the browser while it renders, or at finished pictures; by itself, at the built-in Cornell box
     View(ViewArgs),
     /// Render a scene by every integrator that can, and test whether they agree
     Verify(VerifyArgs),

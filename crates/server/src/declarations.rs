@@ -2,9 +2,11 @@
 
 use crate::{
     difference::{Figures, Metric},
+    gallery::Listing,
     kept::AboutReference,
     outline::{Handle, Outline},
     path::{DirectTold, EndTold, KindTold, Told, VertexTold},
+    pictures::{AboutPicture, Added, FirstLook, LayerChoice, PicturePixel},
     protocol::{
         AboutScene, AnimationState, CameraState, Choices, Denoiser, Exposure, FrameEnd, FrameKind, Message, Named,
         NodeState, ParameterState, Request, ServerMessage, Settings, SettingsChange, Severity, Size, State,
@@ -62,6 +64,12 @@ fn declarations() -> String {
         declaration::<AboutReference>,
         declaration::<Metric>,
         declaration::<Figures>,
+        declaration::<Listing>,
+        declaration::<LayerChoice>,
+        declaration::<AboutPicture>,
+        declaration::<PicturePixel<'static>>,
+        declaration::<FirstLook>,
+        declaration::<Added>,
     ];
     let texts = sent.map(|declaration: fn(&Config) -> String| declaration(&config));
     format!("{HEAD}{}", texts.concat().replace("`None`", "`null`"))

@@ -63,11 +63,7 @@ pub async fn difference(
     Query(Asked { metric, tone, exposure }): Query<Asked>,
 ) -> Result<Response, Refused> {
     let bad = |e: Error| Refused(StatusCode::BAD_REQUEST, e.to_string());
-    let tone = tone.as_deref().map(Tone::parse).transpose().map_err(bad)?;
-    let tone = match (tone, exposure) {
-        (None, None) => None,
-        (tone, ev) => Some(tone.unwrap_or_default().with_exposure(ev.unwrap_or(0.0)).map_err(bad)?),
-    };
+    let tone = tone_of(tone.as_deref(), exposure).map_err(bad)?;
     let reference = app.reference.get();
     let reference = reference.ok_or_else(|| Refused(StatusCode::NOT_FOUND, "there is no reference".into()))?;
     let conflict = |why: String| Refused(StatusCode::CONFLICT, why);
@@ -88,26 +84,63 @@ pub async fn difference(
         return Err(conflict(format!("the picture has {}, the reference {}", of(&about), of(&reference.about))));
     }
     let draw = move || {
-        let image = shown.picture(&[]);
-        let all = metrics::compare(&image, &reference.image)?;
-        let (components, values) = map(metric, &image, &reference.image, tone)?;
-        let finite = |v: f64| v.is_finite().then_some(v);
-        let [mean, quantile95] = statistics(&values);
-        let figures = Figures {
-            metric,
-            generation: shown.generation,
-            crop: shown.crop,
-            samples: shown.samples,
-            mean,
-            quantile95,
-            relmse: finite(all.rel_mse),
-            psnr: finite(all.psnr),
-        };
-        let plane = Plane { layer: LAYER, components, size: [about.width, about.height], values: &values };
-        Ok(pieces(&figures, &tile::tiles(shown.generation, &plane)))
+        let subject = Subject { generation: shown.generation, crop: shown.crop, samples: shown.samples };
+        drawn(&subject, metric, &shown.picture(&[]), &reference.image, tone)
     };
     let drawn: Result<_, Error> = app.reference.work(draw).await.map_err(broken_off)?;
     Ok(binary(drawn.map_err(|e| unfit(e.to_string()))?))
+}
+
+/// Tone curve of what is displayed; `None` where neither a curve nor an exposure is given.
+///
+/// # Errors
+/// What is wrong with them.
+pub fn tone_of(tone: Option<&str>, exposure: Option<f32>) -> Result<Option<Tone>, Error> {
+    let tone = tone.map(Tone::parse).transpose()?;
+    match (tone, exposure) {
+        (None, None) => Ok(None),
+        (tone, ev) => tone.unwrap_or_default().with_exposure(ev.unwrap_or(0.0)).map(Some),
+    }
+}
+
+/// Subject of a map: the picture's number, its part of the full picture, and its samples.
+pub struct Subject {
+    /// Number of the picture.
+    pub generation: u32,
+    /// Pixels x0, y0, x1, y1.
+    pub crop: [u32; 4],
+    /// Samples per pixel.
+    pub samples: f64,
+}
+
+/// The map of how far a picture is from another one: its figures and its tiles.
+///
+/// # Errors
+/// Where the two cannot be compared.
+pub fn drawn(
+    subject: &Subject,
+    metric: Metric,
+    image: &Image,
+    reference: &Image,
+    tone: Option<Tone>,
+) -> Result<Vec<u8>, Error> {
+    let all = metrics::compare(image, reference)?;
+    let (components, values) = map(metric, image, reference, tone)?;
+    let finite = |v: f64| v.is_finite().then_some(v);
+    let [mean, quantile95] = statistics(&values);
+    let figures = Figures {
+        metric,
+        generation: subject.generation,
+        crop: subject.crop,
+        samples: subject.samples,
+        mean,
+        quantile95,
+        relmse: finite(all.rel_mse),
+        psnr: finite(all.psnr),
+    };
+    let size = [image.width() as u32, image.height() as u32];
+    let plane = Plane { layer: LAYER, components, size, values: &values };
+    Ok(pieces(&figures, &tile::tiles(subject.generation, &plane)))
 }
 
 /// The components of a map's pixel, and its values.

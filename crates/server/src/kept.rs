@@ -1,5 +1,6 @@
 //! The reference that there is, for all requests.
 
+use crate::turn::Turn;
 use serde::Serialize;
 use std::sync::{Arc, Mutex, PoisonError};
 use steradian::image::Image;
@@ -9,7 +10,7 @@ use steradian::image::Image;
 pub struct Keeper {
     kept: Mutex<Option<Arc<Reference>>>,
     /// One file is decoded, or one map made, at a time.
-    turn: Arc<tokio::sync::Mutex<()>>,
+    turn: Turn,
 }
 
 /// A picture to hold others against.
@@ -64,12 +65,6 @@ impl Keeper {
     /// # Errors
     /// Where the work could not be done.
     pub async fn work<T: Send + 'static>(&self, work: impl FnOnce() -> T + Send + 'static) -> std::io::Result<T> {
-        let turn = Arc::clone(&self.turn).lock_owned().await;
-        let work = move || {
-            // Held to the end, also where nobody waits any longer.
-            let _turn = turn;
-            work()
-        };
-        tokio::task::spawn_blocking(work).await.map_err(std::io::Error::other)
+        self.turn.work(work).await
     }
 }

@@ -22,6 +22,7 @@ mod difference;
 mod document;
 mod edits;
 mod frame;
+mod gallery;
 mod groups;
 mod job;
 mod kept;
@@ -31,6 +32,7 @@ mod names;
 mod outline;
 mod page;
 mod path;
+mod pictures;
 mod preview;
 mod protocol;
 mod reference;
@@ -43,6 +45,7 @@ mod surroundings;
 mod tile;
 #[cfg(test)]
 mod tones;
+mod turn;
 mod upload;
 mod uploaded;
 mod viewer;
@@ -52,6 +55,7 @@ pub use look::StartExposure;
 pub use protocol::{Denoiser, SettingsChange};
 
 use access::Access;
+use axum::Router;
 use std::{
     net::{SocketAddr, TcpListener, ToSocketAddrs},
     path::PathBuf,
@@ -108,12 +112,31 @@ impl Options {
     }
 }
 
+/// Options of a view of finished pictures.
+pub struct Pictures {
+    /// Files of pictures, and folders of them.
+    pub files: Vec<PathBuf>,
+    /// Tone curve to begin with, `NAME[:key=value,…]`; `None` for plain sRGB.
+    pub tone: Option<String>,
+    /// Exposure to begin with.
+    pub exposure: Option<StartExposure>,
+    /// Address or name of this machine that the server listens at; `127.0.0.1` reaches no other machine.
+    pub bind: String,
+    /// Port; 0 for a free one.
+    pub port: u16,
+    /// Told of requests that are refused, and why.
+    pub log: Arc<dyn Fn(&str) + Send + Sync>,
+}
+
 /// Why there is no view.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// All that is wrong with the scene.
     #[error("{}", protocol::told(.0))]
     Scene(steradian::scene::Diagnostics),
+    /// No picture is there.
+    #[error("{0}")]
+    Pictures(String),
     /// The address cannot be had.
     #[error("cannot listen at {at}: {cause}")]
     Address {
@@ -137,17 +160,6 @@ impl View {
     /// # Errors
     /// [`Error`].
     pub fn start(options: &Options) -> Result<Self, Error> {
-        let at = format!("{}:{}", options.bind, options.port);
-        let refused = |cause| Error::Address { at: at.clone(), cause };
-        let bare = options.bind.trim_matches(['[', ']']);
-        let address = (bare, options.port).to_socket_addrs().map_err(refused)?.next();
-        let address = address.ok_or_else(|| refused(std::io::ErrorKind::AddrNotAvailable.into()))?;
-        let listener = TcpListener::bind(address).map_err(refused)?;
-        listener.set_nonblocking(true).map_err(refused)?;
-        let address = listener.local_addr().map_err(refused)?;
-        let name = bare.parse::<std::net::IpAddr>().is_err().then(|| options.bind.clone());
-        let access = Access::new(address, name).map_err(refused)?;
-        let url = format!("http://{}/{}/", shown(address), access.token());
         let look = look::Look {
             settings: options.settings.clone(),
             camera: options.camera.clone(),
@@ -156,10 +168,38 @@ impl View {
             exposure: options.exposure,
             ..Default::default()
         };
-        let viewer = viewer::start(options.source.clone(), look, options.oidn.clone()).map_err(Error::Scene)?;
+        Self::serve(&options.bind, options.port, |access| {
+            let viewer = viewer::start(options.source.clone(), look, options.oidn.clone()).map_err(Error::Scene)?;
+            Ok(routes::router(app::App::new(access, viewer, Arc::clone(&options.log))))
+        })
+    }
+
+    /// Starts the server for finished pictures, which are read when they are looked at.
+    ///
+    /// # Errors
+    /// [`Error::Address`], and [`Error::Pictures`] where none of the files is there.
+    pub fn pictures(options: &Pictures) -> Result<Self, Error> {
+        let gallery = gallery::Gallery::new(options.files.clone()).map_err(Error::Pictures)?;
+        let look = pictures::FirstLook::new(options.tone.as_deref(), options.exposure);
+        Self::serve(&options.bind, options.port, |access| {
+            Ok(pictures::router(gallery, look, Arc::new(access), Arc::new(log::Log::new(Arc::clone(&options.log)))))
+        })
+    }
+
+    fn serve(bind: &str, port: u16, router: impl FnOnce(Access) -> Result<Router, Error>) -> Result<Self, Error> {
+        let at = format!("{bind}:{port}");
+        let refused = |cause| Error::Address { at: at.clone(), cause };
+        let bare = bind.trim_matches(['[', ']']);
+        let address = (bare, port).to_socket_addrs().map_err(refused)?.next();
+        let address = address.ok_or_else(|| refused(std::io::ErrorKind::AddrNotAvailable.into()))?;
+        let listener = TcpListener::bind(address).map_err(refused)?;
+        listener.set_nonblocking(true).map_err(refused)?;
+        let address = listener.local_addr().map_err(refused)?;
+        let name = bare.parse::<std::net::IpAddr>().is_err().then(|| bind.to_owned());
+        let access = Access::new(address, name).map_err(refused)?;
+        let url = format!("http://{}/{}/", shown(address), access.token());
         let stop = Arc::new(Notify::new());
-        let app = app::App::new(access, viewer, Arc::clone(&options.log));
-        let (router, stopped) = (routes::router(app), Arc::clone(&stop));
+        let (router, stopped) = (router(access)?, Arc::clone(&stop));
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(refused)?;
         let serve = move || {
             runtime.block_on(async {

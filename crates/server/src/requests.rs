@@ -58,6 +58,12 @@ pub enum Sample {
     Text(String),
 }
 
+impl From<f32> for Sample {
+    fn from(value: f32) -> Self {
+        if value.is_finite() { Self::Number(value) } else { Self::Text(value.to_string()) }
+    }
+}
+
 /// Data of a pixel.
 #[derive(Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
@@ -80,7 +86,7 @@ pub struct Pixel<'a> {
 }
 
 /// An object with its members as they come: red before blue.
-fn in_order<S: Serializer>(members: &[(&str, Sample)], to: S) -> Result<S::Ok, S::Error> {
+pub fn in_order<S: Serializer>(members: &[(&str, Sample)], to: S) -> Result<S::Ok, S::Error> {
     to.collect_map(members.iter().map(|(name, value)| (name, value)))
 }
 
@@ -91,14 +97,13 @@ pub async fn pixel(State(app): State<App>, Query(Place { x, y }): Query<Place>) 
     let film = shown.pixel(x, y).ok_or_else(none)?;
     let hit = film.layers.features.first().map(|f| FirstHit { shape: f.sum.shape, material: f.sum.material, ..f.sum });
     let image = develop(&shown.scene, &film, &LAYERS);
-    let number = |v: f32| if v.is_finite() { Sample::Number(v) } else { Sample::Text(v.to_string()) };
     // Without its noise, where the picture is shown so; the values with noise are the layer `raw`.
     let clean = shown.denoised.as_ref().zip(shown.place(x, y)).map(|(clean, [.., k])| (clean, k as usize));
     let clean_of = |name: &str| clean.and_then(|(clean, k)| clean.channel(name)?.get(k).copied());
     let own = image.channels().iter().map(|c| (c.name.as_str(), clean_of(&c.name).unwrap_or(c.data[0])));
     let added = clean.iter().flat_map(|(clean, k)| clean.channels().iter().map(|c| (c.name.as_str(), c.data[*k])));
     let added = added.filter(|(name, _)| image.channel(name).is_none());
-    let channels = own.chain(added).map(|(name, value)| (name, number(value))).collect();
+    let channels = own.chain(added).map(|(name, value)| (name, value.into())).collect();
     let subject = app.viewer.subject();
     let named = hit.map(|h| subject.names.of(h.shape)).unwrap_or_default();
     // Of shapes that are given none.

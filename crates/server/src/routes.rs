@@ -1,8 +1,11 @@
 //! Routes: handlers of paths, and the checks before them.
 
 use crate::{
+    access::Access,
     app::{App, Refused},
-    difference, outline, page, path, reference, requests, save, socket, upload,
+    difference,
+    log::Log,
+    outline, page, path, reference, requests, save, socket, upload,
 };
 use axum::{
     Router,
@@ -12,6 +15,7 @@ use axum::{
     response::{IntoResponse, Response},
     routing::{get, post},
 };
+use std::sync::Arc;
 
 /// Bytes of a request, but for uploads.
 const MOST_BYTES: usize = 64 << 10;
@@ -21,7 +25,7 @@ const MOST_BYTES: usize = 64 << 10;
 const POLICY: &str = "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; \
                       connect-src 'self'; base-uri 'none'; form-action 'none'; object-src 'none'";
 
-/// All that there is.
+/// All that there is to a scene.
 pub fn router(app: App) -> Router {
     let api = Router::new()
         .route("/state", get(requests::state))
@@ -49,24 +53,29 @@ pub fn router(app: App) -> Router {
         .route("/", get(|| async { page::file("") }))
         .route("/{*file}", get(|Path(file): Path<String>| async move { page::file(&file) }))
         .with_state(app.clone());
+    guarded(inside, app.access, app.log)
+}
+
+/// Lets those through to a page and its requests who may ask.
+pub fn guarded(inside: Router, access: Arc<Access>, log: Arc<Log>) -> Router {
     // What is routed there has lost its token here.
-    Router::new().fallback_service(inside).layer(middleware::from_fn_with_state(app, admit))
+    Router::new().fallback_service(inside).layer(middleware::from_fn_with_state((access, log), admit))
 }
 
 /// Passes on what may be answered, without the token in its path, and tells browsers what the page may do.
-async fn admit(State(app): State<App>, mut request: Request, next: Next) -> Response {
-    let mut response = match inner_address(&app, &request) {
+async fn admit(State((access, log)): State<(Arc<Access>, Arc<Log>)>, mut request: Request, next: Next) -> Response {
+    let mut response = match inner_address(&access, &request) {
         Ok(Some(address)) => {
             *request.uri_mut() = address;
             next.run(request).await
         }
         Ok(None) => {
             // Relative addresses need the folder.
-            let folder = format!("/{}/", app.access.token());
+            let folder = format!("/{}/", access.token());
             (StatusCode::PERMANENT_REDIRECT, [(header::LOCATION, folder)]).into_response()
         }
         Err(why) => {
-            app.log.refused(&format!("refused {} {}: {}", request.method(), shortened(request.uri().path()), why.1));
+            log.refused(&format!("refused {} {}: {}", request.method(), shortened(request.uri().path()), why.1));
             why.into_response()
         }
     };
@@ -83,7 +92,7 @@ async fn admit(State(app): State<App>, mut request: Request, next: Next) -> Resp
 }
 
 /// Address without the token, where the request may be answered; `None` where it is the token alone.
-fn inner_address(app: &App, request: &Request) -> Result<Option<Uri>, Refused> {
+fn inner_address(access: &Access, request: &Request) -> Result<Option<Uri>, Refused> {
     let header = |name| request.headers().get(name).and_then(|v: &HeaderValue| v.to_str().ok());
     // Of two names only one can have been looked at.
     let is_one = request.headers().get_all(header::HOST).iter().count() == 1;
@@ -95,7 +104,7 @@ fn inner_address(app: &App, request: &Request) -> Result<Option<Uri>, Refused> {
         (Some(origin), None) => Some(origin.to_str().unwrap_or_default()),
         (Some(_), Some(_)) => Some(""),
     };
-    let rest = app.access.admit(request.uri().path(), host, origin);
+    let rest = access.admit(request.uri().path(), host, origin);
     let rest = rest.map_err(|why| Refused(StatusCode::FORBIDDEN, why.to_string()))?;
     if rest.is_empty() {
         return Ok(None);

@@ -73,7 +73,12 @@ pub fn of(generation: u32, document: &Document, look: &Look, scene: &Scene, libr
 /// Tone curve to begin with, with its exposure.
 fn tone(document: &Document, look: &Look) -> String {
     let name = look.tone.as_deref().unwrap_or_else(|| suited_tone(document.desc.format));
-    let Some(StartExposure::Stops(stops)) = look.exposure else { return name.into() };
+    with_exposure(name, look.exposure)
+}
+
+/// Text of a tone curve with its exposure, where that is a number.
+pub fn with_exposure(name: &str, exposure: Option<StartExposure>) -> String {
+    let Some(StartExposure::Stops(stops)) = exposure else { return name.into() };
     let separator = if name.contains(':') { ',' } else { ':' };
     format!("{name}{separator}exposure={stops}")
 }
@@ -196,6 +201,11 @@ fn upright(place: &Transform, scene: &Scene) -> Option<Viewpoint> {
 
 /// Choices for pages, whatever the scene.
 static CHOICES: LazyLock<Choices> = LazyLock::new(choices);
+
+/// Tone curves that can be chosen.
+pub fn tones() -> &'static [ToneChoice] {
+    &CHOICES.tones
+}
 
 fn choices() -> Choices {
     let family = |name: &str| registry().into_iter().find(|f| f.0 == name).map(|f| f.1).unwrap_or_default();

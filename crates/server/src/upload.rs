@@ -111,7 +111,10 @@ async fn set_environment(app: &App, picture: &Path) -> Result<Response, Refused>
 }
 
 /// Keeps all files; their names.
-async fn receive(mut form: Multipart, folder: &TemporaryFolder) -> Result<Vec<PathBuf>, Refused> {
+///
+/// # Errors
+/// Where a name is none of a file below its folder, or a file cannot be kept.
+pub async fn receive(mut form: Multipart, folder: &TemporaryFolder) -> Result<Vec<PathBuf>, Refused> {
     let bad = |why: &str| Refused(StatusCode::BAD_REQUEST, why.into());
     let mut names: Vec<PathBuf> = Vec::new();
     while let Some(mut field) = form.next_field().await.map_err(|e| Refused(e.status(), e.body_text()))? {

@@ -94,6 +94,7 @@ fn a_page_is_served_until_it_is_stopped() {
     let page = get(&host, &format!("/{path}"));
     assert!(page.starts_with("HTTP/1.1 200") && page.contains("<title>"), "{page}");
     assert!(get(&host, &format!("/{path}assets/app.js")).starts_with("HTTP/1.1 200"));
+    assert!(get(&host, &format!("/{path}assets/view.js")).starts_with("HTTP/1.1 200"));
     assert!(get(&host, "/").starts_with("HTTP/1.1 403"));
     let signalled = Command::new("kill").args(["-INT", &program.0.id().to_string()]).status();
     assert!(signalled.unwrap().success());
@@ -111,6 +112,13 @@ fn what_cannot_be_looked_at_is_told() {
         "Film \"rgb\" \"integer xresolution\" 100000 \"integer yresolution\" 2 Camera \"perspective\" WorldBegin";
     place.file("wide.pbrt", film);
     place.refuse(2, &["view", "wide.pbrt"], &["100000 x 2 pixels are not shown", "--size"]);
+    let picture = steradian::image::Image::from_rgb(1, 1, &[[0.5; 3]]).unwrap();
+    steradian::image::write(&place.path("a.exr"), &picture, &Default::default()).unwrap();
+    std::fs::create_dir(place.path("empty")).unwrap();
+    place.refuse(2, &["view", "a.exr", "wide.pbrt"], &["'wide.pbrt' is a scene and 'a.exr' is none"]);
+    place.refuse(2, &["view", "wide.pbrt", "wide.pbrt"], &["a view shows one scene, not 2"]);
+    place.refuse(2, &["view", "a.exr", "--spp", "4"], &["--spp is for scenes"]);
+    place.refuse(2, &["view", "missing.exr", "empty"], &["no picture to show", "'missing.exr'", "'empty'"]);
     place.refuse(1, &["view", "--bind", "203.0.113.1"], &["cannot listen at 203.0.113.1:0"]);
     place.refuse(2, &["render", "--look-at", "0,0,0,0,0,0,0,1,0", "-o", "n.png"], &["apart from the target"]);
     place.refuse(2, &["render", "--look-at", "0,0,0", "-o", "n.png"], &["nine numbers"]);

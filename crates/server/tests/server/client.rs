@@ -217,3 +217,19 @@ pub fn served(server: &Server) -> steradian::image::Image {
     std::fs::write(&path, server.get("api/picture.exr").body).unwrap();
     steradian::image::read(&path, &Default::default()).unwrap()
 }
+
+/// JSON and values of an answer, whose tiles are rows from the top.
+pub fn taken(answer: &Answer) -> (Value, Vec<f32>) {
+    assert_eq!(answer.status, 200, "{}", answer.text());
+    let (mut pieces, mut rest) = (Vec::new(), &answer.body[..]);
+    while let Some((length, after)) = rest.split_first_chunk() {
+        let (piece, after) = after.split_at(u32::from_le_bytes(*length) as usize);
+        pieces.push(piece);
+        rest = after;
+    }
+    assert!(rest.is_empty());
+    let tiles = &pieces[1..];
+    assert!(tiles.iter().all(|t| t[..4] == *b"STRT" && t[8..10] == [255, 255]));
+    let values = tiles.iter().flat_map(|t| t[24..].chunks(2)).map(|b| half::f16::from_le_bytes([b[0], b[1]]).to_f32());
+    (serde_json::from_slice(pieces[0]).unwrap(), values.collect())
+}

@@ -7,6 +7,7 @@ mod groups;
 mod intruders;
 mod load;
 mod path;
+mod pictures;
 mod reference;
 mod scenes;
 mod session;

@@ -1,6 +1,6 @@
 //! References of the picture.
 
-use crate::client::{Answer, Page, Server};
+use crate::client::{Page, Server, taken};
 use serde_json::{Value, json};
 use steradian::image::{
     FileKind, Image, WriteOptions, encode,
@@ -17,22 +17,6 @@ fn done() -> (Server, Page) {
     let mut page = server.page();
     page.until("the end", |v| v["type"] == "frame" && v["done"] == true && v["kind"] == "render");
     (server, page)
-}
-
-/// JSON and values of an answer, whose tiles are rows from the top.
-fn taken(answer: &Answer) -> (Value, Vec<f32>) {
-    assert_eq!(answer.status, 200, "{}", answer.text());
-    let (mut pieces, mut rest) = (Vec::new(), &answer.body[..]);
-    while let Some((length, after)) = rest.split_first_chunk() {
-        let (piece, after) = after.split_at(u32::from_le_bytes(*length) as usize);
-        pieces.push(piece);
-        rest = after;
-    }
-    assert!(rest.is_empty());
-    let tiles = &pieces[1..];
-    assert!(tiles.iter().all(|t| t[..4] == *b"STRT" && t[8..10] == [255, 255]));
-    let values = tiles.iter().flat_map(|t| t[24..].chunks(2)).map(|b| half::f16::from_le_bytes([b[0], b[1]]).to_f32());
-    (serde_json::from_slice(pieces[0]).unwrap(), values.collect())
 }
 
 fn picture(server: &Server) -> Image {
