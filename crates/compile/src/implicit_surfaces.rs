@@ -4,9 +4,10 @@ use super::{Compiler, shapes::Placed};
 use std::sync::Arc;
 use steradian_core::shape::{
     LevelSet, Shape,
-    level::{Expression, Function, Revolution},
+    level::{Function, Revolution},
 };
-use steradian_math::{DVec3, Vec3, intersect::Quadric};
+use steradian_math::{DVec3, Vec3, expression::Expression, intersect::Quadric};
+use steradian_scene::{Node, names};
 
 impl Compiler<'_> {
     /// A paraboloid, cone, hyperboloid, quadric or implicit surface; nothing where it is refused.
@@ -49,18 +50,32 @@ impl Compiler<'_> {
 
     fn expression(&mut self, placed: &Placed<'_>) -> Option<(Function, [DVec3; 2], bool)> {
         let node = placed.node;
-        let span = node.param("expression").and_then(|p| p.span).or(node.span);
-        if node.get("expression").is_none() {
-            self.error(span, "shape 'implicit' needs an 'expression' in x, y and z");
+        Some((Function::Expression(self.formula(node, "expression", &["x", "y", "z"])?), self.corners(placed), false))
+    }
+
+    /// The expression of a parameter, in some variables; `None` where it is refused.
+    pub(super) fn formula<const N: usize>(
+        &mut self,
+        node: &Node,
+        name: &str,
+        variables: &[&str; N],
+    ) -> Option<Expression<N>> {
+        let span = node.param(name).and_then(|p| p.span).or(node.span);
+        let whose = format!("{} '{}'", node.family.noun(), node.kind);
+        if node.get(name).is_none() {
+            let (last, first) = variables.split_last().map_or(("", &[][..]), |(last, first)| (*last, first));
+            self.error(span, format!("{whose} needs an '{name}' in {} and {last}", first.join(", ")));
         }
-        let text = self.given_word(node, "expression")?;
-        match Expression::new(text) {
-            Ok(e) => Some((Function::Expression(e), self.corners(placed), false)),
-            Err(fault) => {
-                self.error(span, format!("in 'expression' of shape 'implicit': {fault}"));
-                None
-            }
-        }
+        let text = self.given_word(node, name)?;
+        let fault = match Expression::new(text, variables) {
+            Ok(expression) => return Some(expression),
+            Err(fault) => fault,
+        };
+        let known = Expression::names(variables);
+        let help = fault.name.as_deref().and_then(|name| names::did_you_mean(name, known));
+        let help = help.map_or(String::new(), |help| format!("; {help}"));
+        self.error(span, format!("in '{name}' of {whose}: {fault}{help}"));
+        None
     }
 
     /// The box that a surface is cut by.

@@ -19,8 +19,9 @@ use steradian_math::{
 use steradian_scene::{Family, Format, Node, NodeId, Value};
 use steradian_texture as texture;
 use steradian_texture::{
-    Domain, Filter, GridTexture, ImageTexture, Mapping, SpectrumTexture, Texture, Wrap,
+    Domain, Filter, FormulaTexture, GridTexture, ImageTexture, Mapping, SpectrumTexture, Texture, Wrap,
     filter::FILTERS,
+    formula::{self, Components},
     grid::Interpolation,
     kernel::MIP_KERNELS,
     levels::{Levels, Recipe, Shape},
@@ -262,6 +263,7 @@ impl Compiler<'_> {
             }
             "distance_field" => self.distance_field(node),
             "time" => Some(Texture::Time),
+            "expression" => self.formula_texture(node),
             "mesh_attribute" => Some(Texture::MeshAttribute {
                 name: self.given_word(node, "name").unwrap_or_default().into(),
                 domain: self.choice_or(
@@ -281,6 +283,24 @@ impl Compiler<'_> {
                 Some(Texture::Constant(Color::constant(0.5)))
             }
         }
+    }
+
+    /// A texture by one formula, or by three of a colour.
+    fn formula_texture(&mut self, node: &Node) -> Option<Texture> {
+        let colors = ["red", "green", "blue"];
+        let has_colors = colors.iter().any(|name| node.get(name).is_some());
+        if has_colors && node.get("expression").is_some() {
+            self.error(node.span, "an expression has either one 'expression' or 'red', 'green' and 'blue'");
+            return None;
+        }
+        let components = match has_colors {
+            false => Components::Number(self.formula(node, "expression", &formula::VARIABLES)?),
+            true => {
+                let [r, g, b] = colors.map(|name| self.formula(node, name, &formula::VARIABLES));
+                Components::Rgb(Box::new([r?, g?, b?]))
+            }
+        };
+        Some(Texture::Formula(Arc::new(FormulaTexture { mapping: self.mapping(node), components })))
     }
 
     /// The texture of an image; where its alpha is asked for and it has none, the constant 1, as glTF rules it.

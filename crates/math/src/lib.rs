@@ -12,6 +12,7 @@ pub mod color;
 pub mod distribution;
 pub mod elementary;
 pub mod error;
+pub mod expression;
 pub mod frame;
 pub mod geometry;
 pub mod golden_section;

@@ -136,8 +136,8 @@ pub const SHAPES: &[Model] = &[
             text(
                 "expression",
                 "needed",
-                "of x, y, z, pi and numbers with + - * / ^, parentheses, min, max, abs, sqrt, sin, cos, exp and log; \
-                 of 4096 letters, 1024 operations and 64 levels at most; what is not defined is no surface",
+                "of x, y, z, pi and numbers with + - * / ^, parentheses, min, max, abs, sqrt, sin, cos, exp, log and \
+                 floor; of 4096 letters, 1024 operations and 64 levels at most; what is not defined is no surface",
             ),
             BOX_MIN,
             BOX_MAX,

@@ -26,6 +26,9 @@ const JITTER: Parameter =
     number("jitter", SHARE, "1", "how far points lie from the middle of their cells; 0 is a grid").refused();
 const INPUT: Parameter = tex("input", ANY, "0.5", "what is changed");
 const FROM_WORLD: Parameter = transform("texture_from_world", "identity", "from the world to the space of the texture");
+const FORMULA: &str = "of u, v, the point x, y, z in the texture's space, the moment t of the exposure in [0, 1], pi \
+     and numbers, with + - * / ^, parentheses, min, max, abs, sqrt, sin, cos, exp, log and floor; of 4096 letters, \
+     1024 operations and 64 levels at most";
 const DIRECTION: Parameter = vector("dir", "0,1,0", "the direction, in the space of the texture; it has a length");
 
 /// All textures.
@@ -362,6 +365,19 @@ pub const TEXTURES: &[Model] = &[
         ],
         groups: &[],
         source: "Smith, Color gamut transform pairs (1978)",
+    },
+    Model {
+        kind: "expression",
+        doc: "a number by a formula, or a colour by three; taken at points, so small detail needs samples; 0 where it \
+         is not defined",
+        parameters: &[
+            text("expression", "needed, or three colours", FORMULA),
+            text("red", "none", "a formula of red, linear Rec.709, in place of 'expression'"),
+            text("green", "none", "of green"),
+            text("blue", "none", "of blue"),
+        ],
+        groups: &[&MAPPING],
+        source: "",
     },
     Model {
         kind: "time",

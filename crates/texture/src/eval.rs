@@ -139,6 +139,10 @@ impl Textures {
                 (v, 1) => Spectrum::splat(v.x),
                 (v, _) => self.as_wanted(v, want),
             },
+            Texture::Formula(formula) => match formula.value(at) {
+                (v, 1) => Spectrum::splat(v.x),
+                (v, _) => self.as_wanted(v, want),
+            },
             Texture::Pattern(pattern) => Spectrum::splat(pattern.value(at)),
             Texture::Scale(..) | Texture::Add(..) | Texture::Mix(..) | Texture::Triplanar(..) | Texture::Adjust(..) => {
                 return None;

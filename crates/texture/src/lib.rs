@@ -8,6 +8,7 @@ mod eval;
 mod ewa;
 pub mod exact;
 pub mod filter;
+pub mod formula;
 pub mod grid;
 pub mod image;
 mod integers;
@@ -31,6 +32,7 @@ mod image_tests;
 pub use adjust::Adjust;
 pub use distance_field::DistanceField;
 pub use filter::Filter;
+pub use formula::FormulaTexture;
 pub use grid::GridTexture;
 pub use image::ImageTexture;
 pub use mapping::Mapping;
@@ -191,6 +193,8 @@ pub enum Texture {
     Mix(TextureId, TextureId, TextureId),
     /// Three textures, blended by how much the surface faces the axes.
     Triplanar([TextureId; 3], Box<Triplanar>),
+    /// A formula.
+    Formula(Arc<FormulaTexture>),
     /// The moment of the exposure.
     Time,
     /// A colour, changed.
@@ -216,6 +220,7 @@ impl Texture {
             | Self::MeshAttribute { .. }
             | Self::Grid(_)
             | Self::Pattern(_)
+            | Self::Formula(_)
             | Self::Time => [None; 3],
             Self::Scale(a, b) | Self::Add(a, b) => [Some(a), Some(b), None],
             Self::Mix(a, b, amount) => [Some(a), Some(b), Some(amount)],
@@ -232,6 +237,7 @@ impl Texture {
             | Self::MeshAttribute { .. }
             | Self::Grid(_)
             | Self::Pattern(_)
+            | Self::Formula(_)
             | Self::Time => [None, None, None],
             Self::Scale(a, b) | Self::Add(a, b) => [Some(a), Some(b), None],
             Self::Mix(a, b, amount) => [Some(a), Some(b), Some(amount)],
@@ -272,7 +278,11 @@ impl Textures {
 
     /// True if any texture changes over the exposure.
     pub fn is_timed(&self) -> bool {
-        self.nodes.iter().any(|t| matches!(t, Texture::Time))
+        self.nodes.iter().any(|t| match t {
+            Texture::Time => true,
+            Texture::Formula(formula) => formula.is_timed(),
+            _ => false,
+        })
     }
 
     /// Meaning of the lanes of values.

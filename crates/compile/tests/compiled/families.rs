@@ -59,6 +59,7 @@ fn needs(family: Family, kind: &str, files: &Path) -> Vec<(&'static str, Value)>
             vec![("points", vec![0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0, 0.0, 0.0].into())]
         }
         (Family::Shape, "implicit") => vec![("expression", "x^2 + y^2 + z^2 - 0.5".into())],
+        (Family::Texture, "expression") => vec![("expression", "0.5*u".into())],
         (Family::Shape, "polygon") => {
             vec![("points", vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].into())]
         }

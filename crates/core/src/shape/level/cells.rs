@@ -1,8 +1,8 @@
 //! Cells of its box in which an expression may be zero: a grid, found by halving the box, so that rays skip empty
 //! space.
 
-use super::{expression::Expression, interval::Interval};
 use glam::DVec3;
+use steradian_math::expression::{Expression, Interval};
 
 /// Halvings of the box along each axis, and cells there are then.
 const LEVELS: u32 = 5;
@@ -22,7 +22,7 @@ pub(super) struct Cells {
 
 impl Cells {
     /// Cells of an expression in the box between two corners.
-    pub fn new(e: &Expression, [low, high]: [DVec3; 2]) -> Self {
+    pub fn new(e: &Expression<3>, [low, high]: [DVec3; 2]) -> Self {
         let size = (high - low) / COUNT as f64;
         let mut cells = Self { low, size, rows: Box::new([0; COUNT * COUNT]) };
         cells.mark(e, [0; 3], COUNT);
@@ -30,7 +30,7 @@ impl Cells {
     }
 
     /// Marks what of a block of cells may have a zero.
-    fn mark(&mut self, e: &Expression, at: [usize; 3], width: usize) {
+    fn mark(&mut self, e: &Expression<3>, at: [usize; 3], width: usize) {
         let range: [Interval; 3] = std::array::from_fn(|k| {
             let edge = |cell: f64| self.low[k] + self.size[k] * cell;
             Interval::new(edge(at[k] as f64 - OVERLAP), edge((at[k] + width) as f64 + OVERLAP))

@@ -6,15 +6,12 @@
 //! and what distance is left is part of its error. Normals point to where the function grows.
 
 mod cells;
-mod expression;
-mod interval;
 mod revolution;
 mod search;
 mod swept;
 #[cfg(test)]
 mod tests;
 
-pub use expression::Expression;
 pub use revolution::Revolution;
 pub use swept::Swept;
 
@@ -22,7 +19,9 @@ use super::SurfacePoint;
 use cells::Cells;
 use glam::{DMat4, DVec3};
 use steradian_accel::UserHit;
-use steradian_math::{Bounds3, Ray, Vec2, Vec3, intersect::Quadric, ray::gamma, transform::Affine};
+use steradian_math::{
+    Bounds3, Ray, Vec2, Vec3, expression::Expression, intersect::Quadric, ray::gamma, transform::Affine,
+};
 
 /// Tolerance of hits outside the box, as a part of the distance and of the length inside: it covers the rounding of
 /// `f64`, so that surfaces in the faces of the box are met.
@@ -36,7 +35,7 @@ pub enum Function {
     /// A quadric of revolution, with parameters around and along the axis.
     Revolution(Revolution),
     /// Any expression.
-    Expression(Expression),
+    Expression(Expression<3>),
 }
 
 /// A surface in a box, placed in the space it is traced in.
@@ -130,7 +129,10 @@ impl LevelSet {
         match &self.function {
             Function::Quadric(q) => (q.value(p), q.gradient(p)),
             Function::Revolution(r) => (r.quadric().value(p), r.quadric().gradient(p)),
-            Function::Expression(e) => e.sample(p),
+            Function::Expression(e) => {
+                let (value, gradient) = e.sample(p.to_array());
+                (value, DVec3::from_array(gradient))
+            }
         }
     }
 

@@ -7,11 +7,8 @@
 //! are none. What it may cost is bounded: beyond [`MOST_PARTS`] parts are no longer halved, and the signs at their ends
 //! tell.
 
-use super::{
-    expression::Expression,
-    interval::{Dual, Interval, Number},
-};
 use glam::DVec3;
+use steradian_math::expression::{Dual, Expression, Interval, Number};
 
 /// Most parts of a ray that are looked at closely, and most operations in all of them.
 const MOST_PARTS: usize = 8192;
@@ -24,7 +21,7 @@ const MOST_STEPS: u32 = 100;
 
 /// A ray along which the zeros of an expression are sought.
 pub(super) struct Search<'e> {
-    e: &'e Expression,
+    e: &'e Expression<3>,
     ray: [DVec3; 2],
     before: f64,
     /// Parts that were looked at.
@@ -33,7 +30,7 @@ pub(super) struct Search<'e> {
 
 impl<'e> Search<'e> {
     /// Along `o + s d`. Steps of `f32` are those at `before + s`.
-    pub fn new(e: &'e Expression, ray: [DVec3; 2], before: f64) -> Self {
+    pub fn new(e: &'e Expression<3>, ray: [DVec3; 2], before: f64) -> Self {
         Self { e, ray, before, seen: 0 }
     }
 

@@ -1,8 +1,12 @@
-//! Expressions in x, y and z, compiled to programs for a stack.
+//! Expressions in a few variables, such as x, y and z, compiled to programs for a stack.
 
-use super::interval::{Dual, Number};
-use glam::DVec3;
-use steradian_scene::names;
+mod number;
+#[cfg(test)]
+mod tests;
+
+pub use number::{Dual, Interval, Number};
+
+use std::fmt;
 
 /// Longest expression, bytes.
 const MOST_LETTERS: usize = 4096;
@@ -20,7 +24,7 @@ const MOST_POWER: f64 = 1024.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Op {
     Constant(f64),
-    Axis(usize),
+    Variable(usize),
     Add,
     Sub,
     Mul,
@@ -43,9 +47,10 @@ enum Function {
     Cos,
     Exp,
     Log,
+    Floor,
 }
 
-const FUNCTIONS: [(&str, Function, u32); 8] = [
+const FUNCTIONS: [(&str, Function, u32); 9] = [
     ("min", Function::Min, 2),
     ("max", Function::Max, 2),
     ("abs", Function::Abs, 1),
@@ -54,55 +59,85 @@ const FUNCTIONS: [(&str, Function, u32); 8] = [
     ("cos", Function::Cos, 1),
     ("exp", Function::Exp, 1),
     ("log", Function::Log, 1),
+    ("floor", Function::Floor, 1),
 ];
 
-/// A function of a point.
-#[derive(Clone, Debug)]
-pub struct Expression {
+/// Fault of an expression's text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fault {
+    /// Column of the fault, in letters from one; `None` if it is of the whole.
+    pub column: Option<usize>,
+    /// The fault in words.
+    pub what: String,
+    /// A name that is not known, where that is the fault.
+    pub name: Option<String>,
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.column {
+            Some(column) => write!(f, "column {column}: {}", self.what),
+            None => f.write_str(&self.what),
+        }
+    }
+}
+
+impl std::error::Error for Fault {}
+
+/// A function of `N` variables.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Expression<const N: usize> {
     ops: Vec<Op>,
     /// Most operands that wait at once.
     waiting: usize,
 }
 
-impl Expression {
-    /// From its text: numbers, `x`, `y`, `z`, `pi`, `+ - * / ^`, parentheses, and the functions `min`, `max` (of two or
-    /// more), `abs`, `sqrt`, `sin`, `cos`, `exp`, `log`. `^` binds to the right and before a sign: `-x^2` is `-(x^2)`.
+impl<const N: usize> Expression<N> {
+    /// From its text: numbers, the variables, `pi`, `+ - * / ^`, parentheses, and the functions `min`, `max` (of two or
+    /// more), `abs`, `sqrt`, `sin`, `cos`, `exp`, `log`, `floor`. `^` binds to the right and before a sign: `-x^2` is
+    /// `-(x^2)`.
     ///
     /// # Errors
-    /// What was expected, and in which column.
-    pub fn new(text: &str) -> Result<Self, String> {
+    /// [`Fault`] with what was expected, and in which column.
+    pub fn new(text: &str, variables: &[&str; N]) -> Result<Self, Fault> {
+        let of_all = |what| Fault { column: None, what, name: None };
         if text.len() > MOST_LETTERS {
-            return Err(format!("an expression has {MOST_LETTERS} letters at most, this one {}", text.len()));
+            return Err(of_all(format!("an expression has {MOST_LETTERS} letters at most, this one {}", text.len())));
         }
-        let mut parser = Parser { text, at: 0, nested: 0, ops: Vec::new(), depth: 0, most: 0 };
+        let mut parser = Parser { text, variables, at: 0, nested: 0, ops: Vec::new(), depth: 0, most: 0 };
         parser.sum()?;
         match parser.peek() {
             None if parser.most <= MOST_WAITING => Ok(Self { ops: parser.ops, waiting: parser.most }),
-            None => Err(format!("expressions nest {MOST_NESTED} deep at most")),
+            None => Err(of_all(format!("expressions nest {MOST_NESTED} deep at most"))),
             Some(_) => Err(parser.expected("an operator or the end")),
         }
     }
 
+    /// All names that an expression may have.
+    pub fn names<'a>(variables: &[&'a str; N]) -> impl Iterator<Item = &'a str> {
+        variables.iter().copied().chain(["pi"]).chain(FUNCTIONS.iter().map(|f| f.0))
+    }
+
     /// The value at a point, in any arithmetic.
-    pub(super) fn value<T: Number>(&self, p: [T; 3]) -> T {
+    pub fn value<T: Number>(&self, p: [T; N]) -> T {
         if self.waiting <= FEW_WAITING { self.run::<T, FEW_WAITING>(p) } else { self.run::<T, MOST_WAITING>(p) }
     }
 
-    fn run<T: Number, const N: usize>(&self, p: [T; 3]) -> T {
-        let mut stack = [T::constant(0.0); N];
+    fn run<T: Number, const DEPTH: usize>(&self, p: [T; N]) -> T {
+        let mut stack = [T::constant(0.0); DEPTH];
         let mut n = 0;
         for op in &self.ops {
             let takes = match op {
-                Op::Constant(_) | Op::Axis(_) => 0,
+                Op::Constant(_) | Op::Variable(_) => 0,
                 Op::Negate | Op::Power(_) => 1,
                 Op::Function(f) if !matches!(f, Function::Min | Function::Max) => 1,
                 _ => 2,
             };
             n -= takes;
-            let (a, b) = (stack[n], stack[(n + 1).min(N - 1)]);
+            let (a, b) = (stack[n], stack[(n + 1).min(DEPTH - 1)]);
             stack[n] = match *op {
                 Op::Constant(v) => T::constant(v),
-                Op::Axis(k) => p[k],
+                Op::Variable(k) => p[k],
                 Op::Add => a.add(b),
                 Op::Sub => a.sub(b),
                 Op::Mul => a.mul(b),
@@ -121,6 +156,7 @@ impl Expression {
                 Op::Function(Function::Cos) => a.cos(),
                 Op::Function(Function::Exp) => a.exp(),
                 Op::Function(Function::Log) => a.log(),
+                Op::Function(Function::Floor) => a.floor(),
             };
             n += 1;
         }
@@ -128,26 +164,31 @@ impl Expression {
     }
 
     /// Value and gradient at a point, by derivatives carried along.
-    pub(super) fn sample(&self, p: DVec3) -> (f64, DVec3) {
-        let along =
-            |axis: usize| self.value(std::array::from_fn(|k| Dual::new(p[k], if k == axis { 1.0 } else { 0.0 })));
-        let [x, y, z] = [along(0), along(1), along(2)];
-        (x.value, DVec3::new(x.slope, y.slope, z.slope))
+    pub fn sample(&self, p: [f64; N]) -> (f64, [f64; N]) {
+        let along = |axis| self.value(std::array::from_fn(|k| Dual::new(p[k], if k == axis { 1.0 } else { 0.0 })));
+        let all: [Dual<f64>; N] = std::array::from_fn(along);
+        (all.first().map_or_else(|| self.value(p), |dual| dual.value), all.map(|dual| dual.slope))
+    }
+
+    /// True if the value can depend on a variable.
+    pub fn uses(&self, variable: usize) -> bool {
+        self.ops.contains(&Op::Variable(variable))
     }
 
     /// Number of operations.
-    pub(super) fn operations(&self) -> usize {
+    pub fn operations(&self) -> usize {
         self.ops.len()
     }
 
     /// Bytes held beyond its own.
-    pub(super) fn bytes(&self) -> usize {
+    pub fn bytes(&self) -> usize {
         self.ops.capacity() * size_of::<Op>()
     }
 }
 
 struct Parser<'a> {
     text: &'a str,
+    variables: &'a [&'a str],
     at: usize,
     nested: u32,
     ops: Vec<Op>,
@@ -172,22 +213,24 @@ impl<'a> Parser<'a> {
         self.text.get(..at).map_or(at, |t| t.chars().count()) + 1
     }
 
-    fn expected(&mut self, what: &str) -> String {
+    fn fault(&self, at: usize, what: String) -> Fault {
+        Fault { column: Some(self.column(at)), what, name: None }
+    }
+
+    fn expected(&mut self, what: &str) -> Fault {
         let found = match self.peek() {
             None => "the end".into(),
             Some(_) => {
                 self.text.get(self.at..).and_then(|t| t.chars().next()).map_or(String::new(), |c| format!("'{c}'"))
             }
         };
-        format!("column {}: expected {what}, found {found}", self.column(self.at))
+        self.fault(self.at, format!("expected {what}, found {found}"))
     }
 
-    fn push(&mut self, op: Op, takes: usize) -> Result<(), String> {
+    fn push(&mut self, op: Op, takes: usize) -> Result<(), Fault> {
         if self.ops.len() == MOST_OPERATIONS {
-            return Err(format!(
-                "column {}: an expression has {MOST_OPERATIONS} operations at most",
-                self.column(self.at)
-            ));
+            let what = format!("an expression has {MOST_OPERATIONS} operations at most");
+            return Err(self.fault(self.at, what));
         }
         self.ops.push(op);
         self.depth = self.depth + 1 - takes;
@@ -195,7 +238,7 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    fn sum(&mut self) -> Result<(), String> {
+    fn sum(&mut self) -> Result<(), Fault> {
         self.product()?;
         loop {
             let op = match self.peek() {
@@ -209,7 +252,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    fn product(&mut self) -> Result<(), String> {
+    fn product(&mut self) -> Result<(), Fault> {
         self.signed()?;
         loop {
             let op = match self.peek() {
@@ -224,10 +267,10 @@ impl<'a> Parser<'a> {
     }
 
     /// Parses an operand with its signs and its power. All nesting goes through here.
-    fn signed(&mut self) -> Result<(), String> {
+    fn signed(&mut self) -> Result<(), Fault> {
         self.nested += 1;
         if self.nested > MOST_NESTED {
-            return Err(format!("column {}: expressions nest {MOST_NESTED} deep at most", self.column(self.at)));
+            return Err(self.fault(self.at, format!("expressions nest {MOST_NESTED} deep at most")));
         }
         if self.takes(b'-') {
             self.signed()?;
@@ -256,8 +299,7 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    fn atom(&mut self) -> Result<(), String> {
-        const WHAT: &str = "a number, x, y, z, pi, a function or '('";
+    fn atom(&mut self) -> Result<(), Fault> {
         match self.peek() {
             Some(b'(') => {
                 self.at += 1;
@@ -266,11 +308,14 @@ impl<'a> Parser<'a> {
             }
             Some(c) if c.is_ascii_digit() || c == b'.' => self.number(),
             Some(c) if c.is_ascii_alphabetic() => self.name(),
-            _ => Err(self.expected(WHAT)),
+            _ => {
+                let variables = self.variables.join(", ");
+                Err(self.expected(&format!("a number, {variables}, pi, a function or '('")))
+            }
         }
     }
 
-    fn number(&mut self) -> Result<(), String> {
+    fn number(&mut self) -> Result<(), Fault> {
         let rest = &self.text.as_bytes()[self.at..];
         let digits = |from: usize| rest[from.min(rest.len())..].iter().take_while(|c| c.is_ascii_digit()).count();
         let mut n = digits(0);
@@ -288,22 +333,22 @@ impl<'a> Parser<'a> {
         self.push(Op::Constant(value), 0)
     }
 
-    fn name(&mut self) -> Result<(), String> {
+    fn name(&mut self) -> Result<(), Fault> {
         let rest: &'a str = &self.text[self.at..];
         let name = &rest[..rest.bytes().take_while(|c| c.is_ascii_alphanumeric() || *c == b'_').count()];
-        let (start, is_axis) = (self.at, ["x", "y", "z"].iter().position(|axis| *axis == name));
+        let start = self.at;
         self.at += name.len();
-        if let Some(axis) = is_axis {
-            return self.push(Op::Axis(axis), 0);
+        if let Some(variable) = self.variables.iter().position(|known| *known == name) {
+            return self.push(Op::Variable(variable), 0);
         }
         if name == "pi" {
             return self.push(Op::Constant(std::f64::consts::PI), 0);
         }
         let Some((_, function, count)) = FUNCTIONS.iter().find(|f| f.0 == name) else {
-            let known = FUNCTIONS.iter().map(|f| f.0).chain(["x", "y", "z", "pi"]);
-            let help = names::did_you_mean(name, known).map_or(String::new(), |h| format!("; {h}"));
-            let what = "expected x, y, z, pi or a function (min, max, abs, sqrt, sin, cos, exp, log)";
-            return Err(format!("column {}: {what}, found '{name}'{help}", self.column(start)));
+            let functions = FUNCTIONS.map(|f| f.0).join(", ");
+            let variables = self.variables.join(", ");
+            let what = format!("expected {variables}, pi or a function ({functions}), found '{name}'");
+            return Err(Fault { name: Some(name.to_owned()), ..self.fault(start, what) });
         };
         if !self.takes(b'(') {
             return Err(self.expected(&format!("'(' after {name}")));

@@ -4,21 +4,39 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Number type that expressions are evaluated in.
-pub(super) trait Number: Copy {
+pub trait Number: Copy {
+    /// The number of a value.
     fn constant(v: f64) -> Self;
+    /// Sum.
     fn add(self, b: Self) -> Self;
+    /// Difference.
     fn sub(self, b: Self) -> Self;
+    /// Product.
     fn mul(self, b: Self) -> Self;
+    /// Quotient.
     fn div(self, b: Self) -> Self;
+    /// Square.
     fn square(self) -> Self;
+    /// Square root.
     fn sqrt(self) -> Self;
+    /// Sine.
     fn sin(self) -> Self;
+    /// Cosine.
     fn cos(self) -> Self;
+    /// Exponential.
     fn exp(self) -> Self;
+    /// Natural logarithm.
     fn log(self) -> Self;
+    /// Magnitude.
     fn abs(self) -> Self;
+    /// The smaller of two; undefined where one is.
     fn min(self, b: Self) -> Self;
+    /// The larger of two; undefined where one is.
     fn max(self, b: Self) -> Self;
+    /// Largest whole number that is not above it.
+    fn floor(self) -> Self;
+    /// Slope of `floor`: 0, without bound where it steps.
+    fn steps(self) -> Self;
     /// 1 above 0, −1 below.
     fn sign(self) -> Self;
     /// 1 where it is at most `b`, else 0.
@@ -84,6 +102,14 @@ impl Number for f64 {
     fn abs(self) -> Self {
         self.abs()
     }
+    #[inline]
+    fn floor(self) -> Self {
+        self.floor()
+    }
+    #[inline]
+    fn steps(self) -> Self {
+        0.0
+    }
     // What is undefined stays so.
     #[inline]
     fn min(self, b: Self) -> Self {
@@ -105,8 +131,10 @@ impl Number for f64 {
 
 /// All numbers between two, which are among them; NaN where there are none.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Interval {
+pub struct Interval {
+    /// Lower end.
     pub low: f64,
+    /// Upper end.
     pub high: f64,
 }
 
@@ -117,10 +145,12 @@ impl Interval {
     const ALL: Self = Self::new(f64::NEG_INFINITY, f64::INFINITY);
     const NONE: Self = Self::new(f64::NAN, f64::NAN);
 
+    /// The interval between two ends.
     pub const fn new(low: f64, high: f64) -> Self {
         Self { low, high }
     }
 
+    /// True if it contains nothing.
     #[inline]
     pub fn is_none(self) -> bool {
         self.low.is_nan() || self.high.is_nan()
@@ -132,6 +162,7 @@ impl Interval {
         self.low <= 0.0 && self.high >= 0.0
     }
 
+    /// True if both ends are finite.
     #[inline]
     pub fn is_finite(self) -> bool {
         self.low.is_finite() && self.high.is_finite()
@@ -248,6 +279,14 @@ impl Number for Interval {
         if a.is_none() || a.high == 0.0 { Self::NONE } else { Self::new(a.low.ln(), a.high.ln()).loose() }
     }
     #[inline]
+    fn floor(self) -> Self {
+        Self::new(self.low.floor(), self.high.floor())
+    }
+    #[inline]
+    fn steps(self) -> Self {
+        Self::new(0.0, if self.low.floor() == self.high.floor() { 0.0 } else { f64::INFINITY })
+    }
+    #[inline]
     fn abs(self) -> Self {
         let (a, b) = (self.low.abs(), self.high.abs());
         if self.is_none() { self } else { Self::new(if self.has_zero() { 0.0 } else { a.min(b) }, a.max(b)) }
@@ -272,12 +311,15 @@ impl Number for Interval {
 
 /// A value and its derivative.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Dual<T> {
+pub struct Dual<T> {
+    /// The value.
     pub value: T,
+    /// Its derivative.
     pub slope: T,
 }
 
 impl<T: Number> Dual<T> {
+    /// A value with its derivative.
     #[inline]
     pub fn new(value: T, slope: T) -> Self {
         Self { value, slope }
@@ -337,6 +379,14 @@ impl<T: Number> Number for Dual<T> {
     #[inline]
     fn log(self) -> Self {
         Self::new(self.value.log(), self.slope.div(self.value))
+    }
+    #[inline]
+    fn floor(self) -> Self {
+        Self::new(self.value.floor(), self.value.steps().mul(self.slope))
+    }
+    #[inline]
+    fn steps(self) -> Self {
+        Self::new(self.value.steps(), T::constant(0.0))
     }
     #[inline]
     fn abs(self) -> Self {
