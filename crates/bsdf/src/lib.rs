@@ -43,6 +43,7 @@ pub mod multiple_scattering;
 mod normal_distribution;
 pub mod oren_nayar;
 mod packed;
+mod packed_normal;
 pub mod pbr;
 pub mod phong;
 pub mod polarized;
@@ -414,6 +415,14 @@ impl Bsdf<'_> {
             S::ALBEDO_BOUND
         }
         each!(self, b => bound(b))
+    }
+
+    /// Gives the clear coat of glTF's surface a normal of its own, in the frame of the base; others have no such coat.
+    #[inline]
+    pub fn set_coat_normal(&mut self, n: Vec3) {
+        if let Bsdf::Pbr(b) = self {
+            b.set_coat_normal(n);
+        }
     }
 
     /// Index of refraction below the surface relative to above, for what refracts into it; else 1.

@@ -13,10 +13,12 @@
 //! ```
 //!
 //! The minimum keeps layering reciprocal and never makes energy; appendix B's own mix by the Fresnel factor of the
-//! half-vector does at grazing angles. Facets below [`Microfacet::SMOOTH_BELOW`] reflect and refract in one direction
-//! each, as delta lobes. A surface that refracts is seen from inside as the bare interface. `thin` surfaces (glTF
-//! without a volume) let light pass without bending it and are the same from both sides. Colours and weights are kept
-//! to 16 bits, the weight of subsurface scattering to 8.
+//! half-vector does at grazing angles. A coat may have a normal of its own: its lobe, albedo and colour go by the
+//! cosines to that normal, so that no energy is made, and the surface is not reciprocal (its adjoint is exact). Facets
+//! below [`Microfacet::SMOOTH_BELOW`] reflect and refract in one direction each, as delta lobes. A surface that
+//! refracts is seen from inside as the bare interface. `thin` surfaces (glTF without a volume) let light pass without
+//! bending it and are the same from both sides. Colours and weights are kept to 16 bits, the weight of subsurface
+//! scattering to 8.
 //!
 //! Of the opaque dielectric a part w may be a medium that light goes below, to leave elsewhere
 //! ([`Lobe::SUBSURFACE`]): `w L(wo) (1 − E(wo))` of it enters, which is what a white diffuse base under the same
@@ -25,6 +27,7 @@
 use super::{
     Bsdf, BsdfEval, BsdfSample, Lobe, Microfacet, ThinFilm, TransportMode, albedo_table, fresnel,
     packed::Unit4,
+    packed_normal::Unit3,
     principled::schlick_weight,
     registry::{Case, GREY, Model, Visitor},
     sample_cosine_hemisphere,
@@ -34,7 +37,7 @@ use super::{
     subsurface::SubsurfacePart,
 };
 use std::f32::consts::FRAC_1_PI;
-use steradian_math::{Spectrum, Vec2, Vec3, elementary::pow};
+use steradian_math::{Frame, Spectrum, Vec2, Vec3, elementary::pow, hash::ONE_MINUS_EPSILON};
 
 /// A number in [0, 1] to 16 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,6 +125,8 @@ pub struct Pbr {
     sheen_alpha: Unit,
     coat: Unit,
     coat_f0: Unit,
+    /// Normal of the coat in the frame of the base.
+    coat_normal: Unit3,
     thin: bool,
     /// Part of that light that goes below the surface instead of through, of 255.
     below: u8,
@@ -190,6 +195,7 @@ impl Pbr {
             sheen_alpha: Unit::new((unit(p.sheen_roughness) * unit(p.sheen_roughness)).max(sheen::MIN_ALPHA)),
             coat: Unit::new(p.coat),
             coat_f0: Unit::new(fresnel::f0_from_eta(coat_eta)),
+            coat_normal: Unit3::Z,
             thin: p.thin,
             below: if is_below { share } else { 0 },
         };
@@ -213,6 +219,34 @@ impl Pbr {
     #[inline]
     fn coat_facets(&self) -> Microfacet {
         Microfacet::isotropic(self.coat_alpha)
+    }
+
+    /// Gives the coat a normal of its own, in the frame of the base.
+    pub fn set_coat_normal(&mut self, n: Vec3) {
+        self.coat_normal = if self.coat.0 > 0 { Unit3::new(n) } else { Unit3::Z };
+    }
+
+    /// True if the coat has a normal of its own.
+    #[inline]
+    fn is_coat_tilted(&self) -> bool {
+        self.coat_normal != Unit3::Z
+    }
+
+    /// Cosine at which a direction crosses the coat.
+    #[inline]
+    fn coat_cos(&self, w: Vec3) -> f32 {
+        if self.is_coat_tilted() { self.coat_normal.get().dot(w).abs().min(1.0) } else { w.z.abs() }
+    }
+
+    /// Directions in the frame of the coat; `None` if the coat reflects no light between them.
+    #[inline]
+    fn over_coat<const N: usize>(&self, directions: [Vec3; N]) -> Option<[Vec3; N]> {
+        if !self.is_coat_tilted() {
+            return Some(directions);
+        }
+        let frame = Frame::from_z(self.coat_normal.get());
+        let local = directions.map(|w| frame.to_local(w));
+        local.iter().all(|w| w.z > 0.0).then_some(local)
     }
 
     fn refracts(&self) -> bool {
@@ -338,7 +372,8 @@ impl Pbr {
         let cos = wo.z.abs();
         let row = albedo_table::row(self.facets.mean_alpha());
         let [a, b] = albedo_table::ggx(row, cos);
-        let coat = self.coat_albedo(cos);
+        // Of a coat that is turned away nothing is drawn.
+        let coat = if self.over_coat([wo]).is_some() { self.coat_albedo(self.coat_cos(wo)) } else { 0.0 };
         let (metallic, film) = (self.metallic.get(), 0.5 * self.film_weight.get());
         let dielectric = self.bound.get() * a + self.f90.get() * b;
         let reflected = metallic * self.metal.most().max(b).max(film) + (1.0 - metallic) * dielectric;
@@ -375,8 +410,8 @@ impl Pbr {
 
     /// Sample of the light that goes below the surface, to leave elsewhere.
     fn entering(&self, wo: Vec3, c: &Seen) -> BsdfSample {
-        let kept =
-            self.coat_color_kept(&[wo.z, 2.0 / 3.0]) * ((1.0 - self.coat_albedo(wo.z)) * self.sheen_leaves(wo.z));
+        let cos = self.coat_cos(wo);
+        let kept = self.coat_color_kept(&[cos, 2.0 / 3.0]) * ((1.0 - self.coat_albedo(cos)) * self.sheen_leaves(wo.z));
         let share = f32::from(self.below) * (1.0 / 255.0) * c.below;
         let chance = c.diffuse * self.through_part();
         BsdfSample::entering(kept * (share / chance), chance)
@@ -419,9 +454,10 @@ impl Pbr {
                 e.value += self.sheen.get() * sheen::value(self.sheen_alpha.get(), wo, wi);
             }
             if self.coat.0 > 0 {
-                e.value *= self.coat_leaves(&[wo.z, wi.z]);
+                e.value *= self.coat_leaves(&[self.coat_cos(wo), self.coat_cos(wi)]);
                 let facets = self.coat_facets();
                 if !facets.is_smooth()
+                    && let Some([wo, wi]) = self.over_coat([wo, wi])
                     && let Some(facet) = facets.reflecting(wo, wi)
                 {
                     e.value += Spectrum::splat(self.coat_reflectance(facet.cos_o) * facet.value);
@@ -435,7 +471,7 @@ impl Pbr {
         } else if self.refracts() {
             if let Some(facet) = self.facets.refracting(wo, wi, self.eta) {
                 let (value, p) = self.transmitted(facet.cos_o);
-                let layers = self.coat_leaves(&[wo.z]) * self.sheen_leaves(wo.z);
+                let layers = self.coat_leaves(&[self.coat_cos(wo)]) * self.sheen_leaves(wo.z);
                 e.value = value * layers * (facet.value * mode.compression(self.eta));
                 e.pdf = c.facets * p * facet.pdf;
             }
@@ -443,20 +479,20 @@ impl Pbr {
             && let Some(facet) = self.facets.reflecting(wo, Vec3::new(wi.x, wi.y, -wi.z))
         {
             let (value, p) = self.transmitted(facet.cos_o);
-            e.value = value * facet.value * self.layers(wo.z, -wi.z);
+            e.value = value * facet.value * self.layers(wo, wi);
             e.pdf = c.facets * p * facet.pdf;
         }
         if self.passes_diffusely() {
-            e.value += self.through.get() * self.layers(wo.z, -wi.z) * self.lambert(c, wi);
+            e.value += self.through.get() * self.layers(wo, wi) * self.lambert(c, wi);
             e.pdf += c.diffuse * self.through_part() * FRAC_1_PI * -wi.z;
         }
         e
     }
 
-    /// Transmittance of the layers for light between two directions, given by their cosines.
-    fn layers(&self, a: f32, b: f32) -> Spectrum {
-        let sheen = self.sheen_leaves(a).min(self.sheen_leaves(b));
-        self.coat_leaves(&[a, b]) * sheen
+    /// Transmittance of the layers for light between two directions.
+    fn layers(&self, a: Vec3, b: Vec3) -> Spectrum {
+        let sheen = self.sheen_leaves(a.z.abs()).min(self.sheen_leaves(b.z.abs()));
+        self.coat_leaves(&[self.coat_cos(a), self.coat_cos(b)]) * sheen
     }
 
     /// Transmission of a facet, and the part of its samples that are transmitted.
@@ -478,7 +514,7 @@ impl Pbr {
         }
         self.facets.refracting(wo, wi, eta).map_or(BsdfEval::ZERO, |facet| {
             let (value, p) = self.transmitted(facet.cos_o);
-            let layers = self.coat_leaves(&[wi.z]) * self.sheen_leaves(wi.z);
+            let layers = self.coat_leaves(&[self.coat_cos(wi)]) * self.sheen_leaves(wi.z);
             BsdfEval { value: value * layers * (facet.value * mode.compression(eta)), pdf: p * facet.pdf }
         })
     }
@@ -489,14 +525,27 @@ impl Pbr {
         let (mut value, mut chance) = (Spectrum::ZERO, 0.0);
         if self.facets.is_smooth() {
             let f = self.reflectance_from(wo.z);
-            value = if wo.z > 0.0 { f * self.layers(wo.z, wo.z) } else { f };
+            let wi = Vec3::new(-wo.x, -wo.y, wo.z);
+            value = if wo.z > 0.0 { f * self.layers(wo, wi) } else { f };
             chance = c.facets * self.reflecting_part(f);
         }
-        if c.coat > 0.0 && self.coat_facets().is_smooth() {
+        if c.coat > 0.0 && self.coat_facets().is_smooth() && !self.is_coat_tilted() {
             value += Spectrum::splat(self.coat_reflectance(wo.z));
             chance += c.coat;
         }
         BsdfSample::mirrored(wo, value / chance, chance)
+    }
+
+    /// Mirror reflection by a smooth coat with a normal of its own.
+    fn mirrored_by_coat(&self, wo: Vec3, c: &Seen, mode: TransportMode) -> Option<BsdfSample> {
+        let n = self.coat_normal.get();
+        let cos = n.dot(wo);
+        let wi = (n * (2.0 * cos) - wo).normalize();
+        // The adjoint exchanges the cosines to the base.
+        let turn = if mode == TransportMode::Importance { wi.z / wo.z } else { 1.0 };
+        let weight = Spectrum::splat(self.coat_reflectance(cos.min(1.0)) * turn / c.coat);
+        let lobe = Lobe::REFLECTION.with(Lobe::SPECULAR);
+        (wi.z > 0.0).then_some(BsdfSample { wi, weight, pdf: c.coat, lobe, eta: 1.0 })
     }
 
     /// Light that smooth facets of the base let pass.
@@ -504,18 +553,21 @@ impl Pbr {
         let (value, passing) = self.transmitted(wo.z);
         let (pdf, lobe) = (c.facets * passing, Lobe::TRANSMISSION.with(Lobe::SPECULAR));
         if self.thin {
-            let weight = value * self.layers(wo.z, wo.z) / pdf;
+            let weight = value * self.layers(wo, -wo) / pdf;
             return Some(BsdfSample { wi: -wo, weight, pdf, lobe, eta: 1.0 });
         }
         let (wi, eta) = fresnel::refract(wo, Vec3::Z, self.eta)?;
-        let above = wo.z.max(wi.z);
-        let layers = self.coat_leaves(&[above]) * self.sheen_leaves(above);
+        let above = if wo.z > wi.z { wo } else { wi };
+        let layers = self.coat_leaves(&[self.coat_cos(above)]) * self.sheen_leaves(above.z);
         Some(BsdfSample { wi, weight: value * layers * (mode.compression(eta) / pdf), pdf, lobe, eta })
     }
 }
 
 impl Scatter for Pbr {
-    const MODELS: &'static [Model] = &[Model::new("pbr", "the surface of glTF and OpenPBR", cases)];
+    const MODELS: &'static [Model] = &[
+        Model::new("pbr", "the surface of glTF and OpenPBR", cases),
+        Model::new("pbr_tilted_coat", "the same under a coat with a normal of its own", tilted_cases).not_reciprocal(),
+    ];
 
     fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> BsdfEval {
         if wo.z == 0.0 || wi.z == 0.0 {
@@ -545,12 +597,23 @@ impl Scatter for Pbr {
         let (wi, lobe) = if u < c.coat {
             let facets = self.coat_facets();
             if facets.is_smooth() {
-                let s = self.mirrored(seen, &c);
+                let s = if self.is_coat_tilted() {
+                    self.mirrored_by_coat(seen, &c, mode)?
+                } else {
+                    self.mirrored(seen, &c)
+                };
                 return Some(BsdfSample { wi: s.wi * turn, ..s });
             }
-            (facets.draw(seen, u2).mirrored(seen), Lobe::GLOSSY)
+            let [own] = self.over_coat([seen])?;
+            let mirrored = facets.draw(own, u2).mirrored(own);
+            if self.is_coat_tilted() && mirrored.z <= 0.0 {
+                return None;
+            }
+            let wi =
+                if self.is_coat_tilted() { Frame::from_z(self.coat_normal.get()).to_world(mirrored) } else { mirrored };
+            (wi, Lobe::GLOSSY)
         } else if u < c.coat + c.facets {
-            let u = (u - c.coat) / c.facets;
+            let u = ((u - c.coat) / c.facets).min(ONE_MINUS_EPSILON);
             if self.facets.is_smooth() {
                 let s = if u < self.reflecting_part(self.reflectance_from(seen.z)) {
                     self.mirrored(seen, &c)
@@ -592,8 +655,9 @@ impl Scatter for Pbr {
             * self.below(albedo_table::row(self.facets.mean_alpha()), cos);
         let under = self.reflectance(cos) + below;
         let sheen = self.sheen.get() * albedo_table::sheen(self.sheen_alpha.get(), cos);
-        let layered = (under * self.sheen_leaves(cos) + sheen) * self.coat_leaves(&[cos, cos]);
-        (layered + Spectrum::splat(self.coat_albedo(cos))).clamp(0.0, 1.0)
+        let coat_cos = self.coat_cos(wo);
+        let layered = (under * self.sheen_leaves(cos) + sheen) * self.coat_leaves(&[coat_cos, coat_cos]);
+        (layered + Spectrum::splat(self.coat_albedo(coat_cos))).clamp(0.0, 1.0)
     }
 
     fn is_specular(&self) -> bool {
@@ -607,16 +671,20 @@ impl Scatter for Pbr {
     }
 
     #[inline]
+    fn is_reciprocal(&self) -> bool {
+        // What a smooth coat mirrors knows its adjoint.
+        !self.is_coat_tilted() || self.coat_facets().is_smooth()
+    }
+
+    #[inline]
     fn relative_eta(&self) -> f32 {
         self.eta()
     }
 }
 
-fn cases(visit: &mut Visitor<'_>) {
-    let mut furnace = |label, params: PbrParams, lossless| {
-        visit(Case { label, bsdf: Bsdf::Pbr(Pbr::new(&params)), lossless });
-    };
-    let p = PbrParams {
+/// Parameters of the cases: a grey dielectric, moderately rough.
+fn plain() -> PbrParams {
+    PbrParams {
         base_color: GREY,
         metallic: 0.0,
         facets: Microfacet::ggx(0.3, 0.3),
@@ -638,7 +706,14 @@ fn cases(visit: &mut Visitor<'_>) {
         film: ThinFilm::new(1.3, 0.0, None),
         film_weight: 0.0,
         subsurface: SubsurfacePart::NONE,
+    }
+}
+
+fn cases(visit: &mut Visitor<'_>) {
+    let mut furnace = |label, params: PbrParams, lossless| {
+        visit(Case { label, bsdf: Bsdf::Pbr(Pbr::new(&params)), lossless });
     };
+    let p = plain();
     let white = PbrParams { base_color: Spectrum::ONE, ..p };
     let clear = PbrParams { transmission: 1.0, transmission_color: Spectrum::ONE, facets: Microfacet::SMOOTH, ..white };
     furnace("smooth pane", clear, true);
@@ -701,4 +776,34 @@ fn cases(visit: &mut Visitor<'_>) {
             ..p
         },
     );
+    // But for the mirrored light the surface below a smooth coat is reciprocal, however the coat is turned.
+    let far = [-0.9, 0.6, 0.7];
+    visit(tilted("tilted smooth lacquer", smooth_coat, [0.2, -0.1, 1.0]));
+    let mirror = PbrParams { facets: Microfacet::SMOOTH, metallic: 1.0, ..smooth_coat };
+    visit(tilted("tilted smooth lacquer on a mirror", mirror, far));
+}
+
+/// A case with the coat turned.
+fn tilted(label: &'static str, params: PbrParams, normal: [f32; 3]) -> Case<'static> {
+    let mut surface = Pbr::new(&params);
+    surface.set_coat_normal(Vec3::from(normal));
+    Case { label, bsdf: Bsdf::Pbr(surface), lossless: false }
+}
+
+/// Coats turned by moderate and by large angles, over each kind of base.
+fn tilted_cases(visit: &mut Visitor<'_>) {
+    let mut case = |label, params, normal| visit(tilted(label, params, normal));
+    let p = PbrParams { coat: 1.0, coat_facets: Microfacet::ggx(0.2, 0.2), ..plain() };
+    let white = PbrParams { base_color: Spectrum::ONE, ..p };
+    let (slight, far) = ([0.2, -0.1, 1.0], [-0.9, 0.6, 0.7]);
+    case("tilted lacquer", white, slight);
+    case("lacquer that leans far", white, far);
+    case("rough lacquer that leans far", PbrParams { coat_facets: Microfacet::ggx(0.8, 0.8), ..white }, far);
+    case("tilted coloured lacquer on metal", PbrParams { coat_color: GREY, metallic: 1.0, coat: 0.7, ..p }, slight);
+    case("tilted lacquer on cloth", PbrParams { sheen_color: Spectrum::ONE, coat: 0.5, ..white }, slight);
+    let glass = PbrParams { transmission: 1.0, transmission_color: Spectrum::ONE, thin: false, ..white };
+    case("tilted lacquer on glass", glass, slight);
+    case("tilted lacquer on smooth glass", PbrParams { facets: Microfacet::SMOOTH, ..glass }, slight);
+    case("tilted lacquer on a pane", PbrParams { thin: true, ..glass }, far);
+    case("tilted lacquer on a leaf", PbrParams { diffuse_transmission: 0.6, ..white }, slight);
 }

@@ -4,7 +4,8 @@ use super::{Compiler, ResolvedMaterial};
 use std::sync::Arc;
 use steradian_bsdf::{CoatSeries, NormalDistribution, Shadowing, Tail, recipes};
 use steradian_core::material::{
-    Eta, Facing, FilteredNormals, Material, Model, NormalFilter, NormalMap, NormalSpace, Roughness, SurfaceDetail,
+    CoatNormals, Eta, Facing, FilteredNormals, Material, Model, NormalFilter, NormalMap, NormalSpace, Roughness,
+    SurfaceDetail,
     normal_code::{NORMAL_CODES, NormalCode},
     normal_map::NORMAL_SPACES,
 };
@@ -90,12 +91,11 @@ impl Compiler<'_> {
         };
         if let Some(id) = self.reference(node, "normal_map") {
             let texture = self.texture(id, Role::Unbounded);
-            let mirrors = !matches!(self.desc.format, Format::Pbrt | Format::Mitsuba);
             let mut map = NormalMap {
                 texture: self.as_texture(texture),
                 code: self.choice(node, "normal_map_code", &NORMAL_CODES),
                 space: self.choice(node, "normal_map_space", &NORMAL_SPACES),
-                mirrors: self.bool_or(node, "normal_map_mirrors", mirrors),
+                mirrors: self.normal_maps_mirror(node),
                 strength: self.float(node, "normal_map_strength"),
                 filtered: None,
                 over: None,
@@ -125,7 +125,41 @@ impl Compiler<'_> {
             let rotation = self.float_texture_or(node, "anisotropy_rotation", 0.0);
             detail.rotation = (!matches!(rotation, FloatTexture::Constant(0.0))).then_some(rotation);
         }
-        (detail.normal_map.is_some() || detail.bump.is_some() || detail.rotation.is_some()).then_some(detail)
+        if let Some(id) = self.reference(node, "anisotropy_direction") {
+            let texture = self.texture(id, Role::Unbounded);
+            detail.direction = Some(self.as_texture(texture));
+        }
+        detail.coat = self.coat_normals(node);
+        let SurfaceDetail { normal_map, bump, rotation, direction, coat, .. } = &detail;
+        let turns = rotation.is_some() || direction.is_some();
+        (normal_map.is_some() || bump.is_some() || turns || coat.is_some()).then_some(detail)
+    }
+
+    /// True if y of normal maps points along ∂p/∂v also where the parametrisation is mirrored.
+    fn normal_maps_mirror(&mut self, node: &Node) -> bool {
+        let usual = !matches!(self.desc.format, Format::Pbrt | Format::Mitsuba);
+        self.bool_or(node, "normal_map_mirrors", usual)
+    }
+
+    /// Normals that a clear coat has of its own.
+    fn coat_normals(&mut self, node: &Node) -> Option<CoatNormals> {
+        let is_own =
+            node.get("coat_normals").is_some() && self.choice(node, "coat_normals", &[("base", false), ("own", true)]);
+        let Some(id) = self.reference(node, "coat_normal_map") else { return is_own.then_some(CoatNormals::Surface) };
+        if node.get("coat_normals").is_some() && !is_own {
+            let what = "'coat_normal_map' gives the coat normals of its own: 'coat_normals' is \"own\", not \"base\"";
+            self.error(node.param("coat_normals").and_then(|p| p.span).or(node.span), what);
+        }
+        let texture = self.texture(id, Role::Unbounded);
+        Some(CoatNormals::Mapped(Box::new(NormalMap {
+            texture: self.as_texture(texture),
+            code: NormalCode::Xyz,
+            space: NormalSpace::Tangent,
+            mirrors: self.normal_maps_mirror(node),
+            strength: self.float(node, "coat_normal_map_strength"),
+            filtered: None,
+            over: None,
+        })))
     }
 
     /// The map on top of a normal map.

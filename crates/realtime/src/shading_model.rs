@@ -5,7 +5,7 @@
 //! pixel with every model.
 
 use steradian_core::{material::Scattering, scene::Interaction};
-use steradian_math::Frame;
+use steradian_math::{Frame, Vec3};
 
 /// Shading model of triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,7 +56,9 @@ impl Normals {
             return (s, frame);
         }
         let z = if s.flipped { -i.surface.ns } else { i.surface.ns };
-        (Scattering { detail: None, ground: None, ..s }, Frame::from_zx(z, frame.x))
+        let mut unmapped = Scattering { detail: None, ground: None, ..s };
+        unmapped.bsdf.set_coat_normal(Vec3::Z);
+        (unmapped, Frame::from_zx(z, frame.x))
     }
 }
 

@@ -28,6 +28,26 @@ const ROTATION: Parameter = scalar(
 )
 .unit("degrees");
 
+const DIRECTION: Parameter = map(
+    "anisotropy_direction",
+    "none",
+    "direction of that tangent before the turn: parts along ∂p/∂u and ∂p/∂v, each from -1 to 1 as 0 to 1",
+);
+const COAT_NORMALS: Parameter = word(
+    "coat_normals",
+    "base, own",
+    "base; own with coat_normal_map",
+    "normals of the coat: those of the base with its maps, or its own, which are those of the surface",
+);
+const COAT_NORMAL_MAP: Parameter = map(
+    "coat_normal_map",
+    "none",
+    "own normals of the coat, each component from -1 to 1 as 0 to 1, in the frame that normal_map has",
+);
+const COAT_NORMAL_MAP_STRENGTH: Parameter =
+    number("coat_normal_map_strength", (-100.0, 100.0), "1", "factor on the slopes of that map")
+        .where_given("coat_normal_map");
+
 const REMAP: Parameter = flag("remap_roughness", "false", "whether alpha_u and alpha_v are r of α = √r");
 const DISTRIBUTION: Parameter =
     word("distribution", "ggx, beckmann, student_t, blinn, gaussian", "ggx", "distribution of microfacet normals");
@@ -532,6 +552,7 @@ pub const MATERIALS: &[Model] = &[
             tex("specular_color", FACTOR, "1", "its tint at normal incidence"),
             scalar("anisotropy", UNIT, "0", "stretch of the highlight along the tangent"),
             ROTATION,
+            DIRECTION,
             scalar("transmission", UNIT, "0", "how much of the dielectric lets light through"),
             flag("thin", "true", "whether there is no volume, so that light passes unbent"),
             scalar("diffuse_transmission", UNIT, "0", "how much of the diffuse light goes through"),
@@ -540,6 +561,9 @@ pub const MATERIALS: &[Model] = &[
             scalar("sheen_roughness", UNIT, "0", "roughness of the sheen; its α is the square"),
             scalar("clearcoat", UNIT, "0", "clear coat"),
             scalar("clearcoat_roughness", UNIT, "0", "roughness of the clear coat; its α is the square"),
+            COAT_NORMALS,
+            COAT_NORMAL_MAP,
+            COAT_NORMAL_MAP_STRENGTH,
             scalar("iridescence", UNIT, "0", "how much of the base is under a film that interferes"),
             scalar("iridescence_thickness", (0.0, 1e5), "400", "thickness of the film").unit("nm"),
             scalar("iridescence_eta", (1.0, 5.0), "1.3", "index of refraction of the film"),
@@ -564,6 +588,7 @@ pub const MATERIALS: &[Model] = &[
             scalar("specular_roughness", UNIT, "0.3", "roughness; α is its square"),
             scalar("specular_roughness_anisotropy", UNIT, "0", "stretch of the highlight"),
             ROTATION,
+            DIRECTION,
             spectrum("specular_ior", INDEX, "1.5", "index of refraction").above_zero(),
             number("dispersion", (0.0, 20.0), "0", "20 over the Abbe number"),
             scalar("transmission_weight", UNIT, "0", "how much of the dielectric refracts"),
@@ -573,6 +598,9 @@ pub const MATERIALS: &[Model] = &[
             tex("coat_color", UNIT, "1", "what light keeps on its way in and out of the coat"),
             scalar("coat_roughness", UNIT, "0", "roughness of the coat; α is its square"),
             scalar("coat_ior", INDEX, "1.6", "index of refraction of the coat"),
+            COAT_NORMALS,
+            COAT_NORMAL_MAP,
+            COAT_NORMAL_MAP_STRENGTH,
             scalar("fuzz_weight", UNIT, "0", "sheen, as Charlie's"),
             tex("fuzz_color", UNIT, "1", "its colour"),
             scalar("fuzz_roughness", UNIT, "0.5", "its roughness; α is the square"),
@@ -750,6 +778,9 @@ mod tests {
             "metallic_roughness",
             &["eta", "specular", "specular_color", "anisotropy", "anisotropy_rotation", "dispersion"],
         );
+        for k in ["metallic_roughness", "openpbr"] {
+            has(k, &["coat_normals", "coat_normal_map", "coat_normal_map_strength", "anisotropy_direction"]);
+        }
         has("metallic_roughness", &["transmission", "diffuse_transmission", "sheen_color", "clearcoat", "iridescence"]);
         has("openpbr", &["fuzz_weight", "coat_weight", "thin_film_weight", "subsurface_weight", "transmission_weight"]);
         let chooses = |k: &str, name: &str, words: &[&str]| {

@@ -10,7 +10,7 @@
 
 use super::{Fold, Ground, normal_map::NormalMap};
 use steradian_math::{Frame, Vec2, Vec3, transform::Affine};
-use steradian_texture::{FloatTexture, TextureContext, Textures};
+use steradian_texture::{FloatTexture, TextureContext, TextureId, Textures};
 
 /// Treatment of a shading normal that surface detail has turned away from the viewer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -43,6 +43,19 @@ pub struct SurfaceDetail {
     pub bump: Option<FloatTexture>,
     /// Degrees that the tangent is turned from ∂p/∂u towards ∂p/∂v, before anything is stretched along it.
     pub rotation: Option<FloatTexture>,
+    /// Direction of the tangent before that turn: along ∂p/∂u and towards ∂p/∂v, each from −1 to 1 as 0 to 1.
+    pub direction: Option<TextureId>,
+    /// Normals of a clear coat that are its own; it has those of its base without.
+    pub coat: Option<CoatNormals>,
+}
+
+/// Normals of a clear coat that do not follow the maps of its base.
+#[derive(Clone, Debug)]
+pub enum CoatNormals {
+    /// Those of the surface.
+    Surface,
+    /// Those of a map on the surface.
+    Mapped(Box<NormalMap>),
 }
 
 /// The surface that detail is put on.
@@ -91,7 +104,21 @@ impl SurfaceDetail {
     /// True if the shading normal may depend on the viewing direction.
     #[inline]
     pub fn depends_on_viewer(&self) -> bool {
-        self.facing != Facing::AsItIs && (self.normal_map.is_some() || self.bump.is_some())
+        self.facing != Facing::AsItIs && self.bends_normals()
+    }
+
+    /// True if maps change the normal of the base or of its coat.
+    pub fn bends_normals(&self) -> bool {
+        self.normal_map.is_some() || self.bump.is_some() || matches!(self.coat, Some(CoatNormals::Mapped(_)))
+    }
+
+    /// The normal of a clear coat, unit length, for a viewer in `wo`; `None` if it is that of the base.
+    pub fn coat_normal(&self, textures: &Textures, at: &TextureContext, base: &Base, wo: Vec3) -> Option<Vec3> {
+        Some(match self.coat.as_ref()? {
+            CoatNormals::Surface => base.ns,
+            // A coat reflects alone, whatever is below.
+            CoatNormals::Mapped(map) => self.faced(map.normal(textures, at, base, self.bends()), base, wo, false),
+        })
     }
 
     /// The shading normal with the detail, unit length, for a viewer in `wo`. `transmits`: the material lets light
@@ -114,6 +141,11 @@ impl SurfaceDetail {
         if let Some(height) = &self.bump {
             ns = bumped(height, textures, at, &Base { ns, ..*base }, !self.bends());
         }
+        self.faced(ns, base, wo, transmits)
+    }
+
+    /// A normal with detail as the viewer in `wo` has it, by what is done with normals that face away.
+    fn faced(&self, ns: Vec3, base: &Base, wo: Vec3, transmits: bool) -> Vec3 {
         let mirrored = |n: Vec3| if n.dot(wo) * ns.dot(wo) <= 0.0 { n * (2.0 * n.dot(ns)) - ns } else { ns };
         match self.facing {
             Facing::Bent if transmits => mirrored(base.n),
@@ -181,7 +213,12 @@ impl Cover {
 impl SurfaceDetail {
     /// ∂p/∂u, or where the detail turns it.
     pub fn tangent(&self, textures: &Textures, at: &TextureContext, base: &Base) -> Vec3 {
-        let angle = self.rotation.as_ref().map_or(0.0, |r| r.eval(textures, at).to_radians());
+        let mut angle = self.rotation.as_ref().map_or(0.0, |r| r.eval(textures, at).to_radians());
+        // Directions are filtered as vectors: the mean of 1° and 359° is no half turn.
+        if let Some(direction) = self.direction {
+            let d = textures.rgb(direction, at) * 2.0 - 1.0;
+            angle += d.y.atan2(d.x);
+        }
         if angle == 0.0 || !angle.is_finite() {
             return base.dpdu;
         }
@@ -310,6 +347,53 @@ mod tests {
         let leaning = Base { dpdu: Vec3::new(2.0, 0.0, 5.0), ..FLAT };
         near(turned(180.0, &leaning), -Vec3::X);
         assert_eq!(turned(0.0, &leaning), leaning.dpdu);
+    }
+
+    /// The same direction everywhere is a turn by its angle; the mean of two directions lies between them, also across
+    /// the half turn.
+    #[test]
+    fn directions_turn_the_tangent_as_angles_do() {
+        let mut textures = Textures::new(ColorMode::Rgb);
+        let mut tangent = |direction: Vec2, degrees: f32| {
+            let c = (direction + 1.0) * 0.5;
+            let color = Color::Lanes(steradian_math::Spectrum::rgb(c.x, c.y, 0.3));
+            let direction = Some(textures.add(Texture::Constant(color)));
+            let rotation = Some(FloatTexture::Constant(degrees));
+            let detail = SurfaceDetail { rotation, direction, ..SurfaceDetail::default() };
+            let mirrored = Base { dpdv: -Vec3::Y, ..FLAT };
+            [&FLAT, &mirrored].map(|base| detail.tangent(&textures, &at(Vec2::ZERO), base))
+        };
+        let near = |a: Vec3, b: Vec3| assert!((a - b).length() < 2e-6, "{a} {b}");
+        for (angle, turn) in [(0.0f32, 0.0f32), (0.5, 0.0), (2.0, 40.0), (-3.0, -70.0), (3.1, 300.0)] {
+            let (s, c) = (angle + turn.to_radians()).sin_cos();
+            let [plain, mirrored] = tangent(Vec2::from_angle(angle), turn);
+            near(plain, Vec3::new(c, s, 0.0));
+            near(mirrored, Vec3::new(c, -s, 0.0));
+        }
+        let mean = 0.5 * (Vec2::from_angle(3.0) + Vec2::from_angle(-3.0));
+        near(tangent(mean, 0.0)[0], -Vec3::X);
+        // No direction at all is that of the parametrisation.
+        near(tangent(Vec2::ZERO, 0.0)[0], Vec3::X);
+    }
+
+    /// The coat's map and the base's give two normals; without a map of its own the coat has the surface's, or none.
+    #[test]
+    fn a_coat_has_normals_of_its_own() {
+        let (tilted, leaning) = (Vec3::new(0.6, 0.0, 0.8), Base { ns: Vec3::new(0.0, 0.28, 0.96), ..FLAT });
+        let (textures, mut detail) = map(tilted);
+        let wo = Vec3::Z;
+        let seen = |detail: &SurfaceDetail, base: &Base| detail.coat_normal(&textures, &at(Vec2::ZERO), base, wo);
+        assert_eq!(seen(&detail, &FLAT), None);
+        detail.coat = Some(CoatNormals::Surface);
+        assert_eq!(seen(&detail, &leaning), Some(leaning.ns));
+        let base_normal = detail.shading_normal(&textures, &at(Vec2::ZERO), &FLAT, wo, false);
+        let own = detail.normal_map.take().map(|m| NormalMap { strength: 0.5, ..m });
+        detail.coat = own.map(|m| CoatNormals::Mapped(Box::new(m)));
+        let coat = seen(&detail, &FLAT).expect("a normal of its own");
+        assert!((coat - Vec3::new(0.3, 0.0, 0.8).normalize()).length() < 1e-6, "{coat}");
+        assert!((base_normal - tilted).length() < 1e-6, "{base_normal}");
+        assert_eq!(detail.shading_normal(&textures, &at(Vec2::ZERO), &FLAT, wo, false), Vec3::Z);
+        assert!(detail.depends_on_viewer() && detail.bends_normals());
     }
 
     #[test]

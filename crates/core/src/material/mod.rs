@@ -32,7 +32,7 @@ pub mod normal_filter;
 pub mod normal_map;
 mod parametric;
 
-pub use detail::{Cover, Facing, SurfaceDetail};
+pub use detail::{CoatNormals, Cover, Facing, SurfaceDetail};
 pub use facets::{FacetReflectance, Facets, Film, Metal};
 pub use fold::Fold;
 pub use normal_filter::{FilteredNormals, NormalFilter};
@@ -508,6 +508,7 @@ pub fn scattering<'a>(
             _ => break m,
         }
     };
+    let bare = at;
     let rough;
     let at = match detail.and_then(|d| d.hidden_slopes(at)) {
         Some(slopes) => {
@@ -535,7 +536,9 @@ pub fn scattering<'a>(
         Model::Layered(m) => m.bsdf(textures, at, lambda),
         Model::Pbr(m) => {
             below = m.subsurface.as_ref().and_then(|s| s.medium.as_ref());
-            m.bsdf(textures, at, lambda)
+            // The spread of the base's map is no roughness of a coat that does not follow it.
+            let coat_at = if detail.is_some_and(|d| d.coat.is_some()) { bare } else { at };
+            m.bsdf(textures, at, coat_at, lambda)
         }
         Model::Principled(m) => {
             below = m.subsurface.as_ref().and_then(|s| s.medium.as_ref());

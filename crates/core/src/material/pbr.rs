@@ -84,8 +84,14 @@ impl PbrMaterial {
         Microfacet::ggx(x, y)
     }
 
-    /// The surface at a point.
-    pub(super) fn bsdf(&self, textures: &Textures, at: &TextureContext, lambda: &mut Wavelengths) -> Bsdf<'static> {
+    /// The surface at a point; `coat_at` is where the roughness of the coat is looked up.
+    pub(super) fn bsdf(
+        &self,
+        textures: &Textures,
+        at: &TextureContext,
+        coat_at: &TextureContext,
+        lambda: &mut Wavelengths,
+    ) -> Bsdf<'static> {
         // Dispersion ends the other wavelengths only where light is refracted.
         let refracts = !self.thin && self.transmission.eval(textures, at) > 0.0;
         let eta = match &self.eta {
@@ -95,7 +101,7 @@ impl PbrMaterial {
         let p = Point { textures, at, lambda };
         let base_color = p.albedo(&self.base_color) * p.float(&self.base_weight).clamp(0.0, 1.0);
         let coat_alpha = p.float(&self.coat_roughness).clamp(0.0, 1.0).powi(2);
-        let (coat_x, coat_y) = at.roughened(coat_alpha, coat_alpha);
+        let (coat_x, coat_y) = coat_at.roughened(coat_alpha, coat_alpha);
         let sheen: Spectrum = albedo(p.albedo(&self.sheen_color) * p.float(&self.sheen_weight));
         let lanes = (textures.mode() == ColorMode::Spectral).then_some(lambda.lambda);
         let [film_weight, thickness, film_eta] =

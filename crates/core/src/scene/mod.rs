@@ -420,8 +420,7 @@ impl Scene {
 
     /// True if normal or bump maps change the shading of any material.
     pub fn has_surface_detail(&self) -> bool {
-        let bends = |d: &SurfaceDetail| d.normal_map.is_some() || d.bump.is_some();
-        self.parts.materials.iter().any(|m| m.detail.as_ref().is_some_and(bends))
+        self.parts.materials.iter().any(|m| m.detail.as_ref().is_some_and(SurfaceDetail::bends_normals))
     }
 
     /// True if a geometry turns towards every ray, so that a point of it is one of its surface only from one side.
@@ -605,6 +604,11 @@ impl Scene {
         };
         let z = if s.flipped { -ns } else { ns };
         let frame = if geometry.needs.tangent { Frame::from_zx(z, tangent) } else { Frame::from_z(z) };
+        if let (Some(detail), Some(base)) = (s.detail, &base)
+            && let Some(coat) = detail.coat_normal(&self.parts.textures, at, base, i.wo)
+        {
+            s.bsdf.set_coat_normal(frame.to_local(if s.flipped { -coat } else { coat }));
+        }
         s.ground = s.detail.zip(base).and_then(|(detail, base)| detail.ground(&base, &frame, s.flipped, transmits));
         Some((s, frame))
     }

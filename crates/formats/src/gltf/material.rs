@@ -124,11 +124,27 @@ impl Reader<'_> {
             node.set("normal_map", map, None).set("normal_map_strength", strength, None);
             look.uses_tangents = true;
         }
+        if let Some(e) = m.extension("KHR_materials_clearcoat") {
+            look.uses_tangents |= self.coat_normals(root, &e, &mut node);
+        }
         node.name = m.label();
         let material = self.import.desc.add(node);
         let vertex_alpha = channels.alpha.then(|| attribute(self, "alpha"));
         look.material = Some(self.masked(root, m, &pbr, (map, opacity), vertex_alpha, material));
         look
+    }
+
+    /// The coat's own normals: those of the surface, or of a map; tells whether there is a map.
+    fn coat_normals(&mut self, root: &At<'_>, e: &At<'_>, node: &mut Node) -> bool {
+        let texture = e.get("clearcoatNormalTexture");
+        let map = texture.as_ref().and_then(|_| self.texture(root, e, "clearcoatNormalTexture", Numbers("color")));
+        if let (Some(info), Some(map)) = (texture, map) {
+            let strength = self.number(&info, "scale", 1.0, (-100.0, 100.0));
+            node.set("coat_normal_map", map, None).set("coat_normal_map_strength", strength, None);
+        } else if node.get("normal_map").is_some() {
+            node.set("coat_normals", "own", None);
+        }
+        map.is_some()
     }
 
     fn emission(&mut self, root: &At<'_>, m: &At<'_>, is_two_sided: bool) -> Option<NodeId> {
@@ -252,14 +268,13 @@ impl Reader<'_> {
             };
             node.set("iridescence_eta", eta, None).set("iridescence_thickness", thickness, None);
         }
-        if let Some(e) = m.extension("KHR_materials_clearcoat").filter(|e| e.get("clearcoatNormalTexture").is_some()) {
-            self.dropped(&e, "'clearcoatNormalTexture' is left out: the coat follows the base's normals");
-        }
         let Some(e) = m.extension("KHR_materials_anisotropy") else { return false };
         let rotation = self.number(&e, "anisotropyRotation", 0.0, (-1e6, 1e6)).to_degrees();
         node.set("anisotropy_rotation", rotation, None);
-        if e.get("anisotropyTexture").is_some() {
-            self.approximated(&e, "directions in 'anisotropyTexture' are left out; its strength (blue) is used");
+        if e.get("anisotropyTexture").is_some()
+            && let Some(map) = self.texture(root, &e, "anisotropyTexture", Numbers("color"))
+        {
+            node.set("anisotropy_direction", map, None);
         }
         true
     }

@@ -99,6 +99,43 @@ fn materials_and_their_extensions_arrive() {
     assert!(desc.lights.is_empty());
 }
 
+/// Coats have their own normals, also where the base alone has a map; directions of grooves keep red and green.
+#[test]
+fn coats_have_normals_of_their_own_and_grooves_directions() {
+    let pixel = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg==";
+    let root =
+        format!(r#", "images": [{{ "uri": "data:image/png;base64,{pixel}" }}], "textures": [{{ "source": 0 }}]"#);
+    let of = |material: &str| {
+        let desc = sound(triangle(&root, "", "", material)).desc;
+        let id = desc.shapes[0].material.unwrap();
+        (desc, id)
+    };
+    let coat = r#""KHR_materials_clearcoat": {
+        "clearcoatFactor": 1, "clearcoatNormalTexture": { "index": 0, "scale": 0.5 } }"#;
+    let grooves = r#""KHR_materials_anisotropy": { "anisotropyStrength": 0.5, "anisotropyTexture": { "index": 0 } }"#;
+    let (desc, id) = of(&format!(r#", "extensions": {{ {coat}, {grooves} }}"#));
+    let node = desc.node(id);
+    let map = desc.node(node.node("coat_normal_map").unwrap());
+    assert_eq!((map.bool("raw"), map.string("channel")), (Some(true), Some("color")));
+    assert_eq!((node.float("coat_normal_map_strength"), node.get("normal_map")), (Some(0.5), None));
+    let directions = desc.node(node.node("anisotropy_direction").unwrap());
+    assert_eq!((directions.bool("raw"), directions.string("channel")), (Some(true), Some("color")));
+    // Written and read again they are the same.
+    let written = crate::write::write(&desc, std::path::Path::new("a.glb")).unwrap();
+    let again = sound(&written.bytes).desc;
+    let back = again.node(again.shapes[0].material.unwrap());
+    let numbers = |n: &steradian_scene::Node| ["coat_normal_map_strength", "clearcoat"].map(|name| n.float(name));
+    assert_eq!((numbers(back), numbers(node)), ([Some(0.5), Some(1.0)], [Some(0.5), Some(1.0)]));
+    for name in ["coat_normal_map", "anisotropy_direction"] {
+        let [was, is] = [(&desc, node), (&again, back)].map(|(d, n)| d.node(n.node(name).unwrap()).string("channel"));
+        assert_eq!((was, is), (Some("color"), Some("color")), "{name}");
+    }
+    let base =
+        r#", "normalTexture": { "index": 0 }, "extensions": { "KHR_materials_clearcoat": { "clearcoatFactor": 1 } }"#;
+    let (desc, id) = of(base);
+    assert_eq!((desc.node(id).string("coat_normals"), desc.node(id).get("coat_normal_map")), (Some("own"), None));
+}
+
 #[test]
 fn strips_fans_and_morph_targets() {
     let strip = triangle("", "", r#", "mode": 5"#, "");

@@ -267,7 +267,7 @@ fn is_default(name: &str, value: &Value) -> bool {
         | "white_balance"
         | "bump"
         | "displacement" => number == Some(0.0),
-        "normal_map_strength" | "displacement_scale" | "alpha" => number == Some(1.0),
+        "normal_map_strength" | "coat_normal_map_strength" | "displacement_scale" | "alpha" => number == Some(1.0),
         "gamma" => number == Some(2.0),
         "film_eta" => number == Some(1.33),
         "max_component" => number == Some(f64::INFINITY),
@@ -275,6 +275,7 @@ fn is_default(name: &str, value: &Value) -> bool {
         "normal_map_filter" | "compensation" => matches!(value, Value::String(word) if word == "none"),
         "fresnel" => matches!(value, Value::String(word) if word == "exact" || word == "dielectric"),
         "sensor" => matches!(value, Value::String(word) if word == "cie1931"),
+        "coat_normals" => matches!(value, Value::String(word) if word == "base"),
         "normal_map_code" => matches!(value, Value::String(word) if word == "xyz"),
         _ => false,
     }

@@ -249,6 +249,59 @@ impl Writer<'_> {
                 None => self.x.dropped(node, "a normal map that is no PNG or JPEG picture is left out"),
             }
         }
+        if draft.extensions.contains_key("KHR_materials_clearcoat") {
+            self.coat_normals(draft, node);
+        }
+    }
+
+    /// The coat's own normal map; glTF's coat has the normals of the surface without, ours those of its base.
+    fn coat_normals(&mut self, draft: &mut Draft, node: &Node) {
+        let map = match self.x.source(node, "coat_normal_map") {
+            Some(Source::Texture(id)) => {
+                let map = self.numbers(id);
+                if map.is_none() {
+                    self.x.dropped(node, "a normal map of the coat that is no PNG or JPEG picture is left out");
+                }
+                map.map(|mut map| {
+                    let strength = node.float("coat_normal_map_strength").unwrap_or(1.0);
+                    if strength != 1.0 {
+                        map["scale"] = json!(strength);
+                    }
+                    map
+                })
+            }
+            _ if node.string("coat_normals") == Some("own") => None,
+            _ => draft.top.get("normalTexture").cloned(),
+        };
+        if let Some(map) = map {
+            draft.extension("KHR_materials_clearcoat")["clearcoatNormalTexture"] = map;
+        }
+    }
+
+    /// Directions of the anisotropy: red and green of the picture whose blue is the strength.
+    fn directions(&mut self, draft: &mut Draft, node: &Node) {
+        const KEY: &str = "anisotropyTexture";
+        let Some(e) = draft.extensions.get("KHR_materials_anisotropy") else { return };
+        let strength = e.get(KEY).cloned();
+        let directions = match self.x.source(node, "anisotropy_direction") {
+            Some(Source::Texture(id)) => self.numbers(id),
+            _ => None,
+        };
+        match (strength, directions) {
+            (None, None) if node.get("anisotropy_direction").is_some() => {
+                self.x.dropped(node, "directions of anisotropy that are no PNG or JPEG picture are left out");
+            }
+            (None, None) => {}
+            (None, Some(directions)) => {
+                self.x.approximated(node, "the strength of the anisotropy is scaled by the blue of its directions");
+                draft.extension("KHR_materials_anisotropy")[KEY] = directions;
+            }
+            (Some(strength), directions) if directions.as_ref() != Some(&strength) => {
+                let what = "red and green of the picture that is the strength of the anisotropy become its directions";
+                self.x.approximated(node, what);
+            }
+            _ => {}
+        }
     }
 
     /// glTF's roughness is the root of α.
@@ -401,6 +454,7 @@ impl Writer<'_> {
         if let Some(rotation) = node.float("anisotropy_rotation").filter(|r| *r != 0.0) {
             draft.extension("KHR_materials_anisotropy")["anisotropyRotation"] = json!(rotation.to_radians());
         }
+        self.directions(draft, node);
         if draft.extensions.contains_key("KHR_materials_iridescence") {
             let eta = node.float("iridescence_eta").unwrap_or(1.3);
             draft.extension("KHR_materials_iridescence")["iridescenceIor"] = json!(eta);

@@ -416,6 +416,7 @@ impl Writer<'_> {
     /// glTF's and OpenPBR as Disney's.
     fn layered(&mut self, node: &Node) -> (Element, bool) {
         self.x.approximated(node, format!("'{}' becomes Mitsuba's 'principled'", node.kind));
+        self.x.without(node, &["coat_normal_map", "anisotropy_direction"]);
         let mut out = Element::plugin("bsdf", "principled");
         let names: [(&str, &str, f64); 8] = if node.kind == "openpbr" {
             [

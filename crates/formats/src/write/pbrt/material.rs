@@ -350,6 +350,7 @@ impl Writer<'_> {
     /// Models of many layers as metal, glass, or a coated base, mixed where they are metal in part.
     fn layered(&mut self, out: &mut Directive, node: &Node) {
         self.x.approximated(node, format!("'{}' becomes a coated base, metal or glass, or a mix of them", node.kind));
+        self.x.without(node, &["coat_normal_map", "anisotropy_direction"]);
         let openpbr = node.kind == "openpbr";
         let named = |a: &'static str, b: &'static str| if openpbr { b } else { a };
         let color = self.x.base_color_of(node);
