@@ -19,12 +19,12 @@ test('a model is shown in other surroundings, as its command renders it', async 
   await anew(page, () => page.getByLabel('Sky', { exact: true }).selectOption('overcast'));
   await anew(page, () => page.getByLabel('Material of all').selectOption('gold'));
   await anew(page, () => page.getByLabel('Background', { exact: true }).selectOption('gradient'));
-  await anew(page, () => page.getByLabel('Ground', { exact: true }).uncheck());
+  await anew(page, () => page.getByLabel('Ground', { exact: true }).selectOption('shadow'));
   await anew(page, async () => {
     await page.getByLabel('Turn of the sky in degrees', { exact: true }).fill('90');
     await page.getByLabel('Turn of the sky in degrees', { exact: true }).press('Enter');
   });
-  for (const define of ['sky=overcast', 'material=gold', 'background=gradient', 'ground=false', 'turn=90'])
+  for (const define of ['sky=overcast', 'material=gold', 'background=gradient', 'ground=shadow', 'turn=90'])
     await expect(command).toContainText(`-D ${define}`);
   expect(differing(await canvas(page), before)).toBeGreaterThan(1000);
   await expectSame(page, program, 'gold');

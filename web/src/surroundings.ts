@@ -9,6 +9,14 @@ const RATE = 24;
 /** The colour that a background of one begins with. */
 const BACKGROUND = '#ffffff';
 
+/** Words of the ground, by "" where the scene has it as usual. */
+const GROUNDS = [
+  { value: '', text: 'usual' },
+  { value: 'true', text: 'grey' },
+  { value: 'shadow', text: 'its shadow alone' },
+  { value: 'false', text: 'none' },
+];
+
 export class SurroundingsPanel {
   readonly element: HTMLElement;
   private readonly sky = this.choice('sky', 'Sky');
@@ -35,11 +43,7 @@ export class SurroundingsPanel {
     slider: [0.01, 100],
     change: (v, done) => this.define('strength', v === 1 ? null : String(v), !done),
   });
-  private readonly ground = h('input', {
-    type: 'checkbox',
-    'aria-label': 'Ground',
-    onchange: () => this.define('ground', String(this.ground.checked)),
-  });
+  private readonly ground = this.choice('ground', 'Ground');
   private readonly material = this.choice('material', 'Material of all');
   private readonly materialRow = row('Material', this.material, 'A finish for a model, in place of its own materials');
   private readonly animation = this.choice('animation', 'Animation');
@@ -96,7 +100,8 @@ export class SurroundingsPanel {
     setValue(this.sky, defines['sky'] ?? '');
     this.turn.set(Number(defines['turn'] ?? 0));
     this.strength.set(Number(defines['strength'] ?? 1));
-    this.ground.checked = defines['ground'] !== 'false';
+    setOptions(this.ground, GROUNDS);
+    setValue(this.ground, defines['ground'] ?? '');
     const isColor = defines['background'] !== undefined && !backgrounds.includes(defines['background']);
     setOptions(this.background, [...backgrounds.map((value) => ({ value })), { value: 'colour' }]);
     setValue(this.background, isColor ? 'colour' : (defines['background'] ?? 'sky'));

@@ -1781,6 +1781,25 @@ var CameraPanel = class {
 var RATE = 24;
 /** The colour that a background of one begins with. */
 var BACKGROUND = "#ffffff";
+/** Words of the ground, by "" where the scene has it as usual. */
+var GROUNDS = [
+	{
+		value: "",
+		text: "usual"
+	},
+	{
+		value: "true",
+		text: "grey"
+	},
+	{
+		value: "shadow",
+		text: "its shadow alone"
+	},
+	{
+		value: "false",
+		text: "none"
+	}
+];
 var SurroundingsPanel = class {
 	send;
 	copy;
@@ -1812,11 +1831,7 @@ var SurroundingsPanel = class {
 		slider: [.01, 100],
 		change: (v, done) => this.define("strength", v === 1 ? null : String(v), !done)
 	});
-	ground = h("input", {
-		type: "checkbox",
-		"aria-label": "Ground",
-		onchange: () => this.define("ground", String(this.ground.checked))
-	});
+	ground = this.choice("ground", "Ground");
 	material = this.choice("material", "Material of all");
 	materialRow = row("Material", this.material, "A finish for a model, in place of its own materials");
 	animation = this.choice("animation", "Animation");
@@ -1860,7 +1875,8 @@ var SurroundingsPanel = class {
 		setValue(this.sky, defines["sky"] ?? "");
 		this.turn.set(Number(defines["turn"] ?? 0));
 		this.strength.set(Number(defines["strength"] ?? 1));
-		this.ground.checked = defines["ground"] !== "false";
+		setOptions(this.ground, GROUNDS);
+		setValue(this.ground, defines["ground"] ?? "");
 		const isColor = defines["background"] !== void 0 && !backgrounds.includes(defines["background"]);
 		setOptions(this.background, [...backgrounds.map((value) => ({ value })), { value: "colour" }]);
 		setValue(this.background, isColor ? "colour" : defines["background"] ?? "sky");
