@@ -52,9 +52,9 @@ pub struct SurfaceDetail {
 /// Normals of a clear coat that do not follow the maps of its base.
 #[derive(Clone, Debug)]
 pub enum CoatNormals {
-    /// Those of the surface.
+    /// Normals of the surface.
     Surface,
-    /// Those of a map on the surface.
+    /// Normals of a map on the surface.
     Mapped(Box<NormalMap>),
 }
 
