@@ -73,7 +73,14 @@ mod tests {
         std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n").unwrap();
         let document = Document::open(Source { name: path.clone(), ..Source::default() }).unwrap();
         let words = SKIES.map(|w| ("sky", w)).into_iter().chain(BACKGROUNDS.map(|w| ("background", w)));
-        let rest = [("turn", "90"), ("strength", "2"), ("ground", "false"), ("ground", "shadow"), ("up", "z"), ("front", "-z")];
+        let rest = [
+            ("turn", "90"),
+            ("strength", "2"),
+            ("ground", "false"),
+            ("ground", "shadow"),
+            ("up", "z"),
+            ("front", "-z"),
+        ];
         for (name, word) in words.chain(FINISHES.map(|w| ("material", w))).chain(rest) {
             check(&document, name, Some(word)).unwrap();
             let mut source = Source { name: path.clone(), ..Source::default() };
