@@ -58,6 +58,7 @@ test('formulas are typeset, and every page and its pictures are as wide as a pho
   });
   for (const path of await pages()) {
     await page.goto(`${address}/${path}`);
+    await page.evaluate(() => document.fonts.ready);
     const found = await page.evaluate(() => ({
       wide: document.documentElement.scrollWidth > innerWidth,
       faults: [...document.querySelectorAll('.katex-error')].map((e) => e.textContent),
