@@ -30,8 +30,11 @@ fn prepare(node: &mut Node, model: &Model, parts: [NodeId; 2], of: Option<&Param
         Condition::Always => {}
         Condition::Is(name, word) => _ = node.set(name, word, None),
         Condition::Given(name) => {
-            let (low, high) = model.parameter(name).expect("a parameter of the model").range;
-            node.set(name, 4.0_f64.clamp(low, high), None);
+            let other = model.parameter(name).expect("a parameter of the model");
+            match other.kind {
+                Type::Map => node.set(name, Value::Node(parts[0]), None),
+                _ => node.set(name, 4.0_f64.clamp(other.range.0, other.range.1), None),
+            };
         }
     }
 }
