@@ -173,6 +173,12 @@ impl Render {
                 return Err(cannot(Limit::new(what, supports(feature)).what));
             }
         }
+        // Their parts add up to the path's light, of which a catcher shows nothing.
+        for (is_asked, feature) in [(by_light, Feature::LightGroups), (by_bounce, Feature::Bounces)] {
+            if is_asked && scene.has_shadow_catchers() {
+                return Err(cannot(format!("{} with shadow catchers", feature.name())));
+            }
+        }
         if by_light && groups > MOST_LIGHT_GROUPS {
             return Err(cannot(format!("layers of {groups} groups of lights ({MOST_LIGHT_GROUPS} at most)")));
         }

@@ -69,3 +69,13 @@ fn other_surfaces_see_it() {
     let [red, alpha] = means(&scene(SKY, under), "path", false);
     assert!(alpha == 1.0 && red > 0.05, "{red} {alpha}");
 }
+
+/// Layers that add up to the light of paths have no part that a catcher shows: they are refused.
+#[test]
+fn layers_that_add_up_are_refused() {
+    for layer in [Layer::LIGHT_GROUPS, Layer::BOUNCES] {
+        let quality = Quality { layers: vec![layer], ..Quality::of("path").spp(1) };
+        let error = render(&scene(SKY, WALL), &quality).unwrap_err().to_string();
+        assert!(error.contains("with shadow catchers"), "{error}");
+    }
+}
