@@ -12,7 +12,6 @@ KATEX = HERE / "node_modules/katex/dist"
 # Where the source files of the project can be seen, if that is anywhere: links to them are text elsewhere.
 SOURCES = os.environ.get("STERADIAN_SOURCES", "").rstrip("/")
 LINK = re.compile(r"(?<!!)\[([^\]]*)\]\(([^)\s]+)\)")
-SECTION = re.compile(r"^## (.*)$|^#{0,3} ?.*?\]\(([\w./-]+\.md)\)", re.M)
 
 
 def on_config(config):

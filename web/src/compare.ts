@@ -12,15 +12,15 @@ import type { Comparison, View } from './view';
 /** Milliseconds that A and B are shown in turn. */
 const TURN = 500;
 
-/** Where B comes from. */
+/** Source of B. */
 export interface Source {
   /** B with its tiles; `null` where there is none. */
   fetch(): Promise<Pieces<AboutReference> | null>;
   /** The map of FLIP errors of what is displayed. */
   flip(tone: string, exposure: number): Promise<Pieces<Figures>>;
-  /** What chooses B; `act` carries out a change of it, and takes the new one. */
+  /** Control that chooses B; `act` carries out a change of it, and takes the new one. */
   controls(act: (change: () => Promise<void>) => void): HTMLElement[];
-  /** Whether there is a B to be taken away. */
+  /** True if there is a B to be taken away. */
   update?(hasOther: boolean): void;
 }
 

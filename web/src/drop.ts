@@ -8,7 +8,7 @@ interface Dropped {
   path: string;
 }
 
-/** What the server made of the files. */
+/** Answer of the server to the files. */
 interface Answer {
   messages?: (Message | string)[];
   error?: string;

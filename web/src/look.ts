@@ -7,7 +7,7 @@ import type { Choices, Exposure, State } from './protocol';
 import { CURVES, parseTone } from './tone';
 import type { View } from './view';
 
-/** What is shown, and how it may be. */
+/** Display in use, and the choices there are. */
 export interface Shown extends Pick<State, 'exposure' | 'tone' | 'layers'> {
   choices: Pick<Choices, 'tones' | 'layers'>;
   scene: Pick<State['scene'], 'name' | 'path'>;

@@ -17,7 +17,7 @@ export interface Actions {
   isMovable(): boolean;
 }
 
-/** What moves the camera. */
+/** Camera controls of the stage. */
 export interface Hands {
   camera: Camera;
   moving: Moving;

@@ -53,7 +53,7 @@ export class Numbers {
     if (this.pin) this.mark(context, this.pin);
   }
 
-  /** What is shown of a pixel: of A, of B, or how far they are apart. */
+  /** Values shown of a pixel: of A, of B, or how far they are apart. */
   private at(x: number, y: number): number[] | null {
     const { view } = this;
     const a = view.values(x, y);

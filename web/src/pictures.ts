@@ -56,7 +56,7 @@ class Pictures {
   private readonly lost = h('span', { role: 'status' });
   private readonly facts = h('span', { class: 'status-facts' });
   private readonly status = h('footer', { class: 'status' }, h('span', { class: 'dot', 'aria-hidden': 'true' }), this.lost, this.facts);
-  /** What is shown. */
+  /** The picture in view. */
   private about: AboutPicture | null = null;
   private listings: Listing[] = [];
   /** The picture, and the version of it, that was asked for last. */

@@ -36,7 +36,7 @@ export class View {
   /** The light of each group of lights, where the server sends it. */
   readonly groups: Groups;
   comparison: Comparison = 'off';
-  /** Whether the other one has the shown layer, too, and not the picture alone. */
+  /** True if the other one has the shown layer, too, and not the picture alone. */
   comparesLayers = false;
   /** Where the picture ends and the other one begins, as a part of the canvas' width. */
   split = 0.5;

@@ -94,7 +94,7 @@ pub async fn difference(
 /// Tone curve of what is displayed; `None` where neither a curve nor an exposure is given.
 ///
 /// # Errors
-/// What is wrong with them.
+/// Unknown curves, and exposures out of range.
 pub fn tone_of(tone: Option<&str>, exposure: Option<f32>) -> Result<Option<Tone>, Error> {
     let tone = tone.map(Tone::parse).transpose()?;
     match (tone, exposure) {
@@ -116,7 +116,7 @@ pub struct Subject {
 /// The map of how far a picture is from another one: its figures and its tiles.
 ///
 /// # Errors
-/// Where the two cannot be compared.
+/// Two pictures that cannot be compared.
 pub fn drawn(
     subject: &Subject,
     metric: Metric,

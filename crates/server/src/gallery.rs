@@ -74,7 +74,7 @@ impl Gallery {
     /// List of files and of the pictures in folders.
     ///
     /// # Errors
-    /// Where none of them is there, or there are too many.
+    /// No file that is there, or too many.
     pub fn new(files: Vec<PathBuf>) -> Result<Self, String> {
         let (folders, files): (Vec<_>, Vec<_>) = files.into_iter().partition(|path| path.is_dir());
         let named =
@@ -105,7 +105,7 @@ impl Gallery {
     /// Takes the pictures among files that were dropped; their numbers.
     ///
     /// # Errors
-    /// Where none is a picture, or there is no room for them.
+    /// No picture among the files, or no room for them.
     pub fn take(&self, folder: TemporaryFolder, names: &[PathBuf]) -> Result<Vec<usize>, String> {
         let pictures: Vec<&PathBuf> = names.iter().filter(|name| FileKind::from_extension(name).is_some()).collect();
         if pictures.is_empty() {

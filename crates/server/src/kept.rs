@@ -63,7 +63,7 @@ impl Keeper {
     /// Works beside the server, one at a time.
     ///
     /// # Errors
-    /// Where the work could not be done.
+    /// A worker thread that ended early.
     pub async fn work<T: Send + 'static>(&self, work: impl FnOnce() -> T + Send + 'static) -> std::io::Result<T> {
         self.turn.work(work).await
     }

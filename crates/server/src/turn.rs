@@ -10,7 +10,7 @@ impl Turn {
     /// Works once what came before is done.
     ///
     /// # Errors
-    /// Where the work could not be done.
+    /// A worker thread that ended early.
     pub async fn work<T: Send + 'static>(&self, work: impl FnOnce() -> T + Send + 'static) -> std::io::Result<T> {
         let turn = Arc::clone(&self.0).lock_owned().await;
         let work = move || {

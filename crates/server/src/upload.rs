@@ -113,7 +113,7 @@ async fn set_environment(app: &App, picture: &Path) -> Result<Response, Refused>
 /// Keeps all files; their names.
 ///
 /// # Errors
-/// Where a name is none of a file below its folder, or a file cannot be kept.
+/// Names that lead out of the folder, and files that cannot be kept.
 pub async fn receive(mut form: Multipart, folder: &TemporaryFolder) -> Result<Vec<PathBuf>, Refused> {
     let bad = |why: &str| Refused(StatusCode::BAD_REQUEST, why.into());
     let mut names: Vec<PathBuf> = Vec::new();

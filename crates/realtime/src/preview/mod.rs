@@ -197,17 +197,17 @@ impl Drawing<'_> {
         let mut lambda = shader.wavelengths(at);
         let mut trace = Trace { counters, pixel: None, world: None };
         // Follow the pixel's ray to the first surface that scatters diffusely or glossily.
-        let (start, mut layers) = self.layers(self.start(&shader, at, &mut trace), &mut trace);
-        layers.insert(0, start);
+        let (mut start, mut layers) = self.layers(self.start(&shader, at, &mut trace), &mut trace);
         // Of shadow catchers only the shadow is seen, before the background.
-        let shadows = match self.run.scene.has_shadow_catchers() {
-            true => self.take_shadows(&mut layers, &lambda),
-            false => Spectrum::ZERO,
-        };
-        let mut layers = layers.into_iter();
-        let Some(start) = layers.next() else {
-            return Pixel { aside: self.run.developed(shadows, &lambda), surface: None };
-        };
+        let mut shadows = Spectrum::ZERO;
+        if self.run.scene.has_shadow_catchers() {
+            layers.push(start);
+            shadows = self.take_shadows(&mut layers, &lambda);
+            let Some(rest) = layers.pop() else {
+                return Pixel { aside: self.run.developed(shadows, &lambda), surface: None };
+            };
+            start = rest;
+        }
         let mut look = look(&shader, Some(&reflections), start, &numbers, &mut lambda, &mut trace);
         look.aside += shadows;
         look.distance += (start.ray.origin - self.ray(at).origin).length();

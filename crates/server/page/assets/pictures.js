@@ -168,7 +168,7 @@ var Numbers = class {
 		element.dataset.numbered = String(count);
 		if (this.pin) this.mark(context, this.pin);
 	}
-	/** What is shown of a pixel: of A, of B, or how far they are apart. */
+	/** Values shown of a pixel: of A, of B, or how far they are apart. */
 	at(x, y) {
 		const { view } = this;
 		const a = view.values(x, y);
@@ -294,7 +294,7 @@ var Pictures = class {
 		class: "dot",
 		"aria-hidden": "true"
 	}), this.lost, this.facts);
-	/** What is shown. */
+	/** The picture in view. */
 	about = null;
 	listings = [];
 	/** The picture, and the version of it, that was asked for last. */

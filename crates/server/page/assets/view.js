@@ -1980,7 +1980,7 @@ var View = class {
 	/** The light of each group of lights, where the server sends it. */
 	groups;
 	comparison = "off";
-	/** Whether the other one has the shown layer, too, and not the picture alone. */
+	/** True if the other one has the shown layer, too, and not the picture alone. */
 	comparesLayers = false;
 	/** Where the picture ends and the other one begins, as a part of the canvas' width. */
 	split = .5;
