@@ -30,7 +30,7 @@ const RYDBERG: f64 = 10_973_731.568_157 / (1.0 + 1.0 / 1_836.152_673_426);
 const AIR: f64 = 1.000_277;
 
 /// Wavelengths (nm, in air) and relative intensities of an element's lines.
-fn lines(element: &str) -> Vec<(f64, f64)> {
+pub(super) fn lines(element: &str) -> Vec<(f64, f64)> {
     match element {
         // Intensities of the Balmer lines: NIST.
         "hydrogen" => [500_000.0, 180_000.0, 90_000.0, 70_000.0, 30_000.0]

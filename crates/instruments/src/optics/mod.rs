@@ -1,11 +1,14 @@
 //! Experiments of optics, each with its equation and source in its file.
 
+mod air;
 mod aperture;
 mod atmosphere;
 mod bessel;
 mod blackbody;
+mod distance;
 mod doppler;
 mod film;
+mod fraunhofer;
 mod grating;
 mod lens;
 mod lensing;
@@ -19,9 +22,11 @@ mod photoelectric;
 mod photons;
 mod polarization;
 mod prism;
+mod radiosity;
 mod rainbow;
 mod refractive_index;
 mod slits;
+mod speed_of_light;
 
 use crate::laboratory::Experiment;
 
@@ -39,12 +44,17 @@ pub const EXPERIMENTS: &[Experiment] = &[
     rainbow::EXPERIMENT,
     mie::EXPERIMENT,
     atmosphere::EXPERIMENT,
+    air::EXPERIMENT,
     mirage::EXPERIMENT,
     blackbody::EXPERIMENT,
     lines::EXPERIMENT,
+    fraunhofer::EXPERIMENT,
     limb::EXPERIMENT,
     photoelectric::EXPERIMENT,
     photons::EXPERIMENT,
     doppler::EXPERIMENT,
     lensing::EXPERIMENT,
+    speed_of_light::EXPERIMENT,
+    distance::EXPERIMENT,
+    radiosity::EXPERIMENT,
 ];

@@ -20,12 +20,15 @@ pub const EXPERIMENT: Experiment = Experiment {
     run: Run::OnPicture(run),
 };
 
+/// Cone responses from XYZ, equal for equal energy.
+pub(super) fn lms_from_xyz() -> DMat3 {
+    DMat3::from_cols_array_2d(&[[0.389_71, 0.688_98, -0.078_68], [-0.229_81, 1.183_40, 0.046_41], [0.0, 0.0, 1.0]])
+        .transpose()
+}
+
 /// Cone responses from linear Rec.709, white being (1, 1, 1).
 pub(super) fn lms_from_rgb() -> DMat3 {
-    let from_xyz =
-        DMat3::from_cols_array_2d(&[[0.389_71, 0.688_98, -0.078_68], [-0.229_81, 1.183_40, 0.046_41], [0.0, 0.0, 1.0]])
-            .transpose();
-    let m = from_xyz * REC709.xyz_from_rgb();
+    let m = lms_from_xyz() * REC709.xyz_from_rgb();
     DMat3::from_diagonal((m * DVec3::ONE).recip()) * m
 }
 

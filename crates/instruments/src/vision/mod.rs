@@ -1,5 +1,6 @@
 //! Experiments of vision, each with its equation and source in its file.
 
+mod blind_spot;
 mod chromaticity;
 mod color;
 mod cones;
@@ -11,16 +12,25 @@ mod glare;
 mod illusion;
 mod macadam;
 mod machado;
+mod matching;
 mod night;
 mod receptive_field;
+mod receptors;
+mod sensitivity;
+mod ycbcr;
 
 use crate::laboratory::Experiment;
 
 /// The experiments.
 pub const EXPERIMENTS: &[Experiment] = &[
+    receptors::EXPERIMENT,
+    sensitivity::EXPERIMENT,
+    blind_spot::EXPERIMENT,
+    matching::EXPERIMENT,
     chromaticity::EXPERIMENT,
     macadam::EXPERIMENT,
     color::EXPERIMENT,
+    ycbcr::EXPERIMENT,
     cones::EXPERIMENT,
     deficiency::EXPERIMENT,
     receptive_field::EXPERIMENT,
