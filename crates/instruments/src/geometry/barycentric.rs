@@ -1,8 +1,10 @@
 //! Barycentric coordinates: a point as a mean of the corners of a triangle or a tetrahedron, with weights that add up
-//! to one, each the ratio of two signed areas or volumes (Möbius 1827).
+//! to one, each the ratio of two signed areas or volumes (Möbius 1827). On a segment they are those of a balanced rod:
+//! the nearer end has the greater weight.
 
 use super::{RANGE, drawing, tell3, vector3};
 use crate::laboratory::{Error, Experiment, Marker, Parameter, Report, Run, Values};
+use glam::DVec3;
 use steradian_math::geometry::{
     Point3,
     barycentric::{simplex, tetrahedron, triangle_2d, triangle_3d},
@@ -10,13 +12,13 @@ use steradian_math::geometry::{
 
 pub const EXPERIMENT: Experiment = Experiment {
     name: "barycentric",
-    doc: "barycentric coordinates of a point in a triangle or a tetrahedron",
+    doc: "barycentric coordinates of a point in a triangle or a tetrahedron, or on a segment",
     source: "Coxeter, Introduction to Geometry, §13.7",
     parameters: &[
         Parameter::choice(
             "of",
-            &["triangle", "plane-triangle", "tetrahedron"],
-            "in space, in the plane of x and y, or of four points",
+            &["triangle", "plane-triangle", "tetrahedron", "segment"],
+            "in space, in the plane of x and y, of four points, or on the line of a and b",
         ),
         Parameter::number("ax", 0.0, RANGE, "", "corner a"),
         Parameter::number("ay", 0.0, RANGE, "", "corner a"),
@@ -37,6 +39,13 @@ pub const EXPERIMENT: Experiment = Experiment {
     run: Run::Alone(run),
 };
 
+/// Weights of the ends of a segment, for the foot of a point on its line: of `a` that of the part towards `b`. `None`
+/// where the ends are one.
+fn segment(a: DVec3, b: DVec3, p: DVec3) -> Option<[f64; 2]> {
+    let u = (p - a).dot(b - a) / (b - a).length_squared();
+    u.is_finite().then_some([1.0 - u, u])
+}
+
 fn run(values: &Values) -> Result<Report, Error> {
     let all = [["ax", "ay", "az"], ["bx", "by", "bz"], ["cx", "cy", "cz"], ["dx", "dy", "dz"]];
     let [a, b, c, d] = all.map(|names| vector3(values, names));
@@ -45,11 +54,14 @@ fn run(values: &Values) -> Result<Report, Error> {
     let weights = match of {
         "tetrahedron" => tetrahedron([a, b, c, d], p).map(|w| w.to_vec()),
         "plane-triangle" => triangle_2d([a, b, c].map(|v| v.truncate()), p.truncate()).map(|w| w.to_vec()),
+        "segment" => segment(a, b, p).map(|w| w.to_vec()),
         _ => triangle_3d([a, b, c], p).map(|w| w.to_vec()),
     }
-    .ok_or_else(|| Error::Impossible("the corners lie on one line or plane: they have no area or volume".into()))?;
+    .ok_or_else(|| {
+        Error::Impossible("the corners lie on one point, line or plane: they have no length, area or volume".into())
+    })?;
     let flat = of == "plane-triangle";
-    let place = |v: glam::DVec3| if flat { v.with_z(0.0) } else { v };
+    let place = |v: DVec3| if flat { v.with_z(0.0) } else { v };
     let corners: Vec<_> = [a, b, c, d].into_iter().take(weights.len()).map(place).collect();
     let mut report = Report::default();
     for (name, weight) in ["a", "b", "c", "d"].into_iter().zip(&weights) {
@@ -78,7 +90,7 @@ fn run(values: &Values) -> Result<Report, Error> {
     if let Some(from) = Point3::difference(&terms(1.0 / weights.len() as f64)) {
         tell3(&mut report, "vector from the centroid", from);
     }
-    // The same by elimination, as in any dimension; it has no answer for a triangle in space.
+    // The same by elimination, as in any dimension; it has no answer for a triangle or segment in space.
     let axes = if flat { 2 } else { 3 };
     let (rows, point): (Vec<_>, _) = (corners.iter().map(|v| v.to_array()).collect(), p.to_array());
     let rows: Vec<&[f64]> = rows.iter().map(|r| &r[..axes]).collect();
@@ -124,6 +136,12 @@ mod tests {
                 assert!(r.value("greatest difference from elimination") < 1e-12);
             }
         }
+        // E30: on the rod from (0, 0, 0) to (4, 0, 0), x = 1 weighs ¾ of a and ¼ of b, and the end a all of a.
+        let rod = |x: &str| run_with(&EXPERIMENT, &[("of", "segment"), ("x", x), ("y", "0"), ("z", "0")]).unwrap();
+        assert_eq!(["weight of a", "weight of b"].map(|n| rod("1").value(n)), [0.75, 0.25]);
+        assert_eq!(["weight of a", "weight of b"].map(|n| rod("0").value(n)), [1.0, 0.0]);
+        assert_eq!((rod("0").facts[0].text.as_str(), rod("5").facts[0].text.as_str()), ("on the border", "outside"));
+        assert!(run_with(&EXPERIMENT, &[("of", "segment"), ("bx", "0")]).is_err());
         assert_eq!(run_with(&EXPERIMENT, &[("y", "3.5")]).unwrap().facts[0].text, "outside");
         assert_eq!(run_with(&EXPERIMENT, &[("x", "2")]).unwrap().facts[0].text, "on the border");
         assert!(run_with(&EXPERIMENT, &[("cy", "0")]).is_err());

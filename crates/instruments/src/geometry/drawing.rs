@@ -1,6 +1,6 @@
 //! Space on paper: an isometric view with z up.
 
-use crate::laboratory::{Axis, Chart, Series};
+use crate::laboratory::{Axis, Chart, Marker, Series};
 use glam::DVec3;
 
 /// Isometric projection of a point, to scale: seen from the direction (1, 1, 1), z up.
@@ -21,6 +21,21 @@ pub fn view(title: impl Into<String>, length: f64) -> Chart {
     let axes = [("x", DVec3::X, [190, 60, 50]), ("y", DVec3::Y, [50, 140, 60]), ("z", DVec3::Z, [40, 80, 190])];
     for (name, axis, color) in axes {
         chart = chart.with(curve(name, [DVec3::ZERO, axis * length]).colored(color));
+    }
+    chart
+}
+
+/// The unit cube, dashed, and its image.
+pub fn cube_and_image(image: impl Fn(DVec3) -> DVec3) -> Chart {
+    let cube = |k: u32| DVec3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2 & 1));
+    let size = (0..8).map(|k| image(cube(k)).length()).fold(1.8, f64::max);
+    let mut chart = view("the unit cube and its image", size);
+    for from in 0..8 {
+        for bit in [1, 2, 4].into_iter().filter(|bit| from & bit == 0) {
+            let edge = [cube(from), cube(from | bit)];
+            chart = chart.with(curve("", edge).drawn(Marker::Dashed).colored([0x88, 0x88, 0x88]));
+            chart = chart.with(curve("", edge.map(&image)).colored([0xd0, 0x5a, 0x1e]));
+        }
     }
     chart
 }

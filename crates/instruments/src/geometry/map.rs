@@ -5,8 +5,8 @@
 //! has no inverse.
 
 use super::{RANGE, drawing, tell_matrix, tell3, vector3};
-use crate::laboratory::{Error, Experiment, Marker, Parameter, Report, Run, Values};
-use glam::{DMat3, DVec3};
+use crate::laboratory::{Error, Experiment, Parameter, Report, Run, Values};
+use glam::DMat3;
 use steradian_math::transform::Transform;
 
 pub const EXPERIMENT: Experiment = Experiment {
@@ -56,17 +56,7 @@ fn run(values: &Values) -> Result<Report, Error> {
         }
         None => report.fact("inverse", "none: the map is singular"),
     }
-    let cube = |k: u32| DVec3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2 & 1));
-    let size = (0..8).map(|k| map.point(cube(k)).length()).fold(1.8, f64::max);
-    let mut chart = drawing::view("the unit cube and its image", size);
-    for from in 0..8 {
-        for bit in [1, 2, 4].into_iter().filter(|bit| from & bit == 0) {
-            let edge = [cube(from), cube(from | bit)];
-            chart = chart.with(drawing::curve("", edge).drawn(Marker::Dashed).colored([0x88, 0x88, 0x88]));
-            chart = chart.with(drawing::curve("", edge.map(|p| map.point(p))).colored([0xd0, 0x5a, 0x1e]));
-        }
-    }
-    report.chart = Some(chart);
+    report.chart = Some(drawing::cube_and_image(|p| map.point(p)));
     Ok(report)
 }
 

@@ -9,10 +9,12 @@ mod curvature;
 mod directions;
 mod drawing;
 mod homogeneous;
+mod intersect;
 mod line;
 mod map;
 mod plane;
 mod projection;
+mod rigid;
 mod rotation;
 mod surface;
 
@@ -26,12 +28,14 @@ pub const EXPERIMENTS: &[Experiment] = &[
     plane::EXPERIMENT,
     conic::EXPERIMENT,
     surface::EXPERIMENT,
+    intersect::EXPERIMENT,
     barycentric::EXPERIMENT,
     homogeneous::EXPERIMENT,
     projection::EXPERIMENT,
     basis::EXPERIMENT,
     rotation::EXPERIMENT,
     map::EXPERIMENT,
+    rigid::EXPERIMENT,
     directions::EXPERIMENT,
 ];
 

@@ -1,6 +1,7 @@
 //! Projections to clip space, and the central one as three maps.
 //!
-//! The first map makes the frustum square, `x/tan(φₓ/2)` and `y/tan(φᵧ/2)`; the second makes the lines through the eye
+//! The first map makes the frustum square, `x/tan(φₓ/2)` and `y/tan(φᵧ/2)`, and shears it upright where the window is
+//! shifted; the second makes the lines through the eye
 //! parallel to its axis, `z ↦ −(n + f) − nf/z` with `w = −z`; the third scales the box that this leaves to the cube.
 //! Their product is the matrix of OpenGL.
 
@@ -24,6 +25,8 @@ pub const EXPERIMENT: Experiment = Experiment {
             "vertical angle of view; of parallel views, of the window at 1",
         ),
         Parameter::number("aspect", 1.5, (1e-2, 1e2), "", "width over height"),
+        Parameter::number("shift-x", 0.0, (-10.0, 10.0), "", "of the window, in halves of its width: off-axis views"),
+        Parameter::number("shift-y", 0.0, (-10.0, 10.0), "", "of the window, in halves of its height"),
         Parameter::number("near", 1.0, (1e-3, 1e3), "", "distance of the near plane"),
         Parameter::number("far", 4.0, (1e-2, 1e6), "", "distance of the far plane"),
         Parameter::number("angle", 45.0, (0.0, 360.0), "°", "direction of receding lines, for kind=oblique"),
@@ -44,7 +47,9 @@ pub const EXPERIMENT: Experiment = Experiment {
 fn run(values: &Values) -> Result<Report, Error> {
     let [near, far, aspect] = ["near", "far", "aspect"].map(|n| values.number(n));
     let impossible = |why: &str| Error::Impossible(why.into());
-    let view = View::of_angle(values.number("fov").to_radians(), aspect, near, far)
+    let top = (0.5 * values.number("fov").to_radians()).tan();
+    let (x, y) = (values.number("shift-x") * aspect * top, values.number("shift-y") * top);
+    let view = View::new([x - aspect * top, x + aspect * top, y - top, y + top], near, far)
         .ok_or_else(|| impossible("the near plane ('near') lies before the far one ('far')"))?;
     let depth = match values.choice("depth") {
         "0..1" => Depth::ZeroToOne,
@@ -62,11 +67,7 @@ fn run(values: &Values) -> Result<Report, Error> {
     let matrix = matrix.ok_or_else(|| impossible("there is no such projection"))?;
     let p = vector3(values, ["x", "y", "z"]);
     let mut report = Report::default();
-    for i in 0..4 {
-        for j in 0..4 {
-            report.quantity(format!("matrix, row {}, column {}", i + 1, j + 1), matrix.col(j)[i] + 0.0, "");
-        }
-    }
+    tell4(&mut report, "matrix", &matrix);
     let clip = matrix * p.extend(1.0);
     for (name, c) in ["x", "y", "z", "w"].into_iter().zip(clip.to_array()) {
         report.quantity(format!("the point in clip space, {name}"), c + 0.0, "");
@@ -86,11 +87,14 @@ fn run(values: &Values) -> Result<Report, Error> {
     let steps = view.steps().ok_or_else(|| impossible("there is no such projection"))?;
     let is_central = values.choice("kind") == "perspective";
     if is_central {
-        let mut image = p.extend(1.0);
+        let (mut image, mut product) = (p.extend(1.0), DMat4::IDENTITY);
         for (k, step) in steps.iter().enumerate() {
             image = *step * image;
+            product = *step * product;
+            tell4(&mut report, &format!("step {}", k + 1), step);
             tell3(&mut report, &format!("after step {}", k + 1), image.truncate() / image.w);
         }
+        tell4(&mut report, "product of the steps, for -1..1", &product);
     }
     let maps = if is_central {
         let [square, parallel, cube] = steps;
@@ -102,6 +106,15 @@ fn run(values: &Values) -> Result<Report, Error> {
     };
     report.chart = Some(chart(&view_outline(near, far, is_central, &matrix), &maps));
     Ok(report)
+}
+
+/// Adds a matrix by rows.
+fn tell4(report: &mut Report, name: &str, m: &DMat4) {
+    for i in 0..4 {
+        for j in 0..4 {
+            report.quantity(format!("{name}, row {}, column {}", i + 1, j + 1), m.col(j)[i] + 0.0, "");
+        }
+    }
 }
 
 /// Outline of what is seen in the plane of x and z, and a line in its middle, as points of eye space.
@@ -150,7 +163,18 @@ mod tests {
             assert!((r.value("after step 2, z") + 3.0).abs() < 1e-12);
             assert!((r.value("after step 3, z") - 1.0 / 3.0).abs() < 1e-12);
             assert_eq!(r.facts[0].text, "is seen");
+            // The product of the steps is the matrix of OpenGL.
+            let apart = (0..16).map(|k| format!(", row {}, column {}", k / 4 + 1, k % 4 + 1)).map(|place| {
+                let product = r.value(&format!("product of the steps, for -1..1{place}"));
+                (product - run_with(&EXPERIMENT, &[]).unwrap().value(&format!("matrix{place}"))).abs()
+            });
+            assert!(apart.fold(0.0, f64::max) < 1e-12);
         }
+        // A shifted window shears: the middle of the window, one half of its width aside, goes to the middle.
+        let given = [("shift-x", "1"), ("fov", "90"), ("aspect", "1"), ("x", "2"), ("y", "0")];
+        let shifted = run_with(&EXPERIMENT, &given).unwrap();
+        assert!(shifted.value("after division, x").abs() < 1e-12 && shifted.value("after step 1, x").abs() < 1e-12);
+        assert!((shifted.value("step 1, row 1, column 3") - 1.0).abs() < 1e-12);
         let behind = run_with(&EXPERIMENT, &[("z", "1")]).unwrap();
         assert!(behind.facts[0].text.contains("behind the eye"));
         assert!(run_with(&EXPERIMENT, &[("near", "5")]).is_err());

@@ -88,8 +88,9 @@ mod tests {
         EXPERIMENT.run(&given, None).unwrap()
     }
 
-    /// Sirius (Hipparcos: 379.21 mas, −1.46 mag) is 2.637 pc or 8.60 light-years away, of absolute magnitude 1.43, and 23
-    /// times as bright as the sun in V; Proxima (768.07 mas) is 4.2465 light-years away; a parsec is 3.2616 light-years.
+    /// Sirius (Hipparcos: 379.21 mas, −1.46 mag) is 2.637 pc or 8.60 light-years away, of absolute magnitude 1.43, and
+    /// 23 times as bright as the sun in V; Proxima (768.07 mas) is 4.2465 light-years away; a parsec is 3.2616
+    /// light-years.
     #[test]
     fn stars_are_where_the_catalogues_have_them() {
         let sirius = with(&[]);
@@ -103,7 +104,8 @@ mod tests {
     }
 
     /// A candle at 10 pc has its absolute magnitude; a modulus of 24.47 (Andromeda) is 783 kpc; the sun from its own
-    /// distance, 1 AU = 4.848e-6 pc, has −26.74; the Cepheid of 10 days has −4.05; dust makes nearer stars look farther.
+    /// distance, 1 AU = 4.848e-6 pc, has −26.74; the Cepheid of 10 days has −4.05; dust makes nearer stars look
+    /// farther.
     #[test]
     fn candles_tell_the_distance() {
         assert!((with(&[("by", "candle"), ("magnitude", "4.83")]).value("distance") - 10.0).abs() < 1e-12);

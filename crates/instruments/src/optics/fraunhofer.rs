@@ -1,5 +1,5 @@
-//! Fraunhofer's lines: what is missing in sunlight. Atoms of the sun's outer layers absorb the lines that they emit when
-//! they glow, and oxygen of the air takes the bands A and B (Kirchhoff, Bunsen 1860).
+//! Fraunhofer's lines: what is missing in sunlight. Atoms of the sun's outer layers absorb the lines that they emit
+//! when they glow, and oxygen of the air takes the bands A and B (Kirchhoff, Bunsen 1860).
 //!
 //! The sun is a black body of 5772 K with lines of the equivalent widths that were measured, each a Gaussian of the
 //! residual depth 0.9 blurred by the spectroscope: the area of a line does not depend on that.
@@ -153,7 +153,7 @@ mod tests {
         }
     }
 
-    /// What the air's oxygen takes is what it takes in `optics air`.
+    /// The air's oxygen takes what it takes in `optics air`.
     #[test]
     fn bands_of_the_air_are_as_wide_as_the_model_has_them() {
         for (letter, range) in [("B", 667.6..=710.0), ("A", 757.5..=780.0)] {

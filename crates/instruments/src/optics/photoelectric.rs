@@ -1,7 +1,8 @@
 //! The photoelectric effect: electrons leave a metal only where a photon's energy exceeds its work function; the
 //! voltage that stops the fastest ones is `U = (hf − φ)/e` (Einstein 1905). Millikan's experiment finds `h` from the
 //! slope. The current, `I = η e P/(hf)`, is proportional to the power at one frequency, and at one power falls with the
-//! frequency, as there are fewer photons; below the threshold none flows, however strong the light. Work functions: Michaelson, *J. Appl. Phys.* 48 (1977), polycrystalline.
+//! frequency, as there are fewer photons; below the threshold none flows, however strong the light. Work functions:
+//! Michaelson, *J. Appl. Phys.* 48 (1977), polycrystalline.
 
 use crate::laboratory::{Axis, Chart, Error, Experiment, Marker, Parameter, Report, Run, Series, Values};
 use steradian_math::{

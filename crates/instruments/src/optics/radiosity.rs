@@ -156,8 +156,8 @@ mod tests {
         EXPERIMENT.run(&given, None).unwrap()
     }
 
-    /// Howell's values: 0.1998 between opposite sides of a cube, 0.2000 between adjacent ones; in any box rows add up to
-    /// one and areas times factors are symmetric.
+    /// Howell's values: 0.1998 between opposite sides of a cube, 0.2000 between adjacent ones; in any box rows add up
+    /// to one and areas times factors are symmetric.
     #[test]
     fn factors_are_those_of_the_catalogue() {
         assert!((opposite(1.0, 1.0, 1.0) - 0.199_825).abs() < 1e-6, "{}", opposite(1.0, 1.0, 1.0));

@@ -1,4 +1,4 @@
-//! How the speed of light was found: from the moon Io of Jupiter, between the teeth of a wheel, by a turning mirror.
+//! The speed of light as it was found: from the moon Io of Jupiter, between the teeth of a wheel, by a turning mirror.
 //!
 //! - Rømer (1676) had eclipses of Io 22 minutes late where the earth was across its orbit, which are 16 min 38 s; with
 //!   the orbit of today `c = 2 AU / Δt` is a quarter too small.

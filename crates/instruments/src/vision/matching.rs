@@ -90,7 +90,8 @@ mod tests {
         assert!(with("rgb", "700").value("ḡ").abs() < 1e-4);
     }
 
-    /// Equal energy is white in both: equal areas. Red is needed negatively, most near 516 nm; nothing is of X, Y and Z.
+    /// Equal energy is white in both: equal areas. Red is needed negatively, most near 516 nm; nothing is of X, Y and
+    /// Z.
     #[test]
     fn areas_are_equal_and_red_is_negative() {
         for (of, names, area) in [("rgb", NAMES[0], 18.91), ("xyz", NAMES[1], 106.86)] {

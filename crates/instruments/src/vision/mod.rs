@@ -23,14 +23,14 @@ use crate::laboratory::Experiment;
 
 /// The experiments.
 pub const EXPERIMENTS: &[Experiment] = &[
-    receptors::EXPERIMENT,
-    sensitivity::EXPERIMENT,
-    blind_spot::EXPERIMENT,
-    matching::EXPERIMENT,
     chromaticity::EXPERIMENT,
+    matching::EXPERIMENT,
     macadam::EXPERIMENT,
     color::EXPERIMENT,
     ycbcr::EXPERIMENT,
+    receptors::EXPERIMENT,
+    sensitivity::EXPERIMENT,
+    blind_spot::EXPERIMENT,
     cones::EXPERIMENT,
     deficiency::EXPERIMENT,
     receptive_field::EXPERIMENT,

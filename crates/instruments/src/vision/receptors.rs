@@ -24,7 +24,7 @@ const MERIDIANS: [&str; 4] = ["temporal", "nasal", "superior", "inferior"];
 /// Radius of the sphere whose area is that of the retina, mm.
 const RADIUS: f64 = 11.06;
 
-/// What was not measured.
+/// Mark of a density that was not measured.
 const NONE: f64 = f64::NAN;
 
 /// Distance from the fovea on the retina (mm) and in the field of view (°), cones and rods for each mm² on the four
@@ -158,8 +158,8 @@ mod tests {
     }
 
     /// Curcio et al.: 199 000 cones/mm² at most in the mean, a tenth of it 1 mm away, no rods in the middle 1.25°, most
-    /// of them at the distance of the blind spot; cones are 40 to 45 % denser on the nasal side of the periphery than on
-    /// the temporal; 4.6 million cones and 92 million rods, of which the outermost were not measured here.
+    /// of them at the distance of the blind spot; cones are 40 to 45 % denser on the nasal side of the periphery than
+    /// on the temporal; 4.6 million cones and 92 million rods, of which the outermost were not measured here.
     #[test]
     fn the_retina_is_as_the_paper_tells() {
         let fovea = with("temporal", "0");

@@ -1,6 +1,6 @@
 //! Spectral sensitivities: of the rods `V′(λ)` (CIE 1951, for eyes that are used to the dark), of the eye by day `V(λ)`
-//! (CIE 1924), and of the three cones, Hunt, Pointer and Estévez's sums of x̄, ȳ and z̄, each scaled to a greatest value
-//! of one.
+//! (CIE 1924), and of the three cones, Hunt, Pointer and Estévez's sums of x̄, ȳ and z̄, each scaled to a greatest
+//! value of one.
 //!
 //! A lamp is as bright by night as `1700 lm/W ∫ Φ V′ dλ`, by day as `683 lm/W ∫ Φ V dλ`; both are 683 lm/W at 555 nm,
 //! by the definition of the candela. The ratio of the two is sold as S/P.

@@ -1,9 +1,9 @@
 //! Y′CbCr: luma and two differences of colour, `Cb = (B′ − Y′)/(2 − 2 K_B)` and `Cr = (R′ − Y′)/(2 − 2 K_R)`, as whole
 //! numbers of some bits.
 //!
-//! Luma is a sum of *encoded* components, `Y′ = K_R R′ + K_G G′ + K_B B′`, and no luminance. Limited range keeps room at
-//! both ends: of 8 bits Y′ has 16 to 235 and Cb, Cr 16 to 240; full range has all codes, Cb and Cr around 128. Not every
-//! code is a colour: of the cube of codes RGB fills about a quarter, so that whole numbers do not all come back.
+//! Luma is a sum of *encoded* components, `Y′ = K_R R′ + K_G G′ + K_B B′`, and no luminance. Limited range keeps room
+//! at both ends: of 8 bits Y′ has 16 to 235 and Cb, Cr 16 to 240; full range has all codes, Cb and Cr around 128. Not
+//! every code is a colour: of the cube of codes RGB fills about a quarter, so that whole numbers do not all come back.
 
 use crate::laboratory::{Error, Experiment, Parameter, Picture, Report, Run, Values};
 use glam::DVec3;
@@ -157,7 +157,8 @@ mod tests {
         }
     }
 
-    /// Without rounding nothing is lost; with 8 bits some colours move by one or two, with 12 none; luma is no luminance.
+    /// Without rounding nothing is lost; with 8 bits some colours move by one or two, with 12 none; luma is no
+    /// luminance.
     #[test]
     fn the_round_trip_loses_what_rounding_does() {
         let code = Code { weights: [0.2126, 0.0722], is_full: false, bits: 8 };
