@@ -54,7 +54,7 @@ impl GlossyLobe for HalfVectorLobe {
         Model::new("blinn-phong-empirical", "without normalisation", empirical_cases).not_reciprocal().gains_energy(),
     ];
     const RECIPES: &'static [Recipe] = &[Recipe::new("blinn_phong", |i| {
-        let make = [BlinnPhong::normalised, BlinnPhong::empirical][i.choice];
+        let make = [BlinnPhong::normalised, BlinnPhong::empirical][i.choice as usize];
         Bsdf::BlinnPhong(make(i.colors[0], i.colors[1], i.numbers[0]))
     })];
 

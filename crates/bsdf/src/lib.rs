@@ -42,6 +42,7 @@ pub mod minnaert;
 pub mod multiple_scattering;
 mod normal_distribution;
 pub mod oren_nayar;
+pub mod own;
 mod packed;
 mod packed_normal;
 pub mod pbr;
@@ -82,6 +83,7 @@ pub use minnaert::Minnaert;
 pub use multiple_scattering::{CompensatedConductor, Compensation, EnergyTable};
 pub use normal_distribution::Tail;
 pub use oren_nayar::{OrenNayar, OrenNayarForm};
+pub use own::{Draw, Own, OwnScatter};
 pub use pbr::Pbr;
 pub use phong::Phong;
 pub use principled::Principled;
@@ -326,6 +328,8 @@ models! {
     Subsurface(Entry),
     /// Surface through which light leaves that entered elsewhere.
     Emergence(Emergence),
+    /// A model of a program's own.
+    Own(Own<'a>),
 }
 
 /// All models.

@@ -121,7 +121,7 @@ impl Scatter for OrenNayar {
         use OrenNayarForm::{EnergyPreserving, Fujii, Full, Qualitative};
         let [roughness, sigma, ..] = i.numbers;
         let (form, width) =
-            [(EnergyPreserving, roughness), (Fujii, roughness), (Qualitative, sigma), (Full, sigma)][i.choice];
+            [(EnergyPreserving, roughness), (Fujii, roughness), (Qualitative, sigma), (Full, sigma)][i.choice as usize];
         Bsdf::OrenNayar(Self::new(i.colors[0], width, form))
     })];
 

@@ -96,7 +96,7 @@ impl GlossyLobe for CosineLobe {
     ];
     const RECIPES: &'static [Recipe] = &[
         Recipe::new("phong", |i| {
-            let make = [Phong::modified, Phong::empirical][i.choice];
+            let make = [Phong::modified, Phong::empirical][i.choice as usize];
             Bsdf::Phong(make(i.colors[0], i.colors[1], i.numbers[0]))
         }),
         Recipe::new("lafortune", |i| Bsdf::Phong(Phong::lafortune(i.colors[0], i.colors[1], i.vector, i.numbers[0])))

@@ -61,7 +61,7 @@ pub struct Inputs {
     /// Numbers.
     pub numbers: [f32; MOST_INPUTS],
     /// Which of the words its `form` or the like is, from zero.
-    pub choice: usize,
+    pub choice: u32,
     /// A vector.
     pub vector: Vec3,
 }

@@ -67,7 +67,7 @@ impl GlossyLobe for GaussianLobe {
         Model::new("ward-duer", "Gaussian lobe, Dür's normalisation", duer_cases).gains_energy(),
     ];
     const RECIPES: &'static [Recipe] = &[Recipe::new("ward", |i| {
-        let form = [WardForm::Bounded, WardForm::Ward, WardForm::Duer][i.choice];
+        let form = [WardForm::Bounded, WardForm::Ward, WardForm::Duer][i.choice as usize];
         Bsdf::Ward(Ward::new(i.colors[0], i.colors[1], i.numbers[0], i.numbers[1], form))
     })
     .anisotropic()];

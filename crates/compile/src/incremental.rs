@@ -59,8 +59,9 @@ impl Kept {
 
     /// Forgets what was made for other options, and of files that have changed.
     pub(super) fn refresh(&mut self, desc: &SceneDesc, options: &Options) {
-        let Options { accelerator, texture_limit, image_limits, .. } = options;
-        let now = format!("{accelerator:?} {texture_limit:?} {image_limits:?}");
+        let Options { accelerator, texture_limit, image_limits, registry, .. } = options;
+        let own = registry.address();
+        let now = format!("{accelerator:?} {texture_limit:?} {image_limits:?} {own}");
         if self.options != now {
             *self = Self { options: now, ..Self::default() };
         }

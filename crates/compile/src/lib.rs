@@ -31,6 +31,7 @@ mod measured;
 mod media;
 mod microfacets;
 mod motion;
+mod own;
 mod parametric;
 mod params;
 mod patterns;
@@ -42,6 +43,7 @@ mod principled;
 mod ranges;
 mod realistic;
 mod recentre;
+mod registry;
 mod schedule;
 mod sensor;
 mod shapes;
@@ -56,6 +58,7 @@ use assets::Assets;
 use coats::Coats;
 pub use incremental::Kept;
 use incremental::{KeptAccel, KeptScene, KeptShape, Space};
+pub use registry::{Make, OwnParameter, Registry, RegistryError, Values};
 use schedule::Lamp;
 use std::{
     collections::{BTreeMap, HashMap, HashSet},
@@ -87,6 +90,8 @@ pub struct Options {
     pub crop: Option<[u32; 4]>,
     /// Camera by name or number instead of the first.
     pub camera: Option<String>,
+    /// Models of the program's own.
+    pub registry: Registry,
     /// The structure that rays go through. All give the same picture.
     pub accelerator: Accelerator,
     /// Samples per pixel instead of the scene's: the more there are, the closer they lie and the less textures are

@@ -16,7 +16,7 @@ use steradian_math::{
     },
     transform::Affine,
 };
-use steradian_scene::{Family, Format, Node, NodeId, SpectrumValue, Value, names};
+use steradian_scene::{Family, Format, Node, NodeId, SpectrumValue, Value};
 use steradian_texture::SpectrumTexture;
 
 /// Mean luminance of an image.
@@ -84,7 +84,7 @@ impl Compiler<'_> {
     }
 
     /// A constant emission spectrum with scale and normalisation applied.
-    fn emission_color(&mut self, light: &Node, name: &str) -> (Color, f32) {
+    pub(super) fn emission_color(&mut self, light: &Node, name: &str) -> (Color, f32) {
         let color = self.constant_color(light, name, Role::Illuminant);
         let scale = self.float(light, "scale") * self.normalization(light, name);
         (color, scale)
@@ -143,11 +143,11 @@ impl Compiler<'_> {
             }
             "goniometric" => self.goniometric(node),
             "projection" => self.projection(node),
-            other => {
-                let help = names::did_you_mean(other, Family::Light.kinds());
+            other => self.own_light(node).unwrap_or_else(|| {
+                let help = self.nearest_kind(node);
                 self.error_help(node.span, format!("light '{other}' is not implemented"), help);
                 None
-            }
+            }),
         };
         if let Some(light) = light {
             self.add_light(node, id, light);

@@ -4,8 +4,8 @@ use super::{Compiler, ResolvedMaterial};
 use std::sync::Arc;
 use steradian_bsdf::{CoatSeries, NormalDistribution, Shadowing, Tail, recipes};
 use steradian_core::material::{
-    CoatNormals, Eta, Facing, FilteredNormals, Material, Model, NormalFilter, NormalMap, NormalSpace, Roughness,
-    SurfaceDetail,
+    CoatNormals, Eta, Facing, FilteredNormals, Material, Model, NormalFilter, NormalMap, NormalSpace, Parametric,
+    Roughness, SurfaceDetail,
     normal_code::{NORMAL_CODES, NormalCode},
     normal_map::NORMAL_SPACES,
 };
@@ -13,7 +13,7 @@ use steradian_math::spectra::{
     ColorMode,
     role::{Color, Role},
 };
-use steradian_scene::{Family, Format, Node, NodeId, SpectrumValue, Value, names};
+use steradian_scene::{Family, Format, Node, NodeId, SpectrumValue, Value};
 use steradian_texture::{FloatTexture, SpectrumTexture, Texture, TextureId};
 
 const ONE: SpectrumValue = SpectrumValue::Constant(1.0);
@@ -299,8 +299,13 @@ impl Compiler<'_> {
                 }
             },
             kind => match (recipes().find(|r| r.kind == kind), Family::Material.model(kind)) {
-                (Some(recipe), Some(model)) => Model::Parametric(Box::new(self.parametric(node, model, recipe))),
-                _ => return self.nearest_material(node, depth),
+                (Some(recipe), Some(model)) => {
+                    Model::Parametric(Box::new(Parametric { recipe, inputs: self.input_textures(node, model) }))
+                }
+                _ => match self.own_material(node) {
+                    Some(own) => Model::Own(Box::new(own)),
+                    None => return self.nearest_material(node, depth),
+                },
             },
         };
         self.add(node, model)
@@ -338,8 +343,7 @@ impl Compiler<'_> {
         });
         let say = |c: &mut Self, stand_in: &str| {
             let what = format!("material '{}' is not implemented; {stand_in} stands in", node.kind);
-            let known = Family::Material.models().iter().map(|m| m.kind);
-            let help = names::did_you_mean(&node.kind, known).filter(|_| node.span.is_none());
+            let help = c.nearest_kind(node).filter(|_| node.span.is_none());
             c.diagnostics.approximated_help(&c.desc.sources, node.span, what, help);
         };
         if let Some(inner) = inner {

@@ -33,12 +33,12 @@ impl Compiler<'_> {
             "homogeneous" => Some(self.homogeneous(node)),
             "uniformgrid" | "rgbgrid" | "cloud" | "heterogeneous" => self.varying(node),
             "vdb" => self.volume_file(node),
-            other => {
-                let known = Family::Medium.kinds().collect::<Vec<_>>().join(", ");
+            other => self.own_medium(node).unwrap_or_else(|| {
+                let known = self.all_kinds(Family::Medium);
                 let what = format!("medium '{other}' is not implemented (there is {known}); it is left out");
                 self.diagnostics.dropped(&self.desc.sources, node.span, what);
                 None
-            }
+            }),
         };
         let compiled = compiled.map(|medium| {
             self.media.push(medium);
@@ -247,7 +247,7 @@ impl Compiler<'_> {
         Some(Medium { field: Some(Arc::new(field)), ..base })
     }
 
-    fn place(&mut self, node: &Node) -> Option<Affine> {
+    pub(super) fn place(&mut self, node: &Node) -> Option<Affine> {
         let place = self.transform(node, "to_world").affine();
         if place.is_none() {
             self.error(node.span, "the transform of this medium is singular or not finite");

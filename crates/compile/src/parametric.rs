@@ -1,17 +1,16 @@
 //! Compiling the models that take nothing but their parameters: their schema is all that there is to know.
 
 use super::Compiler;
-use steradian_bsdf::Recipe;
-use steradian_core::material::Parametric;
-use steradian_math::{Vec3, spectra::role::Role};
+use steradian_core::material::InputTextures;
+use steradian_math::spectra::role::Role;
 use steradian_scene::Node;
 use steradian_schema::{Model, Type};
 use steradian_texture::FloatTexture;
 
 impl Compiler<'_> {
-    /// The material of a recipe.
-    pub(super) fn parametric(&mut self, node: &Node, model: &'static Model, recipe: &'static Recipe) -> Parametric {
-        let mut made = Parametric { recipe, colors: Vec::new(), numbers: Vec::new(), choice: 0, vector: Vec3::ZERO };
+    /// The parameters of a material that takes nothing else.
+    pub(super) fn input_textures(&mut self, node: &Node, model: &'static Model) -> InputTextures {
+        let mut made = InputTextures::default();
         let mut named: Vec<(&str, FloatTexture)> = Vec::new();
         for p in model.parameters {
             match p.kind {
@@ -27,14 +26,16 @@ impl Compiler<'_> {
                     made.numbers.push(number);
                 }
                 Type::Word(_) => {
-                    let words: Vec<_> = p.words().enumerate().map(|(i, word)| (word, i)).collect();
+                    let words: Vec<_> = p.words().zip(0..).collect();
                     let usual = words.iter().find(|w| w.0 == p.usual_default()).map_or(0, |w| w.1);
                     made.choice = self.choice_or(node, p.name, usual, &words);
                 }
                 Type::Vector => {
                     made.vector = self.vec3(node, p.name);
                 }
-                _ => unreachable!("a test sees that models with recipes have none of these"),
+                _ => {
+                    unreachable!("a test sees that models with recipes have none of these, and registries refuse them")
+                }
             }
         }
         made

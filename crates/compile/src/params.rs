@@ -65,8 +65,9 @@ impl Compiler<'_> {
     /// Default of a parameter by the schema. Rows that lack one are a fault of the schema where it has the node's kind;
     /// the fault is reported.
     fn default<T>(&mut self, node: &Node, name: &str, read: impl FnOnce(&'static Parameter) -> Option<T>) -> Option<T> {
-        let default = default_of(node, name, read);
-        if default.is_none() && node.family.model(&node.kind).is_some() {
+        let kinds = self.options.registry.kinds();
+        let default = kinds.parameter(node.family, &node.kind, name).and_then(read);
+        if default.is_none() && self.model_of(node).is_some() {
             let what = format!("the schema lacks a default of '{name}' of {} '{}'", node.family.noun(), node.kind);
             debug_assert!(false, "{what}");
             self.diagnostics.warn(&self.desc.sources, node.span, what);

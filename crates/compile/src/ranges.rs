@@ -11,7 +11,7 @@ impl Compiler<'_> {
     /// stands there as a number, to be reported as such.
     pub(super) fn within_ranges<'n>(&mut self, node: &'n Node) -> Cow<'n, Node> {
         let mut held = Cow::Borrowed(node);
-        let Some(model) = node.family.model(&node.kind) else { return Cow::Borrowed(node) };
+        let Some(model) = self.model_of(node) else { return Cow::Borrowed(node) };
         for p in model.all() {
             let Some(given) = node.param(p.name).and_then(|given| self.constant_of(given)) else { continue };
             let numbers = numbers(&given.value);

@@ -17,7 +17,7 @@ use steradian_core::{
     },
 };
 use steradian_math::{Bounds3, DVec3, Transform, Vec3, spectra::ColorMode, transform::Affine};
-use steradian_scene::{Family, Mesh, Node, names};
+use steradian_scene::{Mesh, Node};
 use steradian_texture::FloatTexture;
 
 /// For each geometry of a group the boxes of its user primitives; empty for meshes and planes.
@@ -225,11 +225,11 @@ impl Compiler<'_> {
             }
             "polygon" => self.polygon(node).map_or_else(Vec::new, |mesh| self.mesh_parts(placed, &mesh, false)),
             "paraboloid" | "cone" | "hyperboloid" | "quadric" | "implicit" => self.level(placed),
-            other => {
-                let help = names::did_you_mean(other, Family::Shape.kinds());
+            other => self.own_shape(placed).unwrap_or_else(|| {
+                let help = self.nearest_kind(node);
                 self.error_help(node.span, format!("shape '{other}' is not implemented"), help);
                 Vec::new()
-            }
+            }),
         }
     }
 

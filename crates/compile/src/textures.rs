@@ -278,6 +278,7 @@ impl Compiler<'_> {
             "scale" | "add" | "mix" | "bilerp" | "triplanar" | "ramp" | "curve" | "channel" | "color_space" | "hsv" => {
                 self.combined(node, role)
             }
+            _ if self.options.registry.own_texture(&node.kind).is_some() => self.own_texture(node),
             other => {
                 self.approximated(node.span, format!("texture '{other}' is not implemented; a constant stands in"));
                 Some(Texture::Constant(Color::constant(0.5)))

@@ -11,8 +11,8 @@ impl Compiler<'_> {
         }
         for node in &self.desc.nodes {
             for param in &node.params {
-                let model = node.family.model(&node.kind);
-                if let Some(help) = model.and_then(|m| m.unknown(&param.name)) {
+                let kinds = self.options.registry.kinds();
+                if let Some(help) = kinds.unknown(node.family, &node.kind, &param.name) {
                     let what = format!("{} '{}' has no parameter '{}'", node.family.noun(), node.kind, param.name);
                     self.diagnostics.unused(&self.desc.sources, param.span.or(node.span), what, help);
                 }

@@ -94,11 +94,14 @@ impl Compiler<'_> {
             }
             "radiance_meter" => (Projection::Ray, Vec2::ONE),
             "irradiance_meter" => (self.patch(node)?, Vec2::ONE),
-            other => {
-                let help = names::did_you_mean(other, Family::Camera.kinds());
-                self.error_help(node.span, format!("camera '{other}' is not implemented"), help);
-                return None;
-            }
+            other => match self.own_projection(node) {
+                Some(own) => (own?, Vec2::ONE),
+                None => {
+                    let help = self.nearest_kind(node);
+                    self.error_help(node.span, format!("camera '{other}' is not implemented"), help);
+                    return None;
+                }
+            },
         };
         let mut window = [-half.x, half.x, -half.y, half.y];
         if let Some(s) = self.list(node, "screen_window") {
@@ -270,14 +273,14 @@ impl Compiler<'_> {
     pub(super) fn method(&mut self) -> Option<MethodRequest> {
         const OF_ALL: [&str; 4] = ["max_depth", "rr_depth", "hide_emitters", "samples"];
         let node = self.desc.node(self.desc.integrator?);
-        let Some((method, faults)) = MethodRequest::of_node(node, &OF_ALL) else {
-            let known = || Family::Integrator.kinds().collect::<Vec<_>>().join(", ");
-            let help = names::did_you_mean(&node.kind, Family::Integrator.kinds());
-            let help = help.unwrap_or_else(|| format!("known are {}", known()));
+        let Some(model) = self.model_of(node) else {
+            let known = || self.all_kinds(Family::Integrator);
+            let help = self.nearest_kind(node).unwrap_or_else(|| format!("known are {}", known()));
             let what = format!("integrator '{}' is not implemented ({help}); a path tracer takes its place", node.kind);
             self.diagnostics.dropped(&self.desc.sources, node.span, what);
             return None;
         };
+        let (method, faults) = MethodRequest::of_node(node, model, &OF_ALL);
         for fault in faults {
             self.error_help(fault.span, fault.message, fault.hint);
         }

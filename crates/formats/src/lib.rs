@@ -31,6 +31,7 @@ pub use readers::Reader;
 use std::{collections::BTreeMap, path::PathBuf};
 use steradian_math::DVec3;
 use steradian_scene::{Diagnostics, SceneDesc};
+use steradian_schema::Kinds;
 
 /// Options of the scene readers.
 #[derive(Clone, Debug, Default)]
@@ -46,6 +47,8 @@ pub struct Options {
     /// The box that the camera of a model without one shows, its corners in the world: of all frames of a sequence. By
     /// default that of the model.
     pub framing: Option<[DVec3; 2]>,
+    /// Kinds that files may name beside those of the schema.
+    pub kinds: Kinds,
 }
 
 /// Result of reading a scene: a description that is complete where there are no errors among the diagnostics.

@@ -2,7 +2,7 @@
 
 use std::{fmt, path::PathBuf};
 use steradian_scene::{Node, Span, Value, names::did_you_mean};
-use steradian_schema::{Family, Model, OptionValue, Parameter};
+use steradian_schema::{Family, Kinds, Model, OptionValue, Parameter};
 
 /// Slips in the text of a method request.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -64,8 +64,16 @@ impl MethodRequest {
     /// # Errors
     /// [`Error`] for unknown names and options, and values outside the type or range of the schema.
     pub fn parse(text: &str) -> Result<Self, Error> {
+        Self::parse_of(&Kinds::default(), text)
+    }
+
+    /// [`Self::parse`] where a program has methods of its own.
+    ///
+    /// # Errors
+    /// As [`Self::parse`].
+    pub fn parse_of(kinds: &Kinds, text: &str) -> Result<Self, Error> {
         let (name, options) = text.split_once(':').unwrap_or((text, ""));
-        let mut request = Self::named(name)?;
+        let mut request = Self::named_of(kinds, name)?;
         for option in options.split(',').map(str::trim).filter(|o| !o.is_empty()) {
             let (key, value) = option.split_once('=').ok_or_else(|| request.unknown(option))?;
             let parameter = request.model.parameter(key.trim()).ok_or_else(|| request.unknown(option))?;
@@ -80,17 +88,22 @@ impl MethodRequest {
     /// # Errors
     /// [`Error::UnknownIntegrator`].
     pub fn named(name: &str) -> Result<Self, Error> {
-        Family::Integrator.model(name).map(Self::new).ok_or_else(|| Error::UnknownIntegrator {
+        Self::named_of(&Kinds::default(), name)
+    }
+
+    fn named_of(kinds: &Kinds, name: &str) -> Result<Self, Error> {
+        let known = kinds.names(Family::Integrator);
+        kinds.model(Family::Integrator, name).map(Self::new).ok_or_else(|| Error::UnknownIntegrator {
             name: name.into(),
-            hint: did_you_mean(name, Family::Integrator.kinds()),
-            known: Family::Integrator.kinds().collect::<Vec<_>>().join(", "),
+            hint: did_you_mean(name, known.clone()),
+            known: known.collect::<Vec<_>>().join(", "),
         })
     }
 
-    /// The method and options of a scene's integrator node, without those in `except`, and the options at fault.
-    /// `None` for kinds that the schema does not have.
-    pub fn of_node(node: &Node, except: &[&str]) -> Option<(Self, Vec<Fault>)> {
-        let mut request = Self::new(Family::Integrator.model(&node.kind)?);
+    /// The method and options of a scene's integrator node, without those in `except`, and the options at fault. The
+    /// model is that of the node's kind.
+    pub fn of_node(node: &Node, model: &'static Model, except: &[&str]) -> (Self, Vec<Fault>) {
+        let mut request = Self::new(model);
         let mut faults = Vec::new();
         for parameter in request.model.all().filter(|p| !except.contains(&p.name)) {
             let Some(given) = node.param(parameter.name) else { continue };
@@ -108,7 +121,7 @@ impl MethodRequest {
                 }
             }
         }
-        Some((request, faults))
+        (request, faults)
     }
 
     /// This request with the options of another one of the same method beneath its own; others do not count.
@@ -238,6 +251,10 @@ fn typed(parameter: &Parameter, value: &Value) -> Option<OptionValue> {
 mod tests {
     use super::*;
 
+    fn model(node: &Node) -> &'static Model {
+        Family::Integrator.model(&node.kind).unwrap()
+    }
+
     #[test]
     fn texts_and_nodes_make_the_same_request() {
         let text = MethodRequest::parse("photon: radius=0.5 , photons=700,gather=false").unwrap();
@@ -245,7 +262,7 @@ mod tests {
             .with("radius", 0.5)
             .with("photons", 700i64)
             .with("gather", false);
-        let (of_node, faults) = MethodRequest::of_node(&node, &[]).unwrap();
+        let (of_node, faults) = MethodRequest::of_node(&node, model(&node), &[]);
         assert!(faults.is_empty());
         assert_eq!((text.number("radius"), text.count("photons"), text.flag("gather")), (Some(0.5), 700, false));
         for name in ["radius", "photons", "gather", "nearest"] {
@@ -266,7 +283,7 @@ mod tests {
         assert!(said("raster:shadows=magic").contains("'shadows' takes ray, none, map"));
         assert!(said("path:reuse").contains("'reuse' takes auto, 1, 4, 16"));
         let node = Node::new(Family::Integrator, "pssmlt", None).with("large_step", 2.0).with("samples", "many");
-        let (request, faults) = MethodRequest::of_node(&node, &["samples"]).unwrap();
+        let (request, faults) = MethodRequest::of_node(&node, model(&node), &["samples"]);
         assert!(request.sets_nothing_but(&[]) && faults.len() == 1, "{faults:?}");
         assert!(
             faults[0].message.contains("'large_step' of integrator 'pssmlt' must be number, above 0 and at most 1")

@@ -87,9 +87,16 @@ impl Family {
 
     /// Parameters of a kind, with those of its groups and family; `None` for kinds that the tables do not describe.
     pub fn parameters(self, kind: &str) -> Option<impl Iterator<Item = &'static Parameter> + Clone + use<>> {
+        Some(self.parameters_of(self.model(kind)?))
+    }
+
+    /// Parameters of a model of the family, with those of its groups and of the family.
+    pub(crate) fn parameters_of(
+        self,
+        model: &'static Model,
+    ) -> impl Iterator<Item = &'static Parameter> + Clone + use<> {
         let common = self.common().into_iter().flat_map(|group| group.parameters);
-        let model = self.model(kind)?;
-        Some(model.all().chain(common.filter(|p| model.parameter(p.name).is_none())))
+        model.all().chain(common.filter(|p| model.parameter(p.name).is_none()))
     }
 
     /// The parameter of a name; for kinds that the tables do not describe, that of the first kind which has it.

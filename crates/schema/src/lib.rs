@@ -4,6 +4,7 @@ pub mod camera;
 mod family;
 pub mod film;
 pub mod integrator;
+mod kinds;
 pub mod light;
 pub mod material;
 pub mod medium;
@@ -16,6 +17,7 @@ pub mod shape;
 pub mod texture;
 
 pub use family::{FAMILIES, Family};
+pub use kinds::{Kinds, Taken};
 pub use model::{Group, Model};
 pub use option_value::OptionValue;
 pub use page::page;

@@ -37,6 +37,20 @@ const SCHEDULE: Group = Group {
     ],
     source: "",
 };
+/// Parameters of lights of a program's own.
+pub static OWN: Group = Group {
+    name: "own_light",
+    doc: "brightness and place of a light whose distribution is a program's own",
+    parameters: &[
+        INTENSITY,
+        POWER,
+        SCALE,
+        NORMALIZE,
+        vector("position", "0, 0, 0", "position"),
+        transform("to_world", "identity", "places and turns it"),
+    ],
+    source: "",
+};
 const FILE_FIRST: &str = "a picture over u and v, instead of radiance";
 
 /// Parameters of area lights, which shapes have.

@@ -258,3 +258,20 @@ pub static GLOW: Group = Group {
     ],
     source: "pbrt-v4, 11.4",
 };
+
+/// Parameters of media of a program's own.
+pub static OWN: Group = Group {
+    name: "own_medium",
+    doc: "coefficients of a medium, where the density that a program gives is one, its phase function and place",
+    parameters: &[
+        SIGMA_A,
+        SIGMA_S,
+        SIGMA_T,
+        ALBEDO,
+        SCALE,
+        PHASE,
+        G,
+        transform("to_world", "identity", "places its box"),
+    ],
+    source: "",
+};

@@ -33,6 +33,7 @@ pub mod prelude;
 pub mod quality;
 pub mod radiosity;
 pub mod raster;
+mod registry;
 pub mod resume;
 mod single;
 pub mod specimen;
@@ -48,11 +49,14 @@ pub use load::{Loaded, LoadedScene, load, load_bytes, open};
 pub use method::{LeftOut, Render, film_bytes_per_pixel, method_of, methods, suited_mode};
 pub use missed::missing_light;
 pub use quality::Quality;
+pub use registry::Registry;
 pub use single::{SinglePath, trace_path};
 pub use steradian_accel as accel;
 pub use steradian_accel::Accelerator;
 pub use steradian_bsdf as bsdf;
-pub use steradian_compile::{Compiled, Kept, Options as CompileOptions, SensorNoise, compile, recompile};
+pub use steradian_compile::{
+    Compiled, Kept, Options as CompileOptions, RegistryError, SensorNoise, Values, compile, recompile,
+};
 pub use steradian_core as core;
 pub use steradian_core::film::Pixel;
 pub use steradian_core::{ColorMode, Scene};
@@ -111,10 +115,5 @@ pub fn registry() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
 /// # Errors
 /// [`Error::Request`] when the quality names an integrator or option that does not exist.
 pub fn render(scene: &Arc<Scene>, quality: &Quality) -> Result<image::Image, Error> {
-    let mut session = quality.render(scene)?.session(scene)?;
-    session.step(u32::MAX, &Control::default());
-    if let Some(why) = session.failure() {
-        return Err(Error::Failed(why));
-    }
-    Ok(develop(scene, &session.film(), &quality.layers))
+    Registry::default().render(scene, quality)
 }

@@ -112,18 +112,26 @@ pub fn film_bytes_per_pixel(layers: usize) -> u64 {
 }
 
 impl Render {
-    /// The method of a request, or the scene's own, with the options of both.
+    /// [`Self::of`] without methods of a program's own.
+    ///
+    /// # Errors
+    /// Those of [`Self::of`].
+    pub fn new(request: &Request, scene: &Scene) -> Result<Self, Error> {
+        Self::of(&[], request, scene)
+    }
+
+    /// The method of a request, or the scene's own, with the options of both; methods may be a program's own.
     ///
     /// # Errors
     /// [`Error::CannotRender`] where the method refuses the scene or something that is asked for, and
     /// [`Error::Refused`] for options that do not go together.
-    pub fn new(request: &Request, scene: &Scene) -> Result<Self, Error> {
+    pub fn of(own: &[MethodKind], request: &Request, scene: &Scene) -> Result<Self, Error> {
         let options = match &request.method {
             Some(asked) => asked.over(scene.method()),
             None => method_of(scene),
         };
         let asked = Asked { request, options: &options, scene };
-        let method = match made(&asked) {
+        let method = match made(own, &asked) {
             Err(Error::Refused(refusal)) if request.method.is_none() => {
                 return Self::instead_of(options.name(), refusal.to_string(), request, scene);
             }
@@ -258,8 +266,8 @@ impl Render {
 }
 
 /// The method of a request.
-fn made(asked: &Asked<'_>) -> Result<Arc<dyn Method>, Error> {
-    let kind = check_options(asked.options)?;
+fn made(own: &[MethodKind], asked: &Asked<'_>) -> Result<Arc<dyn Method>, Error> {
+    let kind = check_options(own, asked.options)?;
     Ok((kind.new)(asked)?)
 }
 
@@ -268,7 +276,7 @@ fn made(asked: &Asked<'_>) -> Result<Arc<dyn Method>, Error> {
 ///
 /// # Errors
 /// [`Error::Refused`], and [`Error::CannotRender`] for names without a method.
-pub(crate) fn check_options(options: &MethodRequest) -> Result<&'static MethodKind, Error> {
+pub(crate) fn check_options(own: &[MethodKind], options: &MethodRequest) -> Result<MethodKind, Error> {
     let name = options.name();
     for parameter in options.model().all() {
         let Some(value) = options.given(parameter.name).and_then(|v| v.number()) else { continue };
@@ -280,9 +288,9 @@ pub(crate) fn check_options(options: &MethodRequest) -> Result<&'static MethodKi
         }
     }
     let nothing = || Error::CannotRender { integrator: name.into(), what: "anything: it has no method".into() };
-    let kind = kind(name).ok_or_else(nothing)?;
+    let kind = kind(name).or_else(|| own.iter().find(|kind| kind.name == name)).ok_or_else(nothing)?;
     (kind.check)(options)?;
-    Ok(kind)
+    Ok(*kind)
 }
 
 /// True for answers with which a feature is there.

@@ -63,7 +63,7 @@ impl Quality {
         within("threads", 0, MAX_THREADS, self.threads)?;
         let named = self.integrator.as_deref().filter(|name| *name != AUTO);
         let method = named.map(MethodRequest::parse).transpose()?;
-        method.as_ref().map(check_options).transpose()?;
+        method.as_ref().map(|method| check_options(&[], method)).transpose()?;
         Ok(Request {
             method,
             sampler: self.sampler.as_deref().map(sampler).transpose()?,

@@ -2,7 +2,7 @@
 //!
 //! A texture refers to earlier textures by index, so that trees cannot be cyclic; they may be of any depth.
 
-use super::{Texture, TextureContext, TextureId, Textures, adjust};
+use super::{OwnValue, Texture, TextureContext, TextureId, Textures, adjust, own};
 use steradian_math::{
     Spectrum, Vec3,
     spectra::{
@@ -142,6 +142,10 @@ impl Textures {
             Texture::Formula(formula) => match formula.value(at) {
                 (v, 1) => Spectrum::splat(v.x),
                 (v, _) => self.as_wanted(v, want),
+            },
+            Texture::Own(own, mapping) => match own::value(&**own, mapping, at) {
+                OwnValue::Number(v) => Spectrum::splat(v),
+                OwnValue::Rgb(v) => self.as_wanted(v, want),
             },
             Texture::Pattern(pattern) => Spectrum::splat(pattern.value(at)),
             Texture::Scale(..) | Texture::Add(..) | Texture::Mix(..) | Texture::Triplanar(..) | Texture::Adjust(..) => {

@@ -17,6 +17,7 @@ pub mod levels;
 pub mod mapping;
 pub mod noise;
 mod one_tap;
+pub mod own;
 pub mod pages;
 pub mod pattern;
 pub mod ramp;
@@ -36,6 +37,7 @@ pub use formula::FormulaTexture;
 pub use grid::GridTexture;
 pub use image::ImageTexture;
 pub use mapping::Mapping;
+pub use own::{OwnTexture, OwnValue};
 pub use pattern::{Pattern, PatternTexture};
 use std::{
     collections::{BTreeSet, HashMap, HashSet},
@@ -195,6 +197,8 @@ pub enum Texture {
     Triplanar([TextureId; 3], Box<Triplanar>),
     /// A formula.
     Formula(Arc<FormulaTexture>),
+    /// A texture of a program's own, at the point that a mapping gives.
+    Own(Arc<dyn OwnTexture>, Box<Mapping>),
     /// The moment of the exposure.
     Time,
     /// A colour, changed.
@@ -221,6 +225,7 @@ impl Texture {
             | Self::Grid(_)
             | Self::Pattern(_)
             | Self::Formula(_)
+            | Self::Own(..)
             | Self::Time => [None; 3],
             Self::Scale(a, b) | Self::Add(a, b) => [Some(a), Some(b), None],
             Self::Mix(a, b, amount) => [Some(a), Some(b), Some(amount)],
@@ -238,6 +243,7 @@ impl Texture {
             | Self::Grid(_)
             | Self::Pattern(_)
             | Self::Formula(_)
+            | Self::Own(..)
             | Self::Time => [None, None, None],
             Self::Scale(a, b) | Self::Add(a, b) => [Some(a), Some(b), None],
             Self::Mix(a, b, amount) => [Some(a), Some(b), Some(amount)],
@@ -281,6 +287,7 @@ impl Textures {
         self.nodes.iter().any(|t| match t {
             Texture::Time => true,
             Texture::Formula(formula) => formula.is_timed(),
+            Texture::Own(own, _) => own.is_timed(),
             _ => false,
         })
     }
@@ -296,6 +303,7 @@ impl Textures {
             Texture::Image(image) => image.filter.is_prefiltered(),
             Texture::DistanceField(_) => true,
             Texture::Pattern(pattern) => pattern.is_filtered(),
+            Texture::Own(own, _) => own.is_filtered(),
             _ => false,
         };
         let mut effort = LookupCost { lookups: 1, is_filtered };

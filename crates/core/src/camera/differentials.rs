@@ -49,7 +49,7 @@ impl Camera {
                     * spacing;
                 ([Vec3::ZERO; 2], [right * step.x, down * step.y])
             }
-            Projection::Ray | Projection::Patch(..) => return None,
+            Projection::Ray | Projection::Patch(..) | Projection::Own(_) => return None,
             Projection::SphericalEqualArea => {
                 // Pixels have equal solid angles; their shape, which varies, is taken to be square.
                 let side = (4.0 * std::f32::consts::PI / (film.width as f32 * film.height as f32)).sqrt() * spacing;

@@ -40,7 +40,7 @@ impl Camera {
         match self.projection {
             Projection::Perspective | Projection::Orthographic => true,
             Projection::SphericalEqualArea | Projection::SphericalEquirectangular => self.lens_radius <= 0.0,
-            Projection::Realistic(_) | Projection::Ray | Projection::Patch(..) => false,
+            Projection::Realistic(_) | Projection::Ray | Projection::Patch(..) | Projection::Own(_) => false,
         }
     }
 
@@ -132,7 +132,7 @@ impl Camera {
                 let s = Vec2::new((phi / TAU).rem_euclid(1.0), d.z.clamp(-1.0, 1.0).acos() / PI);
                 (Vec3::ZERO, s * size(film))
             }
-            Projection::Ray | Projection::Patch(..) => return None,
+            Projection::Ray | Projection::Patch(..) | Projection::Own(_) => return None,
         })
     }
 
@@ -156,7 +156,8 @@ impl Camera {
                 let window = m.vector(Vec3::X).cross(m.vector(Vec3::Y)).dot(direction).abs();
                 return RayDensity { density: per_window / window, start: self.start(long), is_parallel: true };
             }
-            Projection::SphericalEqualArea => pixels / (4.0 * PI),
+            // Of a projection of a program's own as if it saw all directions evenly.
+            Projection::SphericalEqualArea | Projection::Own(_) => pixels / (4.0 * PI),
             // As if the pixels shared a square of a unit's side in camera space.
             Projection::Ray | Projection::Patch(..) => {
                 let side = self.world_from_camera.vector(Vec3::X).length();

@@ -6,10 +6,12 @@
 mod differentials;
 pub mod importance;
 mod lens;
+mod own;
 mod patch;
 
 pub use differentials::ViewFootprint;
 pub use lens::{DOUBLE_GAUSS, LensElement, LensSystem, Stop};
+pub use own::OwnCamera;
 pub use patch::Patch;
 
 use crate::film::FilmSpec;
@@ -35,6 +37,8 @@ pub enum Projection {
     /// Light that arrives on a patch, on its inner side if so. Points of the lens, whose radius is above zero, are
     /// directions: as dense as their cosine with the normal, so that π times the mean radiance is the irradiance.
     Patch(Patch, bool),
+    /// A projection of a program's own.
+    Own(Arc<dyn OwnCamera>),
 }
 
 /// A camera.
@@ -184,6 +188,7 @@ impl Camera {
             Projection::Realistic(lenses) => return self.lens_ray(lenses, w, lens, lens::D_LINE).0,
             Projection::Patch(patch, is_inward) => return self.ray_of_patch(*patch, *is_inward, s, lens),
             // Opacity is decided by a hash of the ray: samples differ a little in direction, so that the mean is seen.
+            Projection::Own(own) => return self.own_ray(&**own, s, lens),
             Projection::Ray => (Vec3::ZERO, ((s - Vec2::splat(0.5)) * ACCEPTANCE).extend(1.0)),
             Projection::Perspective => (Vec3::ZERO, Vec3::new(w.x, w.y, 1.0)),
             Projection::Orthographic => (Vec3::new(w.x, w.y, 0.0), Vec3::Z),

@@ -32,7 +32,7 @@ pub use area::{AreaLight, AreaShape, Emitter};
 pub use environment::Environment;
 pub use groups::LightGroups;
 pub use moving::Moving;
-pub use punctual::{Goniometric, Isotropic, Projection, Punctual, PunctualLight, Spot};
+pub use punctual::{Goniometric, Isotropic, Own, OwnLight, Projection, Punctual, PunctualLight, Spot};
 pub use schedule::{Schedule, Timetable};
 
 use steradian_math::{

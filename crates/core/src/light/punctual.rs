@@ -1,7 +1,11 @@
 //! Lights at a point with a distribution over directions. One that is new is a type here and its name in the list.
 
 use super::{Light, tree::LightBounds};
-use std::f32::consts::{FRAC_1_PI, PI, TAU};
+use std::{
+    f32::consts::{FRAC_1_PI, PI, TAU},
+    fmt::Debug,
+    sync::Arc,
+};
 use steradian_image::Texels;
 use steradian_math::{
     Spectrum, Vec2, Vec3,
@@ -75,6 +79,66 @@ lights! {
     Goniometric,
     /// A slide projector.
     Projection,
+    /// A distribution of a program's own.
+    Own,
+}
+
+/// A distribution of light over directions of a program's own.
+pub trait OwnLight: Debug + Send + Sync {
+    /// Share of the light's intensity in a unit direction of its own space, away from it. What is negative or not
+    /// finite counts as 0.
+    fn share(&self, w: Vec3) -> f32;
+
+    /// Greatest share; brighter directions are right, and noisy.
+    fn greatest(&self) -> f32 {
+        1.0
+    }
+}
+
+/// A light at a point with a distribution of a program's own.
+#[derive(Clone, Debug)]
+pub struct Own {
+    /// Position of the light.
+    pub position: Vec3,
+    /// Its orientation.
+    pub world_from_light: Affine,
+    /// Intensity where the share is one.
+    pub intensity: Color,
+    /// The distribution.
+    pub distribution: Arc<dyn OwnLight>,
+}
+
+impl Own {
+    fn share(&self, w: Vec3) -> f32 {
+        let share = self.distribution.share(w);
+        if share.is_finite() { share.max(0.0) } else { 0.0 }
+    }
+}
+
+impl PunctualLight for Own {
+    fn position(&self) -> Vec3 {
+        self.position
+    }
+
+    fn intensity(&self, p: Vec3, lambda: &Wavelengths, _textures: &Textures, _mode: ColorMode) -> Spectrum {
+        let w = self.world_from_light.inverse().vector(p - self.position).normalize_or_zero();
+        self.intensity.eval(lambda) * self.share(w)
+    }
+
+    fn bounds(&self, mode: ColorMode) -> LightBounds {
+        let greatest = self.distribution.greatest();
+        let greatest = if greatest > 0.0 { greatest.min(f32::MAX) } else { 1.0 };
+        LightBounds::point(self.position, self.intensity.luminance(mode) * greatest)
+    }
+
+    fn flux(&self, mode: ColorMode) -> f32 {
+        // Φ = ∫ I dω, by the midpoint rule over bands of equal solid angle.
+        const BANDS: u32 = 64;
+        let centre = |k: u32| (k as f32 + 0.5) / BANDS as f32;
+        let all = (0..BANDS * BANDS).map(|k| Vec2::new(centre(k % BANDS), centre(k / BANDS)));
+        let sum: f64 = all.map(|u| f64::from(self.share(warp::uniform_sphere(u)))).sum();
+        4.0 * PI * (sum / f64::from(BANDS * BANDS)) as f32 * self.intensity.luminance(mode)
+    }
 }
 
 /// Light that is even in all directions.

@@ -37,7 +37,7 @@ pub use facets::{FacetReflectance, Facets, Film, Metal};
 pub use fold::Fold;
 pub use normal_filter::{FilteredNormals, NormalFilter};
 pub use normal_map::{NormalMap, NormalSpace};
-pub use parametric::Parametric;
+pub use parametric::{InputTextures, OwnMaterial, Parametric};
 use std::sync::Arc;
 use steradian_bsdf::{
     Bsdf, BsdfEval, BsdfSample, CoatTable, Coated, CompensatedConductor, Compensation, Conductor, Dielectric, Diffuse,
@@ -160,6 +160,8 @@ pub enum Model {
     Facets(Facets),
     /// A model that takes nothing but its parameters.
     Parametric(Box<Parametric>),
+    /// A model of a program's own.
+    Own(Box<OwnMaterial>),
     /// Metal by its reflectance at normal incidence.
     ConductorReflectance(SpectrumTexture, Roughness),
     /// A mirror of constant reflectance, smooth or rough.
@@ -385,6 +387,7 @@ impl Material {
                 of(false, roughness)
             }
             Model::Parametric(p) => Needs { parameters: true, tangent: p.recipe.is_anisotropic },
+            Model::Own(own) => Needs { parameters: true, tangent: own.model.is_anisotropic() },
             Model::Fluorescent(_)
             | Model::Grating(_)
             | Model::Hair(_)
@@ -525,6 +528,7 @@ pub fn scattering<'a>(
         }
         Model::Facets(facets) => Bsdf::CookTorrance(facets.eval(textures, at, lambda)),
         Model::Parametric(p) => p.bsdf(textures, at, lambda),
+        Model::Own(own) => own.bsdf(textures, at, lambda),
         Model::Coated { reflectance, tint, roughness, table } => {
             let (u, v) = roughness.alpha(textures, at);
             Bsdf::Coated(Coated::new(table, spectrum(reflectance, lambda), spectrum(tint, lambda), u, v))

@@ -4,6 +4,7 @@
 //! (`steradian-transport`, `tracking`).
 
 use super::Cells;
+use std::{fmt::Debug, sync::Arc};
 use steradian_math::{
     Bounds3, Ray, Spectrum, Transform, Vec3,
     spectra::{
@@ -150,11 +151,31 @@ pub enum Variation {
     Cloud(Cloud),
     /// Both coefficients by one factor.
     Density(Grid),
+    /// Both coefficients by a factor of a program's own, in the space of the medium.
+    Own(Arc<dyn OwnMedium>),
     /// Extinction, and the part of it that is scattering in one or three channels of linear Rec.709: of media that
     /// scatter only where the variation is one.
     Albedo(Grid, Vec<Grid>),
     /// Absorption and scattering, each as three channels of linear Rec.709.
     Rgb(Box<[[Grid; 3]; 2]>),
+}
+
+/// A density of a program's own: a factor on both coefficients of a medium. What is negative or not finite counts as 0.
+pub trait OwnMedium: Debug + Send + Sync {
+    /// The box of the medium, in its space; outside there is none.
+    fn bounds(&self) -> Bounds3;
+
+    /// The density at a point of the box.
+    fn density(&self, p: Vec3) -> f32;
+
+    /// The greatest density in a part of the box, or more. Light passes too far where the density is above it, and
+    /// renders take longer the more it is below it.
+    fn most(&self, part: &Bounds3) -> f32;
+}
+
+/// A factor that is none counts as 0.
+fn sound(density: f32) -> f32 {
+    if density.is_finite() { density.max(0.0) } else { 0.0 }
 }
 
 /// Light that a medium gives off; times the absorption coefficient it is radiance per length.
@@ -259,12 +280,15 @@ impl Field {
         let into = world_from_medium.inverse();
         let cube_from_world = Affine { m: cube.m * into.m, inv: into.inv * cube.inv };
         let grids: Vec<&Grid> = match &variation {
-            Variation::Cloud(_) => Vec::new(),
+            Variation::Cloud(_) | Variation::Own(_) => Vec::new(),
             Variation::Density(grid) | Variation::Albedo(grid, _) => vec![grid],
             Variation::Rgb(grids) => grids.iter().flatten().collect(),
         };
         // As many cells of bounds as the finest grid has voxels, up to a limit.
-        let count: [usize; 3] = std::array::from_fn(|a| grids.iter().map(|g| g.size[a]).max().unwrap_or(1).min(CELLS));
+        let count: [usize; 3] = match &variation {
+            Variation::Own(_) => [CELLS; 3],
+            _ => std::array::from_fn(|a| grids.iter().map(|g| g.size[a]).max().unwrap_or(1).min(CELLS)),
+        };
         let mut most = Vec::with_capacity(count.iter().product());
         let scale = Vec3::from_array(count.map(|c| 1.0 / c as f32));
         // Bound the variation in each cell, a little enlarged against rounding.
@@ -276,6 +300,10 @@ impl Field {
                     let (low, high) = (low - scale * 1e-3, low + scale * 1.001);
                     most.push(match &variation {
                         Variation::Cloud(_) => 1.0,
+                        Variation::Own(own) => {
+                            let [low, high] = [low, high].map(|p| bounds.min + p * (bounds.max - bounds.min));
+                            sound(own.most(&Bounds3::new(low, high)))
+                        }
                         Variation::Density(grid) | Variation::Albedo(grid, _) => grid.most(low, high),
                         Variation::Rgb(grids) => {
                             let largest = |c: &[Grid; 3]| c.iter().map(|g| g.most(low, high)).fold(0.0, f32::max);
@@ -305,6 +333,10 @@ impl Field {
         match &self.variation {
             Variation::Cloud(cloud) => {
                 let density = cloud.density(self.bounds.min + p * (self.bounds.max - self.bounds.min));
+                (a * density, s * density)
+            }
+            Variation::Own(own) => {
+                let density = sound(own.density(self.bounds.min + p * (self.bounds.max - self.bounds.min)));
                 (a * density, s * density)
             }
             Variation::Density(grid) => {
@@ -348,7 +380,7 @@ impl Field {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         let grids = match &self.variation {
-            Variation::Cloud(_) => 0,
+            Variation::Cloud(_) | Variation::Own(_) => 0,
             Variation::Density(grid) => grid.bytes(),
             Variation::Albedo(grid, albedo) => grid.bytes() + albedo.iter().map(Grid::bytes).sum::<usize>(),
             Variation::Rgb(grids) => grids.iter().flatten().map(Grid::bytes).sum(),

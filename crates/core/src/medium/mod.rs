@@ -9,7 +9,7 @@ mod phase;
 use cells::Cells;
 pub use draine::Draine;
 pub use emissive_volume::EmissiveVolume;
-pub use field::{Cloud, Field, Glow, GlowSource, Grid, Heat, Variation, into_cube};
+pub use field::{Cloud, Field, Glow, GlowSource, Grid, Heat, OwnMedium, Variation, into_cube};
 pub use phase::{Lobe, Phase, Table};
 use std::sync::Arc;
 use steradian_math::{

@@ -26,7 +26,7 @@ mod tube;
 
 pub use curve::Curves;
 pub use height_field::Field;
-pub use level::LevelSet;
+pub use level::{LevelSet, OwnShape};
 pub use mesh::TriMesh;
 pub use patch::PatchMesh;
 pub use plane::Plane;

@@ -97,7 +97,7 @@ impl Reader<'_> {
 
     /// A model under Steradian's own name with its own parameters. Sampling rates change the noise only.
     fn taken_over(&mut self, object: ObjectId, kind: &str) -> Option<NodeId> {
-        let Some(model) = Family::Material.model(kind) else {
+        let Some(model) = self.options.kinds.model(Family::Material, kind) else {
             self.unknown_plugin(object);
             return None;
         };

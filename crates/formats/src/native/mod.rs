@@ -91,7 +91,7 @@ pub fn set(
     text: &str,
     options: &Options,
 ) -> Result<(), Diagnostics> {
-    if let Some(what) = unknown(desc.node(node), parameter) {
+    if let Some(what) = unknown(desc.node(node), parameter, options) {
         let mut diagnostics = Diagnostics::default();
         diagnostics.error_help(&desc.sources, None, what.0, what.1);
         return Err(diagnostics);
@@ -130,8 +130,8 @@ pub fn set(
 }
 
 /// Message for a parameter that a node does not have, and the nearest name that its kind has.
-fn unknown(node: &Node, parameter: &str) -> Option<(String, Option<String>)> {
-    let known: Vec<&str> = node.family.parameters(&node.kind)?.map(|p| p.name).collect();
+fn unknown(node: &Node, parameter: &str, options: &Options) -> Option<(String, Option<String>)> {
+    let known: Vec<&str> = options.kinds.parameters(node.family, &node.kind)?.map(|p| p.name).collect();
     if known.contains(&parameter) || node.get(parameter).is_some() {
         return None;
     }

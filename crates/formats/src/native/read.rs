@@ -312,7 +312,7 @@ impl<'a> Reader<'a> {
     }
 
     fn parameter(&mut self, node: &mut Node, key: &Key, item: &Item) -> Read<()> {
-        if let Some(help) = node.family.model(&node.kind).and_then(|m| m.unknown(&key.text)) {
+        if let Some(help) = self.options.kinds.unknown(node.family, &node.kind, &key.text) {
             let message = format!("{} '{}' has no parameter '{}'", node.family.noun(), node.kind, key.text);
             self.diagnostics.unused(&self.desc.sources, Some(key.span), message, help);
         }
@@ -326,7 +326,7 @@ impl<'a> Reader<'a> {
 
     /// A value for a parameter of a kind: three numbers are a colour where it takes one.
     pub fn value_of(&mut self, family: Family, kind: &str, name: &str, item: &Item) -> Read<Value> {
-        let parameter = || family.parameters(kind)?.find(|p| p.name == name);
+        let parameter = || self.options.kinds.parameters(family, kind)?.find(|p| p.name == name);
         match &item.kind {
             Kind::List(items) if parameter().is_some_and(|p| p.takes_color(items.len())) => value::color(name, item),
             _ => self.value(name, item),

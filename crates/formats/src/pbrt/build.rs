@@ -231,6 +231,29 @@ pub(super) enum Field {
 }
 
 impl Build<'_, '_> {
+    /// Reads the parameters of a model of a program's own; `None` for kinds that it does not have.
+    pub fn own(&mut self) -> Option<()> {
+        use steradian_schema::Type as Kind;
+        let model = self.scene.options.kinds.own(self.node.family).find(|m| m.kind == self.node.kind)?;
+        for p in model.all() {
+            let n = p.name;
+            match p.kind {
+                Kind::Texture => _ = self.spectrum_texture(n, n, Role::Albedo, None),
+                Kind::Spectrum => self.spectrum(n, n, Role::Unbounded, None),
+                Kind::Scalar => _ = self.float_texture(n, n, None),
+                Kind::Number => self.float(n, n, None),
+                Kind::Integer => self.int(n, n, None),
+                Kind::Flag => self.bool(n, n, None),
+                Kind::Word(_) | Kind::Text => self.text(n, n, None),
+                Kind::Vector => self.vec3(n, n, Type::Vector3, None),
+                Kind::List => self.floats(n, n, Type::Float),
+                // Others are no parameters of models of one's own, but of groups, which have pbrt's own names here.
+                _ => {}
+            }
+        }
+        Some(())
+    }
+
     /// Reads parameters that keep their names.
     pub fn fields(&mut self, fields: &[Field]) {
         let constant = SpectrumValue::Constant;

@@ -88,6 +88,7 @@ pub(super) fn translate(scene: &mut Scene, dict: &Dict, kind: &str) -> Option<No
         "subsurface" => subsurface(&mut b),
         "mix" => mix(&mut b),
         "interface" | "" | "none" => {}
+        _ if b.own().is_some() => {}
         _ => {
             let help = match OLD_KINDS.iter().find(|(old, _)| *old == kind) {
                 Some((_, new)) => Some(format!("'{kind}' is of pbrt-v3; the nearest of pbrt-v4 is '{new}'")),

@@ -91,6 +91,7 @@ pub(super) fn translate(scene: &mut Scene, dict: &Dict) -> Option<(NodeId, Optio
                 _ => b.set("flat", false),
             }
         }
+        _ if b.own().is_some() => {}
         _ => {
             let help = match given {
                 "nurbs" => Some("'nurbs' is of pbrt-v3; pbrt-v4 has no such shape".into()),

@@ -114,6 +114,7 @@ pub(super) fn translate(scene: &mut Scene, dict: &Dict, values: Values, ctm: Tra
             scene.report.error_help(dict.span, "Ptex textures are not supported", Some(help.into()));
             return None;
         }
+        _ if b.own().is_some() => mapping(&mut b, ctm),
         _ => {
             let (message, help) = match CLASSES.contains(&class) {
                 true => (format!("there is no '{class}' texture of type {}", values.name()), None),

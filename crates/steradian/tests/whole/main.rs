@@ -23,6 +23,7 @@ mod meter;
 mod motion;
 mod own_language;
 mod own_methods;
+mod own_models;
 mod phosphorescence;
 mod planes;
 mod preview;

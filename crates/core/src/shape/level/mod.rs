@@ -6,18 +6,21 @@
 //! and what distance is left is part of its error. Normals point to where the function grows.
 
 mod cells;
+mod own;
 mod revolution;
 mod search;
 mod swept;
 #[cfg(test)]
 mod tests;
 
+pub use own::OwnShape;
 pub use revolution::Revolution;
 pub use swept::Swept;
 
 use super::SurfacePoint;
 use cells::Cells;
 use glam::{DMat4, DVec3};
+use std::sync::Arc;
 use steradian_accel::UserHit;
 use steradian_math::{
     Bounds3, Ray, Vec2, Vec3, expression::Expression, intersect::Quadric, ray::gamma, transform::Affine,
@@ -36,6 +39,8 @@ pub enum Function {
     Revolution(Revolution),
     /// Any expression.
     Expression(Expression<3>),
+    /// A shape of a program's own.
+    Own(Arc<dyn OwnShape>),
 }
 
 /// A surface in a box, placed in the space it is traced in.
@@ -59,7 +64,7 @@ impl LevelSet {
         is_box.then(|| {
             let cells = match &function {
                 Function::Expression(e) => Some(Cells::new(e, [low, high])),
-                Function::Quadric(_) | Function::Revolution(_) => None,
+                Function::Quadric(_) | Function::Revolution(_) | Function::Own(_) => None,
             };
             Self { function, cells, low, high, place, into: place.inv.as_dmat4(), flip }
         })
@@ -113,6 +118,7 @@ impl LevelSet {
                 let roots = r.quadric().roots(start, d)?.into_iter().filter(within);
                 roots.filter(|s| r.keeps(start + d * *s)).find_map(|s| hit(near + s))
             }
+            Function::Own(own) => own::roots(&**own, start, d, far - near).find_map(|s| hit(near + s)),
             Function::Expression(e) => {
                 let mut search = search::Search::new(e, [start, d], near);
                 let take = |s: f64| hit(near + s);
@@ -133,6 +139,7 @@ impl LevelSet {
                 let (value, gradient) = e.sample(p.to_array());
                 (value, DVec3::from_array(gradient))
             }
+            Function::Own(own) => own.sample(p),
         }
     }
 
@@ -172,6 +179,12 @@ impl LevelSet {
             Function::Revolution(r) => {
                 SurfacePoint { uv: r.parameters(p), dpdu: self.place.vector(r.dpdu(p).as_vec3()), ..bare }
             }
+            Function::Own(own) => {
+                let uv = own.uv(p).as_vec2();
+                let dpdu = self.place.vector(own.derivatives(p)[0].as_vec3());
+                let is_sound = uv.is_finite() && dpdu.is_finite();
+                if is_sound { SurfacePoint { uv, dpdu, ..bare } } else { bare }
+            }
             Function::Quadric(_) | Function::Expression(_) => SurfacePoint { uv: Vec2::ZERO, ..bare },
         }
     }
@@ -184,6 +197,10 @@ impl LevelSet {
     pub fn dpdv(&self, p: Vec3) -> Vec3 {
         match &self.function {
             Function::Revolution(r) => self.place.vector(r.dpdv(self.into.transform_point3(p.as_dvec3())).as_vec3()),
+            Function::Own(own) => {
+                let dpdv = own.derivatives(self.into.transform_point3(p.as_dvec3()))[1];
+                self.place.vector(dpdv.as_vec3())
+            }
             Function::Quadric(_) | Function::Expression(_) => Vec3::ZERO,
         }
     }
