@@ -49,28 +49,3 @@ fn capital(text: &str) -> String {
     let mut rest = text.chars();
     rest.next().map(|c| c.to_uppercase().chain(rest).collect()).unwrap_or_default()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_pages_are_up_to_date() {
-        let pages = [
-            (Family::Material, include_str!("../../../docs/materials.md")),
-            (Family::Texture, include_str!("../../../docs/textures.md")),
-            (Family::Light, include_str!("../../../docs/lights.md")),
-            (Family::Shape, include_str!("../../../docs/shapes.md")),
-            (Family::Camera, include_str!("../../../docs/cameras.md")),
-            (Family::Medium, include_str!("../../../docs/media.md")),
-            (Family::Phase, include_str!("../../../docs/phases.md")),
-            (Family::Film, include_str!("../../../docs/films.md")),
-            (Family::Filter, include_str!("../../../docs/filters.md")),
-            (Family::Integrator, include_str!("../../../docs/integrators.md")),
-        ];
-        for (family, page) in pages {
-            let list = family.plural();
-            assert!(page == super::page(family), "run: steradian list {list} --markdown > docs/{list}.md");
-        }
-    }
-}

@@ -43,8 +43,6 @@ mod socket;
 mod state;
 mod surroundings;
 mod tile;
-#[cfg(test)]
-mod tones;
 mod turn;
 mod upload;
 mod uploaded;

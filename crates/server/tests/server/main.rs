@@ -11,3 +11,4 @@ mod pictures;
 mod reference;
 mod scenes;
 mod session;
+mod tones;

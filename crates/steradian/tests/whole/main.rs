@@ -41,3 +41,4 @@ mod transient;
 mod transparency;
 mod volumes;
 mod waves;
+mod written_pages;

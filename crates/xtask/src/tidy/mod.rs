@@ -2,6 +2,7 @@
 //! ceiling is an error, less is a reason to lower it (`--update`).
 
 mod circles;
+mod packages;
 mod syntax;
 
 use circles::circles;
@@ -115,6 +116,7 @@ fn counted() -> Result<Found, Box<dyn Error>> {
     found.insert("modules in circles", in_circles(&sources));
     found.insert("crates over 20000 lines", large(&sources));
     found.insert("unused dependencies", unused_dependencies(&sources)?);
+    found.insert("faults of packages", packages::faults(&sources)?);
     let baseline = baseline()?;
     found.insert("public items used by tests alone", unused_items(&sources, &baseline));
     found.insert("uses of files, clock, environment or processes", uses_of_system(&sources, &baseline));

@@ -6,7 +6,7 @@ use glsl::{Scope, Shader, Value};
 use steradian::image::tone::{CURVES, Tone};
 
 /// The page's curves.
-const PAGE: &str = include_str!("../../../web/src/tone.ts");
+const PAGE: &str = include_str!("../../../../web/src/tone.ts");
 
 /// Text between a beginning and an end.
 fn between<'t>(text: &'t str, begin: &str, end: &str) -> &'t str {
