@@ -2,7 +2,6 @@
 //! `cargo run -p steradian-compile --example texture_gallery -- [FOLDER [NAME…]]`. Without names it makes all of them,
 //! and the page.
 
-#[path = "../tests/compiled/one_shape/mod.rs"]
 mod one_shape;
 
 use std::{

@@ -6,6 +6,7 @@ mod emission;
 mod families;
 mod light_sampling;
 mod normal_maps;
+#[path = "../../examples/one_shape/mod.rs"]
 mod one_shape;
 mod schema;
 mod sky;

@@ -109,7 +109,10 @@ fn outside(source: &Source) -> Vec<String> {
     let mut named = Vec::new();
     collect(quote::ToTokens::to_token_stream(&source.parsed), &mut named);
     let folder = source.path.parent().unwrap_or(Path::new(""));
-    named.retain(|file| !resolved(&folder.join(file)).starts_with(&own));
+    named.retain(|file| {
+        let file = resolved(&folder.join(file));
+        !file.starts_with(&own) || file.starts_with(own.join("tests"))
+    });
     named.iter().map(|file| format!("{}: {file} is outside the package", source.path.display())).collect()
 }
 
@@ -159,10 +162,11 @@ mod tests {
         let text = "#![doc = include_str!(\"../README.md\")]
             #[path = \"../examples/a.rs\"] mod a;
             #[path = \"../../other/src/b.rs\"] mod b;
+            #[path = \"../tests/f.rs\"] mod f;
             const C: &[u8] = include_bytes!(\"c.bin\");
             fn f() { let all = vec![include_str!(\"../../../docs/d.md\")]; let path = \"../../../e\"; }";
         let found = outside(&source("crates/k/src/lib.rs", text));
-        let expected = ["../../other/src/b.rs", "../../../docs/d.md"];
+        let expected = ["../../other/src/b.rs", "../tests/f.rs", "../../../docs/d.md"];
         assert_eq!(found, expected.map(|file| format!("crates/k/src/lib.rs: {file} is outside the package")));
         assert!(outside(&source("crates/k/tests/t.rs", text)).is_empty());
     }
