@@ -442,7 +442,7 @@ mod tests {
             }
             let torus = Torus::new(1.0, 0.5).unwrap();
             let hits = ray.torus(1.0, 0.5, &mut report).unwrap_or_default();
-            assert!(hits.len() % 2 == 0 && hits.windows(2).all(|w| w[0].0 < w[1].0));
+            assert!(hits.len().is_multiple_of(2) && hits.windows(2).all(|w| w[0].0 < w[1].0));
             for (t, n) in hits {
                 counts[3] += 1;
                 let p = Point3::from_vector(ray.at(t));
