@@ -8,6 +8,7 @@ use crate::{
     bake::BakeArgs,
     bench::BenchArgs,
     chunks::{chunk::ChunkArgs, merge::MergeArgs, plan::PlanArgs},
+    exercise::ExerciseArgs,
     experiment::ExperimentArgs,
     farm::FarmArgs,
     meter::MeterArgs,
@@ -28,8 +29,8 @@ use clap::{Parser, Subcommand};
     arg_required_else_help = true
 )]
 #[command(
-    after_help = "Exit codes: 0 done, 1 failed, 2 bad command line or scene, 4 pictures or methods differ (compare, \
-                  verify), 5 undecided (verify), 75 try again (chunk, merge), 130/143 stopped."
+    after_help = "Exit codes: 0 done, 1 failed, 2 bad command line or scene, 4 pictures, methods or answers differ \
+                  (compare, verify, exercise), 5 undecided (verify), 75 try again (chunk, merge), 130/143 stopped."
 )]
 pub struct Cli {
     /// Command.
@@ -86,6 +87,8 @@ pub enum Command {
     Estimate(Box<ExperimentArgs>),
     /// Compute analytic geometry: lines, planes, conics, surfaces and their curvature, rotations, …
     Geometry(Box<ExperimentArgs>),
+    /// Do an exercise of the course in Python or Rust: write its folder, check the answer
+    Exercise(ExerciseArgs),
     /// Print shell completions
     Completions {
         /// The shell.

@@ -1,7 +1,8 @@
 //! `steradian`, the command line: a thin shell over the library. Data goes to stdout, talk to stderr.
 //!
 //! Exit codes: 0 done; 1 the work failed (an output cannot be written); 2 bad command line or scene; 4
-//! `compare --fail-above` says the pictures differ; 75 try again (chunk, merge); 130 and 143 stopped by SIGINT and SIGTERM.
+//! `compare --fail-above` says the pictures differ, or `exercise check` that an answer is wrong; 75 try again (chunk,
+//! merge); 130 and 143 stopped by SIGINT and SIGTERM.
 
 mod args;
 mod bake;
@@ -18,6 +19,7 @@ mod csv;
 mod denoise;
 mod diagnostics;
 mod estimate;
+mod exercise;
 mod experiment;
 mod failure;
 mod farm;
@@ -150,6 +152,7 @@ fn run(command: &Command, terminal: Terminal) -> Outcome {
         Command::Unwrap(args) => unwrap::run(args, terminal),
         Command::Bench(args) => bench::run(args, terminal),
         Command::Signal(args) => signal::run(args, terminal),
+        Command::Exercise(args) => exercise::run(args),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(*shell, &mut Cli::command(), "steradian", &mut script);

@@ -8,7 +8,7 @@ use clap::{
 use std::path::Path;
 
 /// A command that runs as it stands for each that needs words.
-const EXAMPLES: [(&str, &str); 15] = [
+const EXAMPLES: [(&str, &str); 16] = [
     ("verify", "verify builtin:cornell-box --spp 16 --size 32x32"),
     ("plan", "plan builtin:cornell-box --chunks 8 -o job"),
     ("chunk", "chunk job 0"),
@@ -24,6 +24,7 @@ const EXAMPLES: [(&str, &str); 15] = [
     ("unwrap", "unwrap MESH.ply -o ATLAS.ply"),
     ("bench", "bench --help"),
     ("signal", "signal PICTURE.png -o spectrum.svg"),
+    ("exercise", "exercise start fresnel"),
 ];
 
 /// More than the error itself says: what to do with a file that stands where a command belongs, and an example of a

@@ -9,6 +9,7 @@ mod chunks;
 mod denoising;
 mod events;
 mod exchange;
+mod exercises;
 mod experiments;
 mod farm;
 #[cfg(unix)]

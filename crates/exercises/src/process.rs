@@ -1,0 +1,153 @@
+//! A learner's program under questions: bounded in time and memory, whatever it does.
+
+use crate::protocol::{Question, Reply};
+use std::{
+    io::{BufRead, BufReader, Read, Write},
+    process::{Child, Command, Stdio},
+    sync::{Arc, Mutex, mpsc},
+    thread,
+    time::{Duration, Instant},
+};
+
+/// Most bytes of a reply.
+const LINE: u64 = 1 << 16;
+/// Most bytes that are kept of what a program prints for its author.
+const PRINTED: usize = 1 << 14;
+/// Replies that may wait between the threads.
+const WAITING: usize = 256;
+/// Time that a program has to end after its last answer.
+const FAREWELL: Duration = Duration::from_secs(2);
+
+/// Replies to the first questions, and why there are no more.
+#[derive(Debug)]
+pub(crate) struct Asked {
+    pub replies: Vec<Reply>,
+    pub stop: Option<Stop>,
+    /// Output on stderr, its beginning.
+    pub printed: String,
+}
+
+/// A reason for which a program gave no more replies.
+#[derive(Debug, PartialEq)]
+pub(crate) enum Stop {
+    /// It ended, in these words.
+    Ended(String),
+    Timeout,
+    /// A line that is no reply, its beginning.
+    NoReply(String),
+    /// A line without end.
+    Flood,
+    /// The file with the functions cannot be loaded.
+    Broken(String),
+}
+
+/// Ends a program that is no longer needed.
+struct Guard(Child);
+
+impl Drop for Guard {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// Asks a program all questions in one go.
+///
+/// # Errors
+/// The system's, if the program cannot be started.
+pub(crate) fn ask(command: &mut Command, questions: &[Question], timeout: Duration) -> std::io::Result<Asked> {
+    let deadline = Instant::now() + timeout;
+    let child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
+    let mut child = Guard(child);
+    if let Some(mut stdin) = child.0.stdin.take() {
+        let lines: Vec<String> = questions.iter().map(Question::line).collect();
+        // A program that ended is told of by the other side.
+        thread::spawn(move || lines.iter().try_for_each(|line| stdin.write_all(line.as_bytes())));
+    }
+    let printed = Arc::new(Mutex::new(Vec::new()));
+    // Closed when all is read that the program prints.
+    let (reading, all_read) = mpsc::channel::<()>();
+    if let Some(stderr) = child.0.stderr.take() {
+        let printed = printed.clone();
+        thread::spawn(move || {
+            keep_beginning(stderr, &printed);
+            drop(reading);
+        });
+    }
+    let (sender, lines) = mpsc::sync_channel(WAITING);
+    if let Some(stdout) = child.0.stdout.take() {
+        thread::spawn(move || send_lines(stdout, &sender));
+    }
+    let (mut replies, mut stop) = (Vec::with_capacity(questions.len()), None);
+    while replies.len() < questions.len() && stop.is_none() {
+        match lines.recv_timeout(deadline.saturating_duration_since(Instant::now())) {
+            Ok(line) => match read(&line) {
+                Ok(reply) => replies.push(reply),
+                Err(reason) => stop = Some(reason),
+            },
+            Err(mpsc::RecvTimeoutError::Timeout) => stop = Some(Stop::Timeout),
+            Err(mpsc::RecvTimeoutError::Disconnected) => stop = Some(Stop::Ended(ending(&mut child.0, deadline))),
+        }
+    }
+    // Its end, by itself if it can: what it prints last is read then.
+    let patience = if stop.is_none() { FAREWELL } else { Duration::ZERO };
+    let _ = wait(&mut child.0, (Instant::now() + patience).min(deadline));
+    drop(child);
+    let _ = all_read.recv_timeout(FAREWELL);
+    let printed = printed.lock().map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).unwrap_or_default();
+    Ok(Asked { replies, stop, printed })
+}
+
+/// Waits for the end of a program until a moment.
+fn wait(child: &mut Child, deadline: Instant) -> Option<std::process::ExitStatus> {
+    loop {
+        match child.try_wait() {
+            Ok(Some(status)) => return Some(status),
+            Ok(None) if Instant::now() < deadline => thread::sleep(Duration::from_millis(2)),
+            _ => return None,
+        }
+    }
+}
+
+/// The end of a program that closed its output, in words.
+fn ending(child: &mut Child, deadline: Instant) -> String {
+    match wait(child, deadline) {
+        Some(status) => format!("ended early ({status})"),
+        None => "closed its output".into(),
+    }
+}
+
+/// A line as a reply.
+fn read(line: &[u8]) -> Result<Reply, Stop> {
+    if line.len() as u64 >= LINE {
+        return Err(Stop::Flood);
+    }
+    let text = String::from_utf8_lossy(line);
+    match Reply::parse(text.trim_end()) {
+        Some(Reply::Broken(text)) => Err(Stop::Broken(text)),
+        Some(reply) => Ok(reply),
+        None => Err(Stop::NoReply(text.trim_end().chars().take(80).collect())),
+    }
+}
+
+/// Sends lines, or their first [`LINE`] bytes, until nobody takes them.
+fn send_lines(from: impl Read, to: &mpsc::SyncSender<Vec<u8>>) {
+    let mut from = BufReader::new(from);
+    loop {
+        let mut line = Vec::new();
+        let read = from.by_ref().take(LINE).read_until(b'\n', &mut line);
+        if read.is_err() || line.is_empty() || to.send(line).is_err() {
+            return;
+        }
+    }
+}
+
+/// Reads everything and keeps the beginning.
+fn keep_beginning(mut from: impl Read, kept: &Mutex<Vec<u8>>) {
+    let mut buffer = [0; 4096];
+    while let Ok(count @ 1..) = from.read(&mut buffer) {
+        let Ok(mut kept) = kept.lock() else { return };
+        let room = PRINTED.saturating_sub(kept.len()).min(count);
+        kept.extend_from_slice(buffer.get(..room).unwrap_or_default());
+    }
+}
