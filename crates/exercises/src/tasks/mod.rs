@@ -1,13 +1,18 @@
 //! The exercises, a file for each.
 
 mod diffuse;
+mod edge_function;
+mod form_factor;
 mod fresnel;
 mod microfacet;
+mod mip_level;
 mod mis;
 mod next_event;
 mod path_tracer;
+mod perspective_interpolation;
 mod phong;
 mod russian_roulette;
+mod tone_curve;
 
 use crate::{Exercise, Fault};
 use steradian_schema::names;
@@ -20,8 +25,13 @@ pub static EXERCISES: &[&Exercise] = &[
     &mis::EXERCISE,
     &fresnel::EXERCISE,
     &microfacet::EXERCISE,
+    &tone_curve::EXERCISE,
     &diffuse::EXERCISE,
     &phong::EXERCISE,
+    &form_factor::EXERCISE,
+    &edge_function::EXERCISE,
+    &perspective_interpolation::EXERCISE,
+    &mip_level::EXERCISE,
 ];
 
 /// The exercise of this name.
