@@ -238,6 +238,7 @@ impl PartialEq for Registry {
 
 impl fmt::Debug for Registry {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_tuple("Registry").field(&self.0.kinds).finish()
+        // The address tells registries apart whose models have the same names.
+        f.debug_tuple("Registry").field(&self.address()).field(&self.0.kinds).finish()
     }
 }

@@ -6,6 +6,7 @@
 //! nothing. The interpreter's
 //! lock is released while anything takes long.
 
+mod batch;
 mod comparison;
 mod convert;
 mod denoise;
@@ -19,6 +20,8 @@ mod message;
 mod metadata;
 mod meter;
 mod mix;
+mod own;
+mod own_method;
 mod parameter;
 mod parts;
 mod progress;
@@ -54,6 +57,10 @@ mod _steradian {
     use super::message::Message;
     #[pymodule_export]
     use super::meter::meter;
+    #[pymodule_export]
+    use super::own::{own_integrator, own_material, own_texture};
+    #[pymodule_export]
+    use super::own_method::Wave;
     #[pymodule_export]
     use super::parameter::Parameter;
     #[pymodule_export]

@@ -1,9 +1,12 @@
 //! Materials and spectra as functions on arrays.
 
-use crate::message;
+use crate::{
+    batch::{self, matrix},
+    message, own,
+};
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2,
-    ndarray::{Array1, Array2, ArrayView1, ArrayView2},
+    ndarray::{Array1, ArrayView1, ArrayView2},
 };
 use pyo3::{
     exceptions::{PyKeyError, PyValueError},
@@ -14,7 +17,7 @@ use std::sync::Arc;
 use steradian::{
     ColorMode, CompileOptions, Scene,
     bsdf::{BsdfEval, BsdfSample},
-    instruments::{Specimen, TransportMode},
+    instruments::{Specimen, TransportMode, laws::laws},
     math::{
         Spectrum, Vec2, Vec3,
         hash::{ONE_MINUS_EPSILON, combine32, unit_f32},
@@ -117,17 +120,13 @@ fn numbers(array: ArrayView2<'_, f32>) -> PyResult<Vec<[f32; 4]>> {
 }
 
 /// Something for each of so many rows, by many threads.
-fn each<T: Send>(py: Python<'_>, rows: usize, of: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
-    py.detach(|| (0..rows).into_par_iter().with_min_len(ROWS_AT_ONCE).map(of).collect())
+fn each<T: Send>(py: Python<'_>, rows: usize, of: impl Fn(usize) -> T + Sync + Send) -> PyResult<Vec<T>> {
+    let found = py.detach(|| (0..rows).into_par_iter().with_min_len(ROWS_AT_ONCE).map(of).collect());
+    batch::fault().map(|()| found)
 }
 
 fn column<'py>(py: Python<'py>, values: impl Iterator<Item = f32>) -> Bound<'py, PyArray1<f32>> {
     Array1::from_iter(values).into_pyarray(py)
-}
-
-fn matrix(py: Python<'_>, shape: (usize, usize), data: Vec<f32>) -> PyResult<Bound<'_, PyArray2<f32>>> {
-    let array = Array2::from_shape_vec(shape, data).map_err(|e| PyValueError::new_err(e.to_string()))?;
-    Ok(array.into_pyarray(py))
 }
 
 #[pymethods]
@@ -136,9 +135,9 @@ impl Material {
     #[staticmethod]
     #[pyo3(signature = (kind, parameters, *, wavelengths = None))]
     fn describe(kind: &str, parameters: Vec<(String, String)>, wavelengths: Option<[f32; 4]>) -> PyResult<Self> {
-        let desc = specimen::describe(kind, &parameters).map_err(PyValueError::new_err)?;
+        let desc = specimen::describe_of(own::registry().kinds(), kind, &parameters).map_err(PyValueError::new_err)?;
         let mode = if wavelengths.is_some() { ColorMode::Spectral } else { ColorMode::Rgb };
-        let options = CompileOptions { mode: Some(mode), size: Some((8, 8)), ..CompileOptions::default() };
+        let options = CompileOptions { mode: Some(mode), size: Some((8, 8)), ..own::compiling() };
         let compiled = steradian::compile(&desc, &options);
         let Some(scene) = compiled.scene else { return Err(message::error(&compiled.diagnostics)) };
         // The specimen is the first shape.
@@ -162,7 +161,7 @@ impl Material {
         let found = each(py, wo.len(), |i| match wi[i] {
             Vec3::ZERO => BsdfEval::ZERO,
             wi => specimen.eval(wo[i], wi, TransportMode::Radiance),
-        });
+        })?;
         let values = self.lanes(py, specimen, found.iter().map(|e| e.value))?;
         Ok((values, column(py, found.iter().map(|e| e.pdf))))
     }
@@ -187,7 +186,7 @@ impl Material {
             let [lobe, x, y, choice] = u[i];
             let drawn = specimen.sample(wo[i], choice, lobe, Vec2::new(x, y), TransportMode::Radiance);
             drawn.filter(|s| s.pdf > 0.0)
-        });
+        })?;
         let of = |value: fn(&BsdfSample) -> f32, none: f32| {
             column(py, found.iter().map(move |s| s.as_ref().map_or(none, value)))
         };
@@ -227,8 +226,27 @@ impl Material {
                 sums.iter_mut().zip(drawn.weight.to_array()).for_each(|(sum, w)| *sum += f64::from(w));
             }
             Spectrum::new(sums.map(|sum| (sum / f64::from(samples)) as f32))
-        });
+        })?;
         self.lanes(py, specimen, found.into_iter())
+    }
+
+    /// The laws of scattering as `steradian material --laws` tests them: law, angle (degrees, or none), found, expected,
+    /// p (or none), holds.
+    #[pyo3(signature = (*, samples = 20_000, uv = [0.5, 0.5]))]
+    #[expect(clippy::type_complexity, reason = "used once")]
+    fn laws(
+        &self,
+        py: Python<'_>,
+        samples: u32,
+        uv: [f32; 2],
+    ) -> PyResult<Vec<(&'static str, Option<f64>, f64, f64, Option<f64>, bool)>> {
+        if !(1..=MOST_SAMPLES).contains(&samples) {
+            let wanted = format!("samples are whole numbers from 1 to {MOST_SAMPLES}, not {samples}");
+            return Err(PyValueError::new_err(wanted));
+        }
+        let found = py.detach(|| laws(&self.specimen(uv), samples));
+        batch::fault()?;
+        Ok(found.laws.iter().map(|l| (l.law, l.angle, l.found, l.expected, l.p, l.holds)).collect())
     }
 
     fn __repr__(&self) -> String {

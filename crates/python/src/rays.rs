@@ -1,6 +1,6 @@
 //! Rays through a scene: what they meet, and whether anything is in between.
 
-use crate::scene::Scene;
+use crate::{batch, scene::Scene};
 use numpy::{
     Element, IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArray2,
     ndarray::{Array1, Array2},
@@ -125,6 +125,7 @@ pub fn trace<'py>(
         let all = rays.par_iter().with_min_len(RAYS_AT_ONCE);
         all.map(|ray| Found::along(&scene, ray)).collect()
     });
+    batch::fault()?;
     let all = PyDict::new(py);
     all.set_item("t", column(py, &found, |f| f.t))?;
     all.set_item("position", columns(py, &found, |f| f.position.to_array())?)?;
@@ -156,6 +157,7 @@ pub fn occluded<'py>(
     let rays = rays(&scene, &origins, &directions, &max_distance, time)?;
     let all = rays.par_iter().with_min_len(RAYS_AT_ONCE);
     let found: Vec<bool> = py.detach(|| all.map(|m| scene.occluded(&m.ray)).collect());
+    batch::fault()?;
     Ok(found.into_pyarray(py))
 }
 

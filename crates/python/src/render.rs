@@ -1,6 +1,7 @@
 //! Rendering under watch: a thread takes the samples, while the calling one looks at signals and tells how far it is.
 
 use crate::{
+    batch,
     frames::Frames,
     image::{Facts, Image},
     message::warn,
@@ -79,6 +80,8 @@ pub fn run(py: Python<'_>, request: &Request<'_>) -> PyResult<Image> {
         before.iter().for_each(|before| before.end(&mut *session));
         ((end, facts, picture), fault)
     });
+    // Of functions that are called between the last look and the end.
+    batch::fault()?;
     fault.map_or(Ok(()), |why| warn(py, &why))?;
     match ended {
         // Ctrl-C keeps the picture; what a callback raised goes on.
@@ -125,6 +128,11 @@ fn watch(
         while !done.load(Ordering::Acquire) {
             thread::park_timeout(LOOK_EVERY);
             if end.is_some() {
+                continue;
+            }
+            if batch::has_fault() {
+                end = batch::fault().err().map(End::Raised);
+                control.cancel.store(true, Ordering::Relaxed);
                 continue;
             }
             let seconds = start.elapsed().as_secs_f64();

@@ -9,6 +9,7 @@ use crate::{
     material::Material,
     mesh,
     message::{Message, error},
+    own,
     parameter::{self, Parameter},
     parts::Parts,
     render::{self, Request},
@@ -128,7 +129,7 @@ impl Scene {
     /// The scene for rays and materials, which need no camera.
     pub fn queried(&self, py: Python<'_>, mode: Option<ColorMode>) -> PyResult<Ready> {
         let mut state = self.state(py);
-        let options = CompileOptions { mode, ..CompileOptions::default() };
+        let options = CompileOptions { mode, ..own::compiling() };
         if !state.desc.cameras.is_empty() {
             return state.ready(py, &options, "");
         }
@@ -232,7 +233,7 @@ impl Scene {
         search: Vec<PathBuf>,
         strict: bool,
     ) -> PyResult<Self> {
-        let options = Options { defines, search, ..Options::default() };
+        let options = Options { defines, search, ..own::reading() };
         let loaded = py.detach(|| steradian::load(&path, &options));
         Ok(Self { source: Some(path), ..Self::new((loaded.desc, loaded.diagnostics), options, strict)? })
     }
@@ -268,7 +269,7 @@ impl Scene {
         search: Vec<PathBuf>,
         strict: bool,
     ) -> PyResult<Self> {
-        let options = Options { search, ..Options::default() };
+        let options = Options { search, ..own::reading() };
         let mesh = |(name, arrays): (String, Bound<'_, PyDict>)| Ok((name, mesh::from_arrays(&arrays)?));
         let meshes = meshes.into_iter().map(mesh).collect::<PyResult<_>>()?;
         let given = native::Given { meshes, files };
@@ -301,7 +302,7 @@ impl Scene {
         search: Vec<PathBuf>,
         strict: bool,
     ) -> PyResult<Self> {
-        let options = Options { search, ..Options::default() };
+        let options = Options { search, ..own::reading() };
         let bytes = text.as_bytes().to_vec();
         let loaded = py.detach(|| steradian::load_bytes(name, bytes, format, &options));
         Self::new((loaded.desc, loaded.diagnostics), options, strict)
@@ -451,7 +452,7 @@ impl Scene {
         let desc = py
             .detach(|| postcard::from_bytes::<SceneDesc>(bytes))
             .map_err(|e| PyValueError::new_err(format!("the bytes are no scene that this version packed: {e}")))?;
-        Ok(Self::of(Arc::new(desc), Diagnostics::default(), Options::default()))
+        Ok(Self::of(Arc::new(desc), Diagnostics::default(), own::reading()))
     }
 
     /// Shows the scene, as it is now, in a page of a server on this machine.

@@ -1,6 +1,6 @@
 //! Settings of a render.
 
-use crate::{denoise::Denoiser, look::Look};
+use crate::{denoise::Denoiser, look::Look, own};
 use pyo3::{exceptions::PyValueError, prelude::*};
 use steradian::{ColorMode, CompileOptions, Layer, Quality, SensorNoise, suited_mode};
 
@@ -96,11 +96,11 @@ impl Settings {
             transparent,
             independent: denoiser.is_some(),
         };
-        quality.request().map_err(|e| PyValueError::new_err(e.to_string()))?;
+        own::registry().request(&quality).map_err(|e| PyValueError::new_err(e.to_string()))?;
         let suited = || quality.integrator.as_deref().and_then(suited_mode).filter(|mode| *mode == ColorMode::Rgb);
         let mode = self::color(color)?.or_else(suited);
         let sensor_noise = SensorNoise::OfFrame(frame.unwrap_or_default());
-        let options = CompileOptions { mode, size, crop, camera, spp, sensor_noise, ..CompileOptions::default() };
+        let options = CompileOptions { mode, size, crop, camera, spp, sensor_noise, ..own::compiling() };
         let look = look_at.map(|points| Look::new(points, fov)).transpose()?;
         Ok(Self { quality, options, time, is_denoised: denoiser.is_some(), look })
     }

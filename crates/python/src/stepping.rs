@@ -1,6 +1,6 @@
 //! Sessions of renders: begun, stepped until they are done, and developed.
 
-use crate::settings::Settings;
+use crate::{own, settings::Settings};
 use pyo3::{exceptions::PyValueError, prelude::*};
 use std::sync::{Arc, atomic::Ordering};
 use steradian::{
@@ -11,7 +11,7 @@ use steradian::{
 /// The plan of a scene's render; refuses one that is to be denoised and cannot be.
 pub fn plan(settings: &Settings, scene: &Scene) -> PyResult<Render> {
     let Settings { quality, is_denoised, .. } = settings;
-    let render = quality.render(scene).map_err(|e| PyValueError::new_err(e.to_string()))?;
+    let render = own::registry().plan(scene, quality).map_err(|e| PyValueError::new_err(e.to_string()))?;
     match render.not_denoisable(scene).filter(|_| *is_denoised) {
         Some(why) => Err(PyValueError::new_err(format!("denoise is not for '{}' here: {why}", render.name))),
         None => Ok(render),

@@ -18,7 +18,7 @@ pub struct Taken {
 
 impl std::fmt::Display for Taken {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "there is a {} '{}' already", self.family.noun(), self.kind)
+        write!(f, "the {} '{}' is there already", self.family.noun(), self.kind)
     }
 }
 
@@ -117,7 +117,7 @@ mod tests {
         let mut kinds = Kinds::default();
         kinds.add(Family::Material, &VELVET).unwrap();
         let taken = kinds.add(Family::Material, &VELVET).unwrap_err();
-        assert_eq!(taken.to_string(), "there is a material 'velvet' already");
+        assert_eq!(taken.to_string(), "the material 'velvet' is there already");
         static DIFFUSE: Model = Model { kind: "diffuse", ..VELVET };
         assert!(kinds.add(Family::Material, &DIFFUSE).is_err() && kinds.add(Family::Texture, &DIFFUSE).is_ok());
     }

@@ -109,20 +109,30 @@ impl Registry {
         }
     }
 
-    /// The method and plan of a quality for a scene, by a method of one's own where the quality or the scene names one.
+    /// The typed request of a quality, whose integrator may be of one's own.
     ///
     /// # Errors
-    /// As [`Quality::render`].
-    pub fn plan(&self, scene: &Scene, quality: &Quality) -> Result<Render, Error> {
+    /// As [`Quality::request`].
+    pub fn request(&self, quality: &Quality) -> Result<Request, Error> {
         let named = quality.integrator.as_deref().filter(|text| *text != AUTO);
         let method = named.map(|text| MethodRequest::parse_of(self.kinds(), text)).transpose()?;
         match method.filter(|method| self.methods.iter().any(|own| own.name == method.name())) {
             Some(method) => {
                 let request = Quality { integrator: None, ..quality.clone() }.request()?;
-                Render::of(&self.methods, &Request { method: Some(method), ..request }, scene)
+                Ok(Request { method: Some(method), ..request })
             }
-            None if quality.integrator.is_some() => quality.render(scene),
-            None => Render::of(&self.methods, &quality.request()?, scene),
+            None => quality.request(),
+        }
+    }
+
+    /// The method and plan of a quality for a scene, by a method of one's own where the quality or the scene names one.
+    ///
+    /// # Errors
+    /// As [`Quality::render`].
+    pub fn plan(&self, scene: &Scene, quality: &Quality) -> Result<Render, Error> {
+        match quality.integrator.as_deref() {
+            Some(AUTO) => quality.render(scene),
+            _ => Render::of(&self.methods, &self.request(quality)?, scene),
         }
     }
 

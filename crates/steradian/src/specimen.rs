@@ -4,7 +4,7 @@ use steradian_math::DVec3;
 use steradian_scene::{
     ColorSpace, Family, Format, Mesh, Node, NodeId, SceneDesc, Shape, SpectrumValue, Transform, Value, names,
 };
-use steradian_schema::{Parameter, Type};
+use steradian_schema::{Kinds, Parameter, Type};
 
 /// Deepest nesting of materials in a parameter.
 const MAX_DEPTH: usize = 8;
@@ -18,8 +18,16 @@ const MAX_DEPTH: usize = 8;
 /// # Errors
 /// A message where a name is unknown or a value is not what the parameter takes.
 pub fn describe(kind: &str, params: &[(String, String)]) -> Result<SceneDesc, String> {
+    describe_of(&Kinds::default(), kind, params)
+}
+
+/// [`describe`] where a program has materials of its own.
+///
+/// # Errors
+/// As [`describe`].
+pub fn describe_of(kinds: &Kinds, kind: &str, params: &[(String, String)]) -> Result<SceneDesc, String> {
     let mut d = SceneDesc { format: Format::Native, ..SceneDesc::default() };
-    let material = add_material(&mut d, kind, params, 0)?;
+    let material = add_material(&mut d, kinds, kind, params, 0)?;
     let ball = d.add(Node::new(Family::Shape, "sphere", None).with("radius", 1.0).with("center", [0.0, 1.0, 0.0]));
     place(&mut d, ball, Some(material), None);
     furnish(&mut d);
@@ -32,7 +40,7 @@ pub fn describe(kind: &str, params: &[(String, String)]) -> Result<SceneDesc, St
 /// # Errors
 /// As [`describe`].
 pub fn cover(mut d: SceneDesc, kind: &str, params: &[(String, String)]) -> Result<SceneDesc, String> {
-    let material = add_material(&mut d, kind, params, 0)?;
+    let material = add_material(&mut d, &Kinds::default(), kind, params, 0)?;
     for s in &mut d.shapes {
         (s.material, s.emission, s.interior, s.exterior) = (Some(material), None, None, None);
     }
@@ -55,7 +63,13 @@ pub fn bare(mesh: Mesh) -> SceneDesc {
     d
 }
 
-fn add_material(d: &mut SceneDesc, kind: &str, params: &[(String, String)], depth: usize) -> Result<NodeId, String> {
+fn add_material(
+    d: &mut SceneDesc,
+    kinds: &Kinds,
+    kind: &str,
+    params: &[(String, String)],
+    depth: usize,
+) -> Result<NodeId, String> {
     if depth > MAX_DEPTH {
         return Err(format!("materials are nested more than {MAX_DEPTH} deep"));
     }
@@ -63,24 +77,22 @@ fn add_material(d: &mut SceneDesc, kind: &str, params: &[(String, String)], dept
         let hint = names::did_you_mean(name, known.iter().copied()).map(|h| format!("; {h}")).unwrap_or_default();
         format!("there is no {what} '{name}'{hint} (known: {})", known.join(", "))
     };
-    let materials = Family::Material.models();
-    let model = materials
-        .iter()
-        .find(|m| m.kind == kind)
-        .ok_or_else(|| unknown("material", kind, materials.iter().map(|m| m.kind).collect()))?;
+    let model = kinds
+        .model(Family::Material, kind)
+        .ok_or_else(|| unknown("material", kind, kinds.names(Family::Material).collect()))?;
     let mut node = Node::new(Family::Material, kind, None);
     for (name, text) in params {
         let parameter = model
             .parameter(name)
             .ok_or_else(|| unknown(&format!("parameter of '{kind}'"), name, model.all().map(|p| p.name).collect()))?;
-        let value = value(d, parameter, text, depth)?;
+        let value = value(d, kinds, parameter, text, depth)?;
         node.set(name.as_str(), value, None);
     }
     node.name = Some(kind.into());
     Ok(d.add(node))
 }
 
-fn value(d: &mut SceneDesc, p: &Parameter, text: &str, depth: usize) -> Result<Value, String> {
+fn value(d: &mut SceneDesc, kinds: &Kinds, p: &Parameter, text: &str, depth: usize) -> Result<Value, String> {
     let fault = || format!("'{text}' is no value of '{}', which is {}", p.name, p.values());
     let number = |t: &str| t.trim().parse::<f64>().ok().filter(|v| v.is_finite());
     Ok(match p.kind {
@@ -125,25 +137,25 @@ fn value(d: &mut SceneDesc, p: &Parameter, text: &str, depth: usize) -> Result<V
         | Type::NumberOrList
         | Type::ScalarOrList
         | Type::SpectrumOrList => return Err(fault()),
-        Type::Material => Value::Node(nested(d, text, depth)?),
+        Type::Material => Value::Node(nested(d, kinds, text, depth)?),
         Type::Materials => {
-            let parts: Result<Vec<_>, _> = text.split('|').map(|part| nested(d, part, depth)).collect();
+            let parts: Result<Vec<_>, _> = text.split('|').map(|part| nested(d, kinds, part, depth)).collect();
             Value::Nodes(parts?)
         }
     })
 }
 
 /// `KIND` or `KIND(name=value;…)`.
-fn nested(d: &mut SceneDesc, text: &str, depth: usize) -> Result<NodeId, String> {
+fn nested(d: &mut SceneDesc, kinds: &Kinds, text: &str, depth: usize) -> Result<NodeId, String> {
     let text = text.trim();
-    let Some((kind, rest)) = text.split_once('(') else { return add_material(d, text, &[], depth + 1) };
+    let Some((kind, rest)) = text.split_once('(') else { return add_material(d, kinds, text, &[], depth + 1) };
     let inside = rest.strip_suffix(')').ok_or_else(|| format!("'{text}' lacks its closing parenthesis"))?;
     let mut params = Vec::new();
     for part in inside.split(';').filter(|p| !p.trim().is_empty()) {
         let (name, value) = part.split_once('=').ok_or_else(|| format!("'{part}' is not name=value"))?;
         params.push((name.trim().to_owned(), value.trim().to_owned()));
     }
-    add_material(d, kind, &params, depth + 1)
+    add_material(d, kinds, kind, &params, depth + 1)
 }
 
 fn place(d: &mut SceneDesc, node: NodeId, material: Option<NodeId>, emission: Option<NodeId>) {

@@ -168,5 +168,13 @@ class Material:
         found = self._inner.albedo(*rows, samples=samples, uv=uv)
         return found.reshape(*shape, found.shape[1])
 
+    def laws(self, *, samples: int = 20_000, uv: tuple[float, float] = (0.5, 0.5)) -> list[dict[str, Any]]:
+        """The laws of scattering, as `steradian material --laws` tests them: positivity, reciprocity, energy, and χ² of samples.
+
+        A dictionary for each: law, angle (degrees, or None), found, expected, p (or None), holds.
+        """
+        names = ("law", "angle", "found", "expected", "p", "holds")
+        return [dict(zip(names, row)) for row in self._inner.laws(samples=samples, uv=uv)]
+
     def __repr__(self) -> str:
         return repr(self._inner)

@@ -19,6 +19,24 @@ def read_image(path: str | os.PathLike[str]) -> Image:
 def registry() -> dict[str, dict[str, str]]:
     """Names of all kinds, family by family, each with its description."""
 
+def own_material(
+    name: str,
+    eval: Callable[..., ArrayLike],
+    sample: Callable[..., ArrayLike] | None,
+    pdf: Callable[..., ArrayLike] | None,
+    colors: Sequence[tuple[str, Sequence[float]]],
+    numbers: Sequence[tuple[str, float]],
+    transmits: bool,
+    reciprocal: bool,
+) -> None:
+    """A material of one's own by functions of arrays."""
+
+def own_texture(name: str, function: Callable[..., ArrayLike]) -> None:
+    """A texture of one's own by a function of arrays."""
+
+def own_integrator(name: str, function: Callable[[Wave], ArrayLike]) -> None:
+    """An integrator of one's own by a function of waves."""
+
 def spectrum(name: str, wavelengths: NDArray[np.float32]) -> NDArray[np.float32]:
     """A spectrum known by name at wavelengths in nm."""
 
@@ -188,6 +206,23 @@ class Parts:
         """The picture of the parts that are joined; None before the first. `stopped` is why others are missing."""
 
 @final
+class Wave:
+    """Camera rays that an integrator of one's own is called with, n of them."""
+
+    origins: NDArray[np.float32]
+    """Origins, (n, 3), in the scene's coordinates."""
+    directions: NDArray[np.float32]
+    """Unit directions, (n, 3)."""
+    times: NDArray[np.float32]
+    """Moments of the exposure in [0, 1), (n,)."""
+    sample: int
+    """Number of the sample of each pixel, from zero."""
+    def random(self, purpose: int, count: int = 2) -> NDArray[np.float32]:
+        """Random numbers in [0, 1), (n, count), count 1 or 2: the same for the same purpose, from 0 to 999, independent for different
+        ones, and stratified over the samples of a pixel."""
+    def __len__(self) -> int: ...
+
+@final
 class View:
     """A page that shows a scene as it was when the view began; it ends when it is closed, or goes away."""
 
@@ -287,6 +322,10 @@ class Material:
         """Sampled directions, weights, densities, relative indices of refraction, and flags of specular lobes."""
     def albedo(self, wo: NDArray[np.float32], *, samples: int = 1024, uv: tuple[float, float] = (0.5, 0.5)) -> NDArray[np.float32]:
         """Albedo: the part of the light from each direction that is scattered."""
+    def laws(
+        self, *, samples: int = 20_000, uv: tuple[float, float] = (0.5, 0.5)
+    ) -> list[tuple[str, float | None, float, float, float | None, bool]]:
+        """Laws of scattering: law, angle, found, expected, p, holds."""
 
 @final
 class Scene:

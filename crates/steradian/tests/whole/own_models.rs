@@ -276,7 +276,7 @@ fn registries_refuse_what_no_scene_can_have() {
     };
     static BARE: Model = Model { kind: "my_beam", doc: "", parameters: &[], groups: &[], source: "" };
     let said = |r: Result<Registry, RegistryError>| r.unwrap_err().to_string();
-    assert_eq!(said(Registry::new().material(&DIFFUSE, material::Glossy)), "there is a material 'diffuse' already");
+    assert_eq!(said(Registry::new().material(&DIFFUSE, material::Glossy)), "the material 'diffuse' is there already");
     assert!(
         said(Registry::new().material(&FILE, material::Glossy))
             .starts_with("parameter 'file' of material 'my_files' cannot be a file")
@@ -287,5 +287,5 @@ fn registries_refuse_what_no_scene_can_have() {
         "light 'my_beam' needs the group 'own_light' among its groups"
     );
     assert!(registry().kinds().model(Family::Camera, "my_fisheye").is_some());
-    assert!(said(registry().method(&method::MODEL, method::KIND)).contains("'my_openness' already"));
+    assert!(said(registry().method(&method::MODEL, method::KIND)).contains("'my_openness' is there already"));
 }

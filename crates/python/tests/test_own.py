@@ -1,0 +1,162 @@
+"""Materials, textures and integrators of a program's own, beside those that are built in."""
+
+import numpy as np
+import pytest
+
+import steradian as st
+
+CAMERA = {"camera": "perspective", "fov": 40, "to_world": {"look_at": [0, 0, 0], "from": [0, 1, 5], "up": [0, 1, 0]}}
+LIGHTS = [{"light": "environment", "radiance": 1}, {"light": "point", "position": [0, 3, 2], "intensity": 20}]
+
+
+def ball(material):
+    shapes = [{"shape": "sphere", "material": material}]
+    return st.scene({"film": {"film": "rgb", "width": 16, "height": 16}, "camera": CAMERA, "lights": LIGHTS, "shapes": shapes})
+
+
+def agree(a, b, relative=0.01):
+    """Means of two pictures with the layer variance differ by noise alone."""
+    means = [image.color.mean() for image in (a, b)]
+    error = np.sqrt(sum(image.layer("variance").mean() / image.color[..., 0].size for image in (a, b)))
+    assert abs(means[0] - means[1]) < 3.5 * error and error < relative * means[1], (means, error)
+
+
+def lobe(wo, wi, at):
+    mirrored = np.maximum((wo * [-1, -1, 1] * wi).sum(1), 0)
+    return mirrored ** at["exponent"]
+
+
+def glossy(wo, wi, at):
+    n = at["exponent"]
+    value = at["diffuse"] / np.pi + at["glossy"] * ((n + 2) / (2 * np.pi) * lobe(wo, wi, at))[:, None]
+    return value * wi[:, 2:]
+
+
+def density(wo, wi, at):
+    return 0.5 * wi[:, 2] / np.pi + 0.5 * (at["exponent"] + 1) / (2 * np.pi) * lobe(wo, wi, at)
+
+
+def draw(wo, u, at):
+    """Half by the cosine, half by the lobe about the mirror direction."""
+    phi = 2 * np.pi * u[:, 1]
+    by_lobe = u[:, 0] >= 0.5
+    cos = np.where(by_lobe, u[:, 2] ** (1 / (at["exponent"] + 1)), np.sqrt(u[:, 2]))
+    sin = np.sqrt(np.maximum(1 - cos * cos, 0))
+    local = np.stack([sin * np.cos(phi), sin * np.sin(phi), cos], 1)
+    axis = np.where(by_lobe[:, None], wo * [-1, -1, 1], [0, 0, 1])
+    helper = np.where(np.abs(axis[:, :1]) < 0.9, [1, 0, 0], [0, 1, 0])
+    x = np.cross(helper, axis)
+    x /= np.linalg.norm(x, axis=1, keepdims=True)
+    wi = local[:, :1] * x + local[:, 1:2] * np.cross(axis, x) + local[:, 2:] * axis
+    return np.where(wi[:, 2:] > 0, wi, 0)
+
+
+COLORS = {"diffuse": [0.2, 0.4, 0.6], "glossy": 0.3}
+
+
+def test_a_material_looks_as_the_built_in_one_and_keeps_the_laws():
+    sizes = []
+
+    def value(wo, wi, at):
+        sizes.append(len(wo))
+        return glossy(wo, wi, at)
+
+    own = st.material("py_glossy", eval=value, sample=draw, pdf=density, colors=COLORS, numbers={"exponent": 20})
+    built_in = st.material("phong", diffuse_reflectance=[0.2, 0.4, 0.6], specular_reflectance=0.3, exponent=20)
+    rng = np.random.default_rng(1)
+    w = rng.normal(size=(2, 100, 3))
+    w[..., 2] = np.abs(w[..., 2])
+    wo, wi = w / np.linalg.norm(w, axis=-1, keepdims=True)
+    assert np.allclose(own.eval(wo, wi), built_in.eval(wo, wi), rtol=1e-3, atol=1e-6)
+    assert all(law["holds"] for law in own.laws(samples=4000)), own.laws(samples=4000)
+    # Threads that wait at the same time share a call.
+    of_scene = {"material": "py_glossy", "exponent": 20}
+    pictures = [ball(m).render("path", spp=32, layers=["variance"], seed=2, threads=8) for m in (of_scene, {
+        "material": "phong", "diffuse_reflectance": [0.2, 0.4, 0.6], "specular_reflectance": 0.3, "exponent": 20})]
+    agree(*pictures)
+    assert sizes and min(sizes) >= 1
+
+
+def test_a_law_that_is_broken_is_told():
+    def without_cosine(wo, wi, at):
+        return at["diffuse"] / np.pi
+
+    bad = st.material("py_bright", eval=without_cosine, colors={"diffuse": 0.9})
+    broken = {law["law"].split(":")[0] for law in bad.laws(samples=4000) if not law["holds"]}
+    assert "energy" in broken and "reciprocity" in broken, broken
+
+
+def test_the_same_name_replaces():
+    st.material("py_flat", eval=lambda wo, wi, at: wi[:, 2] / np.pi * 0.2)
+    dark = ball({"material": "py_flat"}).render("path", spp=8, seed=1).color.mean()
+    st.material("py_flat", eval=lambda wo, wi, at: wi[:, 2] / np.pi * 0.8)
+    assert ball({"material": "py_flat"}).render("path", spp=8, seed=1).color.mean() > 1.05 * dark
+
+
+def test_a_texture_has_the_values_of_its_function():
+    st.texture("py_rings", lambda uv, p: 0.5 + 0.5 * np.sin(2 * np.pi * 3 * np.linalg.norm(p, axis=1)))
+    st.texture("py_warm", lambda uv, p: np.stack([p[:, 0] * 0 + 0.9, p[:, 0] * 0 + 0.4, p[:, 0] * 0], 1))
+    formula = {"texture": "expression", "expression": "0.5 + 0.5*sin(2*pi*3*sqrt(x*x + y*y + z*z))"}
+    own, reference = (ball({"material": "diffuse", "reflectance": t}).render("path", spp=8, seed=1) for t in ({"texture": "py_rings"}, formula))
+    assert np.abs(own.color - reference.color).max() < 1e-3
+    warm = ball({"material": "diffuse", "reflectance": {"texture": "py_warm"}}).render("path", spp=8).color[8, 8]
+    assert warm[0] > 1.5 * warm[1] > 0 and warm[2] < 0.1 * warm[0]
+
+
+def test_an_integrator_gets_waves_of_rays():
+    scene = ball({"material": "diffuse"})
+
+    def openness(wave):
+        hits = scene.trace(wave.origins, wave.directions)
+        u = wave.random(0)
+        r, phi = np.sqrt(u[:, :1]), 2 * np.pi * u[:, 1:]
+        n = np.where(hits.hit[:, None], hits.normal, [0, 0, 1])
+        helper = np.where(np.abs(n[:, :1]) < 0.9, [1, 0, 0], [0, 1, 0])
+        x = np.cross(helper, n)
+        x /= np.linalg.norm(x, axis=1, keepdims=True)
+        w = r * np.cos(phi) * x + r * np.sin(phi) * np.cross(n, x) + np.sqrt(1 - u[:, :1]) * n
+        p = np.where(hits.hit[:, None], hits.position, 0)
+        return np.repeat((hits.hit & ~scene.occluded(p + 1e-3 * n, w, 1.0))[:, None], 3, 1).astype(float)
+
+    st.integrator("py_openness", openness)
+    own = scene.render("py_openness", spp=32, seed=1)
+    reference = scene.render("ao:distance=1", spp=32, seed=1)
+    assert np.allclose(own.color.mean(), reference.color.mean(), rtol=0.02)
+    assert np.array_equal(own.color, scene.render("py_openness", spp=32, seed=1, threads=1).color)
+    with pytest.raises(ValueError, match="did you mean 'py_openness'"):
+        scene.render("py_opennes", spp=1)
+
+
+def test_faults_of_functions_are_raised():
+    def raises(wo, wi, at):
+        raise KeyError("nothing of that name")
+
+    scene = ball({"material": "py_faulty"}) if st.material("py_faulty", eval=raises) else None
+    with pytest.raises(KeyError, match="nothing of that name"):
+        scene.render("path", spp=4)
+    # The next render knows nothing of it.
+    assert ball({"material": "diffuse"}).render("path", spp=1).color.mean() > 0
+    st.material("py_wrong", eval=lambda wo, wi, at: np.zeros((len(wo), 2)))
+    with pytest.raises(ValueError, match=r"'eval' gave an array of shape \[\d+, 2\], where"):
+        ball({"material": "py_wrong"}).render("path", spp=4)
+    st.integrator("py_words", lambda wave: ["a"] * len(wave))
+    with pytest.raises(TypeError, match="no array of numbers"):
+        ball({"material": "diffuse"}).render("py_words", spp=1)
+    # What is no number is darkness.
+    st.material("py_nan", eval=lambda wo, wi, at: np.full(len(wo), np.nan))
+    assert np.isfinite(ball({"material": "py_nan"}).render("path", spp=4).color).all()
+
+
+@pytest.mark.parametrize("call, what", [
+    (lambda: st.material("diffuse", eval=glossy), "the material 'diffuse' is there already"),
+    (lambda: st.material("two words", eval=glossy), "is no name"),
+    (lambda: st.material("py_half", eval=glossy, sample=draw), "go together"),
+    (lambda: st.material("phong", colors={"a": 1}), "needs 'eval'"),
+    (lambda: st.material("py_many", eval=glossy, colors={c: 0.5 for c in "abcde"}), "at most four"),
+    (lambda: st.material("py_color", eval=glossy, colors={"a": [1, 2]}), r"\(3,\)"),
+    (lambda: st.texture("checkerboard", glossy), "the texture 'checkerboard' is there already"),
+    (lambda: st.integrator("path", glossy), "the integrator 'path' is there already"),
+])
+def test_names_and_parameters_are_checked(call, what):
+    with pytest.raises(ValueError, match=what):
+        call()
