@@ -12,6 +12,7 @@ use crate::{
     experiment::ExperimentArgs,
     farm::FarmArgs,
     meter::MeterArgs,
+    new::NewArgs,
     pack::PackArgs,
     terminal::Talk,
     unwrap::UnwrapArgs,
@@ -89,6 +90,8 @@ pub enum Command {
     Geometry(Box<ExperimentArgs>),
     /// Do an exercise of the course in Python or Rust: write its folder, check the answer
     Exercise(ExerciseArgs),
+    /// Write a package to begin with: models of one's own in Rust
+    New(NewArgs),
     /// Print shell completions
     Completions {
         /// The shell.

@@ -34,6 +34,7 @@ mod material;
 mod material_summary;
 mod memory;
 mod meter;
+mod new;
 mod open;
 mod output;
 mod pack;
@@ -134,6 +135,7 @@ fn run(command: &Command, terminal: Terminal) -> Outcome {
         Command::Chunk(args) => chunk::run(args, terminal),
         Command::Merge(args) => merge::run(args, terminal),
         Command::Farm(args) => farm::run(args, terminal),
+        Command::New(args) => new::run(args),
         Command::Pack(args) => pack::run(args, terminal),
         Command::Optics(args) => experiment::run("optics", args, terminal),
         Command::Vision(args) => experiment::run("vision", args, terminal),

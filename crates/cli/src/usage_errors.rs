@@ -15,6 +15,7 @@ const EXAMPLES: [(&str, &str); 16] = [
     ("merge", "merge job -o PICTURE.exr"),
     ("farm", "farm builtin:cornell-box --engine local --chunks 8 -o job"),
     ("pack", "pack SCENE.pbrt -o SCENE.zip"),
+    ("new", "new plugin my-velvet"),
     ("info", "info builtin:cornell-box"),
     ("material", "material plastic -p alpha_u=0.2"),
     ("meter", "meter builtin:cornell-box --at 0,0,0"),

@@ -46,7 +46,7 @@ pub struct Laws {
 
 /// Angles of the fixed direction in degrees; those from below where light comes back from there.
 const ANGLES: [f64; 6] = [10.0, 45.0, 75.0, 85.0, 105.0, 135.0];
-/// Pairs of directions for the laws of values.
+/// Most pairs of directions for the laws of values.
 const PAIRS: u32 = 20_000;
 /// Relative difference that single precision may make in narrow lobes.
 const ROUNDING: f64 = 0.02;
@@ -56,9 +56,9 @@ const QUADRATURE: f64 = 1e-3;
 const FALSE_ALARM: f64 = 0.01;
 const GRID: SphereGrid = SphereGrid { bands: 20, sectors: 40 };
 
-/// Tests a material with so many samples for each angle.
+/// Tests a material with so many samples for each angle, and as many pairs of directions, 20 000 at most.
 pub fn laws(specimen: &Specimen<'_>, samples: u32) -> Laws {
-    let mut laws = values(specimen);
+    let mut laws = values(specimen, samples.min(PAIRS));
     let below = ANGLES.into_iter().filter(|angle| *angle > 90.0);
     laws.extend(WATCHED.into_iter().chain(below).filter_map(|angle| energy(specimen, angle, samples)));
     for angle in ANGLES {
@@ -87,11 +87,11 @@ fn difference(a: f64, b: f64) -> f64 {
 }
 
 /// The laws of values, over pairs of which half are drawn by the material, so that peaks are met.
-fn values(specimen: &Specimen<'_>) -> Vec<Law> {
+fn values(specimen: &Specimen<'_>, pairs: u32) -> Vec<Law> {
     use TransportMode::{Importance, Radiance};
     let mut rng = HashRng::new(1);
     let (mut least, mut reciprocity, mut adjoint) = (f64::INFINITY, 0.0f64, 0.0f64);
-    for k in 0..PAIRS {
+    for k in 0..pairs {
         let wo = uniform_sphere(square(&mut rng));
         let drawn = (k % 2 == 0)
             .then(|| specimen.sample(wo, choice(&mut rng), rng.next_f32(), square(&mut rng), Radiance))

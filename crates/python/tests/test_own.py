@@ -16,8 +16,8 @@ def ball(material):
 
 def agree(a, b, relative=0.01):
     """Means of two pictures with the layer variance differ by noise alone."""
-    means = [image.color.mean() for image in (a, b)]
-    error = np.sqrt(sum(image.layer("variance").mean() / image.color[..., 0].size for image in (a, b)))
+    means = [np.asarray(image).mean() for image in (a, b)]
+    error = np.sqrt(sum(image.layer("variance").mean() / np.asarray(image)[..., 0].size for image in (a, b)))
     assert abs(means[0] - means[1]) < 3.5 * error and error < relative * means[1], (means, error)
 
 
@@ -68,10 +68,11 @@ def test_a_material_looks_as_the_built_in_one_and_keeps_the_laws():
     w[..., 2] = np.abs(w[..., 2])
     wo, wi = w / np.linalg.norm(w, axis=-1, keepdims=True)
     assert np.allclose(own.eval(wo, wi), built_in.eval(wo, wi), rtol=1e-3, atol=1e-6)
-    assert all(law["holds"] for law in own.laws(samples=4000)), own.laws(samples=4000)
+    laws = own.laws(samples=1000)
+    assert all(law["holds"] for law in laws), laws
     # Threads that wait at the same time share a call.
     of_scene = {"material": "py_glossy", "exponent": 20}
-    pictures = [ball(m).render("path", spp=32, layers=["variance"], seed=2, threads=8) for m in (of_scene, {
+    pictures = [ball(m).render(integrator="path", spp=32, layers=["variance"], seed=2, threads=8) for m in (of_scene, {
         "material": "phong", "diffuse_reflectance": [0.2, 0.4, 0.6], "specular_reflectance": 0.3, "exponent": 20})]
     agree(*pictures)
     assert sizes and min(sizes) >= 1
@@ -82,24 +83,24 @@ def test_a_law_that_is_broken_is_told():
         return at["diffuse"] / np.pi
 
     bad = st.material("py_bright", eval=without_cosine, colors={"diffuse": 0.9})
-    broken = {law["law"].split(":")[0] for law in bad.laws(samples=4000) if not law["holds"]}
+    broken = {law["law"].split(":")[0] for law in bad.laws(samples=1000) if not law["holds"]}
     assert "energy" in broken and "reciprocity" in broken, broken
 
 
 def test_the_same_name_replaces():
     st.material("py_flat", eval=lambda wo, wi, at: wi[:, 2] / np.pi * 0.2)
-    dark = ball({"material": "py_flat"}).render("path", spp=8, seed=1).color.mean()
+    dark = np.asarray(ball({"material": "py_flat"}).render(integrator="path", spp=8, seed=1)).mean()
     st.material("py_flat", eval=lambda wo, wi, at: wi[:, 2] / np.pi * 0.8)
-    assert ball({"material": "py_flat"}).render("path", spp=8, seed=1).color.mean() > 1.05 * dark
+    assert np.asarray(ball({"material": "py_flat"}).render(integrator="path", spp=8, seed=1)).mean() > 1.05 * dark
 
 
 def test_a_texture_has_the_values_of_its_function():
     st.texture("py_rings", lambda uv, p: 0.5 + 0.5 * np.sin(2 * np.pi * 3 * np.linalg.norm(p, axis=1)))
     st.texture("py_warm", lambda uv, p: np.stack([p[:, 0] * 0 + 0.9, p[:, 0] * 0 + 0.4, p[:, 0] * 0], 1))
     formula = {"texture": "expression", "expression": "0.5 + 0.5*sin(2*pi*3*sqrt(x*x + y*y + z*z))"}
-    own, reference = (ball({"material": "diffuse", "reflectance": t}).render("path", spp=8, seed=1) for t in ({"texture": "py_rings"}, formula))
-    assert np.abs(own.color - reference.color).max() < 1e-3
-    warm = ball({"material": "diffuse", "reflectance": {"texture": "py_warm"}}).render("path", spp=8).color[8, 8]
+    own, reference = (ball({"material": "diffuse", "reflectance": t}).render(integrator="path", spp=8, seed=1) for t in ({"texture": "py_rings"}, formula))
+    assert np.abs(np.asarray(own) - np.asarray(reference)).max() < 1e-3
+    warm = np.asarray(ball({"material": "diffuse", "reflectance": {"texture": "py_warm"}}).render(integrator="path", spp=8))[8, 8]
     assert warm[0] > 1.5 * warm[1] > 0 and warm[2] < 0.1 * warm[0]
 
 
@@ -119,12 +120,12 @@ def test_an_integrator_gets_waves_of_rays():
         return np.repeat((hits.hit & ~scene.occluded(p + 1e-3 * n, w, 1.0))[:, None], 3, 1).astype(float)
 
     st.integrator("py_openness", openness)
-    own = scene.render("py_openness", spp=32, seed=1)
-    reference = scene.render("ao:distance=1", spp=32, seed=1)
-    assert np.allclose(own.color.mean(), reference.color.mean(), rtol=0.02)
-    assert np.array_equal(own.color, scene.render("py_openness", spp=32, seed=1, threads=1).color)
+    own = scene.render(integrator="py_openness", spp=32, seed=1)
+    reference = scene.render(integrator="ao:distance=1", spp=32, seed=1)
+    assert np.allclose(np.asarray(own).mean(), np.asarray(reference).mean(), rtol=0.02)
+    assert np.array_equal(np.asarray(own), np.asarray(scene.render(integrator="py_openness", spp=32, seed=1, threads=1)))
     with pytest.raises(ValueError, match="did you mean 'py_openness'"):
-        scene.render("py_opennes", spp=1)
+        scene.render(integrator="py_opennes", spp=1)
 
 
 def test_faults_of_functions_are_raised():
@@ -133,18 +134,18 @@ def test_faults_of_functions_are_raised():
 
     scene = ball({"material": "py_faulty"}) if st.material("py_faulty", eval=raises) else None
     with pytest.raises(KeyError, match="nothing of that name"):
-        scene.render("path", spp=4)
+        scene.render(integrator="path", spp=4)
     # The next render knows nothing of it.
-    assert ball({"material": "diffuse"}).render("path", spp=1).color.mean() > 0
+    assert np.asarray(ball({"material": "diffuse"}).render(integrator="path", spp=1)).mean() > 0
     st.material("py_wrong", eval=lambda wo, wi, at: np.zeros((len(wo), 2)))
     with pytest.raises(ValueError, match=r"'eval' gave an array of shape \[\d+, 2\], where"):
-        ball({"material": "py_wrong"}).render("path", spp=4)
+        ball({"material": "py_wrong"}).render(integrator="path", spp=4)
     st.integrator("py_words", lambda wave: ["a"] * len(wave))
     with pytest.raises(TypeError, match="no array of numbers"):
-        ball({"material": "diffuse"}).render("py_words", spp=1)
+        ball({"material": "diffuse"}).render(integrator="py_words", spp=1)
     # What is no number is darkness.
     st.material("py_nan", eval=lambda wo, wi, at: np.full(len(wo), np.nan))
-    assert np.isfinite(ball({"material": "py_nan"}).render("path", spp=4).color).all()
+    assert np.isfinite(np.asarray(ball({"material": "py_nan"}).render(integrator="path", spp=4))).all()
 
 
 @pytest.mark.parametrize("call, what", [

@@ -12,7 +12,7 @@ import steradian as st
 STUB = os.path.join(os.path.dirname(st.__file__), "_steradian.pyi")
 TREE = ast.parse(open(STUB, encoding="utf-8").read())
 NATIVE = st._steradian
-SHOWN = {"__getitem__", "__array__", "__enter__", "__exit__", "_repr_html_", "_repr_png_", "__new__"}
+SHOWN = {"__getitem__", "__len__", "__array__", "__enter__", "__exit__", "_repr_html_", "_repr_png_", "__new__"}
 
 
 def is_public(name):

@@ -29,6 +29,7 @@ pub mod merge;
 mod method;
 mod missed;
 mod oidn_library;
+pub mod plugin;
 pub mod prelude;
 pub mod quality;
 pub mod radiosity;

@@ -26,6 +26,9 @@ mod own_methods;
 mod own_models;
 mod phosphorescence;
 mod planes;
+#[path = "../../examples/plugin/main.rs"]
+#[allow(dead_code, reason = "tests include this file")]
+mod plugin;
 mod preview;
 mod projections;
 mod raster;
