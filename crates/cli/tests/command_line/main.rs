@@ -24,6 +24,7 @@ mod materials;
 mod meters;
 mod names;
 mod outputs;
+mod packages;
 mod pictures;
 mod render;
 mod scenes;
