@@ -1,8 +1,8 @@
 //! Functions of Python that take arrays: what several threads ask at a time is one call.
 //!
-//! A thread puts its row into a list and waits for its turn. Who has the turn takes all rows that are there, calls the
-//! function once, and leaves each its answer; the others find theirs when the turn comes to them (flat combining,
-//! Hendler et al. 2010). So the length of arrays grows with the number of threads.
+//! A thread puts its row into a list. The first one serves all: it takes the rows that are there, calls the function
+//! once, leaves each its answer and wakes who waits for it, until no row is left (flat combining, Hendler et al. 2010).
+//! Others come to their next row while the function runs, so that the length of arrays grows with the number of threads.
 
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods,
@@ -21,6 +21,7 @@ use std::{
         Arc, Mutex, MutexGuard, OnceLock, PoisonError,
         atomic::{AtomicBool, Ordering},
     },
+    thread::{self, Thread},
 };
 use steradian::bsdf::Inputs;
 
@@ -67,6 +68,15 @@ pub struct Row {
 struct Slot {
     row: Row,
     answer: OnceLock<[f32; 4]>,
+    /// Thread that waits for it.
+    asker: Thread,
+}
+
+/// Rows without an answer, and true if a thread serves them.
+#[derive(Debug, Default)]
+struct Queue {
+    pending: Vec<Arc<Slot>>,
+    is_served: bool,
 }
 
 /// A function of arrays of vectors, and of the parameters of materials.
@@ -80,8 +90,7 @@ pub struct Batch {
     results: &'static [usize],
     /// Names of the colours and numbers that the parameters are.
     names: [Vec<&'static str>; 2],
-    pending: Mutex<Vec<Arc<Slot>>>,
-    turn: Mutex<()>,
+    queue: Mutex<Queue>,
 }
 
 impl fmt::Debug for Batch {
@@ -99,7 +108,7 @@ impl Batch {
         results: &'static [usize],
         names: [Vec<&'static str>; 2],
     ) -> Self {
-        Self { function, name, columns, results, names, pending: Mutex::default(), turn: Mutex::default() }
+        Self { function, name, columns, results, names, queue: Mutex::default() }
     }
 
     /// The function's value for a row, one number in all lanes; zero after a fault.
@@ -107,26 +116,49 @@ impl Batch {
         if has_fault() {
             return [0.0; 4];
         }
-        // A function that asks for itself cannot wait for its own turn.
+        // A function that asks for itself cannot wait for its own end.
         if CALLS.get() {
             return self.called(&[row])[0];
         }
-        let slot = Arc::new(Slot { row, answer: OnceLock::new() });
-        lock(&self.pending).push(Arc::clone(&slot));
-        let _turn = lock(&self.turn);
-        if let Some(answer) = slot.answer.get() {
-            return *answer;
+        let slot = Arc::new(Slot { row, answer: OnceLock::new(), asker: thread::current() });
+        let serves = {
+            let mut queue = lock(&self.queue);
+            queue.pending.push(Arc::clone(&slot));
+            !std::mem::replace(&mut queue.is_served, true)
+        };
+        if serves {
+            self.serve();
         }
-        let all = std::mem::take(&mut *lock(&self.pending));
-        let rows: Vec<Row> = all.iter().map(|slot| slot.row).collect();
+        loop {
+            match slot.answer.get() {
+                Some(answer) => return *answer,
+                None => thread::park(),
+            }
+        }
+    }
+
+    /// Answers all rows, those that come meanwhile, too.
+    fn serve(&self) {
         CALLS.set(true);
-        let answers = self.called(&rows);
-        CALLS.set(false);
-        for (slot, answer) in all.iter().zip(answers) {
-            // Nobody else answers.
-            let _ = slot.answer.set(answer);
+        loop {
+            let all = {
+                let mut queue = lock(&self.queue);
+                if queue.pending.is_empty() {
+                    queue.is_served = false;
+                    break;
+                }
+                std::mem::take(&mut queue.pending)
+            };
+            let rows: Vec<Row> = all.iter().map(|slot| slot.row).collect();
+            for (slot, answer) in all.iter().zip(self.called(&rows)) {
+                // Nobody else answers.
+                let _ = slot.answer.set(answer);
+                slot.asker.unpark();
+            }
+            // Who was answered may ask again.
+            thread::yield_now();
         }
-        slot.answer.get().copied().unwrap_or_default()
+        CALLS.set(false);
     }
 
     fn called(&self, rows: &[Row]) -> Vec<[f32; 4]> {
