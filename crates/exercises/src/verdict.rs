@@ -116,7 +116,7 @@ fn judged(folder: &Folder, questions: &Questions, asked: Asked, fault: Option<St
         .laws
         .iter()
         .zip(of_laws)
-        .filter(|(law, _)| law.functions.iter().all(|name| is_fine(name)))
+        .filter(|(law, _)| law.functions.iter().all(is_fine))
         .filter_map(|(law, part)| {
             let (questions, replies) = (*part)?;
             let found = match numbers(questions, replies) {

@@ -231,7 +231,7 @@ pub fn numbers<'py>(result: &Bound<'py, PyAny>, name: &str) -> PyResult<Bound<'p
     let array = as_array
         .call1((result, "float32"))
         .map_err(|e| PyTypeError::new_err(format!("'{name}' gave something that is no array of numbers: {e}")))?;
-    Ok(array.cast_into::<numpy::PyArrayDyn<f32>>().map_err(PyErr::from)?)
+    array.cast_into::<numpy::PyArrayDyn<f32>>().map_err(PyErr::from)
 }
 
 /// An array of rows.

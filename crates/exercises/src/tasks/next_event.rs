@@ -102,13 +102,13 @@ fn points() -> Vec<Vec<f64>> {
         let mut spread = |s: f64| [0; 3].map(|_| random.between(-s, s));
         let [x, y, z] = spread(1.0);
         // Some lamps reach below the surface.
-        let corner = [x, y, if i % 5 == 0 { z } else { z + 2.0 }];
+        let corner = [x, y, if i.is_multiple_of(5) { z } else { z + 2.0 }];
         let (a, b) = (spread(1.5), spread(1.5));
         let head = [random.between(0.2, 1.0), random.between(0.5, 5.0)];
         let tail = [if i % 7 == 6 { 0.0 } else { 1.0 }, random.unit(), random.unit()];
         let mut p = [&head[..], &corner, &a, &b, &tail].concat();
         // Most lamps shine on the surface, so that wrong factors show.
-        if i % 4 != 0 && Scene::of(&p).to_lamp() < 0.0 {
+        if !i.is_multiple_of(4) && Scene::of(&p).to_lamp() < 0.0 {
             (5..8).for_each(|k| p.swap(k, k + 3));
         }
         p

@@ -42,7 +42,9 @@ pub(super) static EXERCISE: Exercise = Exercise {
             reference: None,
             points: || {
                 let mut random = Random::new(7);
-                let wo = |i: usize| if i % 4 == 0 { [0.0, 0.0, 1.0] } else { direction(20.0 * (i % 5) as f64, 77.0) };
+                let wo = |i: usize| {
+                    if i.is_multiple_of(4) { [0.0, 0.0, 1.0] } else { direction(20.0 * (i % 5) as f64, 77.0) }
+                };
                 (0..24).map(|i| [&[20.0][..], &wo(i), &[random.unit(), random.unit()]].concat()).collect()
             },
         },
