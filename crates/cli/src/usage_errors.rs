@@ -8,7 +8,7 @@ use clap::{
 use std::path::Path;
 
 /// A command that runs as it stands for each that needs words.
-const EXAMPLES: [(&str, &str); 16] = [
+const EXAMPLES: [(&str, &str); 17] = [
     ("verify", "verify builtin:cornell-box --spp 16 --size 32x32"),
     ("plan", "plan builtin:cornell-box --chunks 8 -o job"),
     ("chunk", "chunk job 0"),
