@@ -2,7 +2,7 @@
 //!
 //! A thread puts its row into a list. The first one serves all: it takes the rows that are there, calls the function
 //! once, leaves each its answer and wakes who waits for it, until no row is left (flat combining, Hendler et al. 2010).
-//! Others come to their next row while the function runs, so that the length of arrays grows with the number of threads.
+//! Others come to their next row while the function runs, so that the length of arrays grows with that of threads.
 
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods,

@@ -230,7 +230,7 @@ impl Material {
         self.lanes(py, specimen, found.into_iter())
     }
 
-    /// The laws of scattering as `steradian material --laws` tests them: law, angle (degrees, or none), found, expected,
+    /// The laws of scattering that `steradian material --laws` tests: law, angle in degrees, or none, found, expected,
     /// p (or none), holds.
     #[pyo3(signature = (*, samples = 20_000, uv = [0.5, 0.5]))]
     #[expect(clippy::type_complexity, reason = "used once")]

@@ -201,7 +201,7 @@ const CLASHES: &[(&str, &[&str], &[&str])] = &[
 ];
 
 /// Commands that write nothing but to stdout, the one whose pages save nothing but new files (tests of
-/// `steradian-server`), those that write to the folder of a job or to a new one alone, and the one that writes archives,
+/// `steradian-server`), those that write to the folder of a job or to a new one alone, and that which writes archives,
 /// which no scene names.
 const WITHOUT_FILES: [&str; 11] =
     ["list", "meter", "completions", "man", "help", "view", "plan", "chunk", "pack", "exercise", "new"];
