@@ -1,5 +1,7 @@
 //! The exercises, a file for each.
 
+mod bvh_split;
+mod closest_hit;
 mod diffuse;
 mod edge_function;
 mod form_factor;
@@ -12,6 +14,8 @@ mod path_tracer;
 mod perspective_interpolation;
 mod phong;
 mod russian_roulette;
+mod shadow_bias;
+mod slab_test;
 mod tone_curve;
 
 use crate::{Exercise, Fault};
@@ -32,6 +36,10 @@ pub static EXERCISES: &[&Exercise] = &[
     &edge_function::EXERCISE,
     &perspective_interpolation::EXERCISE,
     &mip_level::EXERCISE,
+    &shadow_bias::EXERCISE,
+    &slab_test::EXERCISE,
+    &bvh_split::EXERCISE,
+    &closest_hit::EXERCISE,
 ];
 
 /// The exercise of this name.
