@@ -4,7 +4,7 @@ import math
 
 
 def slab(lo, hi, o, d, t_max):
-    """Whether a part of the ray is inside the box, and from where to where."""
+    """Hit (1 or 0), and the first and last distance inside the box."""
     # gap
     near, far = 0.0, t_max
     for k in range(3):

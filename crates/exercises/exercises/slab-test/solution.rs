@@ -1,7 +1,7 @@
 //! The slab test; the task is in README.md.
 #![allow(unused_variables)]
 
-/// Whether a part of the ray is inside the box, and from where to where.
+/// Hit (1 or 0), and the first and last distance inside the box.
 pub fn slab(lo: [f64; 3], hi: [f64; 3], o: [f64; 3], d: [f64; 3], t_max: f64) -> [f64; 3] {
     // gap
     let (mut near, mut far) = (0.0f64, t_max);
