@@ -178,6 +178,22 @@ fn broken_python_is_told_in_words() {
     says(&python("import sys\nsys.stdin.read()\ndef reflectance(c, e):\n    return 3 * c\n"), &["wrong at"]);
 }
 
+/// Wrong answers that are no known mistake are told by their factor, or by where they are right.
+#[test]
+fn unknown_mistakes_are_described() {
+    if !has("python3") {
+        return;
+    }
+    let changed = |name: &str, old: &str, new: &str| {
+        verdict(find(name).unwrap(), Language::Python, |text| text.replace(old, new)).to_string()
+    };
+    says(&changed("diffuse", "albedo / math.pi", "3 * albedo / math.pi"), &["All values are 3 times the right ones"]);
+    says(&changed("diffuse", "albedo / math.pi", "albedo"), &["∫ cosθ dω is not 1", "you gave 0.5, right is 0.159155"]);
+    let depth = "far * (distance - near)";
+    let near = changed("perspective-interpolation", depth, &format!("(1 if distance < 4 else 2) * {depth}"));
+    says(&near, &["It is right where distance is at most 3, and wrong from 5 on."]);
+}
+
 #[test]
 fn a_loop_without_end_is_ended() {
     if !has("python3") {
