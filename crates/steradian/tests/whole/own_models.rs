@@ -19,11 +19,13 @@ mod texture;
 use std::sync::Arc;
 use steradian::{
     Control, Film, Layer, Quality, Registry, RegistryError, Scene,
+    bsdf::{Inputs, OwnScatter, TransportMode},
     instruments::{Specimen, laws::laws},
     load_bytes,
-    math::Vec2,
+    math::{Spectrum, Vec2, Vec3},
     scene::Diagnostics,
     schema::{Family, Model, Parameter, Type},
+    verify::{Verdict, verify},
 };
 
 fn registry() -> Registry {
@@ -101,6 +103,46 @@ fn a_material_looks_as_the_built_in_one_and_keeps_the_laws() {
     agree(&film(&own, "bdpt", 256), &film(&built_in, "path", 256));
     let found = laws(&Specimen::new(&own, 1), 20_000);
     assert!(found.hold, "{:?}", found.laws.iter().filter(|l| !l.holds).collect::<Vec<_>>());
+}
+
+/// A model that is not the same with the two directions exchanged, and says that it is.
+#[derive(Debug)]
+struct Skewed;
+
+impl OwnScatter for Skewed {
+    fn value(&self, at: &Inputs, wo: Vec3, wi: Vec3, mode: TransportMode) -> Spectrum {
+        at.colors[0] * (self.pdf(at, wo, wi, mode) * (1.0 - 0.9 * wi.z))
+    }
+}
+
+/// `verify` accepts methods on a scene of a sound model, and finds that those from the light differ on a faulty one.
+#[test]
+fn verify_judges_models_of_ones_own() {
+    static SKEWED: Model = Model {
+        kind: "my_skewed",
+        doc: "",
+        parameters: &[Parameter::new(Type::Texture, "color", (0.0, 1.0), "0.8", "")],
+        groups: &[],
+        source: "",
+    };
+    let registry = registry().material(&SKEWED, Skewed).expect("a registry");
+    let differing = |material: &str| {
+        let text = format!(
+            "steradian: 1, film: {{film: rgb, width: 16, height: 16}}, lights: [{{light: environment, radiance: 1}}]
+            camera: {{camera: perspective, fov: 50, to_world: {{look_at: [0, -0.5, 0], from: [0, 3, 4], up: [0, 1, 0]}}}}
+            materials: {{own: {{material: {material}}}}}
+            shapes: [{{shape: sphere, material: own}}, {{shape: disk, radius: 4, material: own,
+                to_world: [{{rotate: [1, 0, 0], degrees: -90}}, {{translate: [0, -1, 0]}}]}}]"
+        );
+        let loaded = load_bytes("text", text.into_bytes(), Some("steradian"), &registry.reading());
+        let mut scene = Arc::new(loaded.compile(&registry.compiling()).scene.expect("a sound scene"));
+        let quality = Quality { spp: Some(64), threads: 2, seed: Some(1), max_depth: Some(4), ..Quality::default() };
+        let named = ["path".to_owned(), "light".to_owned()];
+        let report = verify(&mut scene, &quality, &named, &Control::default(), |_| ()).expect("a report");
+        report.with(Verdict::Differs).len()
+    };
+    assert_eq!(differing("my_glossy, diffuse: 0.5, glossy: 0.3, exponent: 10"), 0);
+    assert!(differing("my_skewed") > 0);
 }
 
 /// Waves compute single paths, of models of one's own, too.
