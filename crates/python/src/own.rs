@@ -2,7 +2,7 @@
 
 use crate::{
     batch::{Batch, Row},
-    own_method::{self, Function},
+    own_method,
 };
 use pyo3::{exceptions::PyValueError, prelude::*};
 use std::{
@@ -24,7 +24,7 @@ use steradian::{
 struct Own {
     materials: BTreeMap<&'static str, (&'static Model, Arc<Scatter>)>,
     textures: BTreeMap<&'static str, (&'static Model, Arc<Batch>)>,
-    methods: BTreeMap<&'static str, (&'static Model, Arc<Function>)>,
+    methods: BTreeMap<&'static str, &'static Model>,
     registry: Registry,
 }
 
@@ -49,11 +49,6 @@ pub fn compiling() -> CompileOptions {
     registry().compiling()
 }
 
-/// The function of an integrator.
-pub fn method(name: &str) -> Option<Arc<Function>> {
-    own().methods.get(name).map(|own| Arc::clone(&own.1))
-}
-
 impl Own {
     /// The registry, with what is there now; a kind that is there again replaces the earlier one.
     fn renew(&mut self) -> Result<(), RegistryError> {
@@ -65,7 +60,7 @@ impl Own {
             let function = Arc::clone(function);
             registry = registry.texture(model, move |_| Ok(Texture(Arc::clone(&function))))?;
         }
-        for (model, _) in self.methods.values() {
+        for model in self.methods.values() {
             registry = registry.method(model, MethodKind::new(model.kind, own_method::make))?;
         }
         self.registry = registry;
@@ -171,7 +166,8 @@ pub fn own_texture(name: &str, function: Py<PyAny>) -> PyResult<()> {
 pub fn own_integrator(name: &str, function: Py<PyAny>) -> PyResult<()> {
     let model = model(name, "an integrator of a Python program", Vec::new(), Family::Integrator)?;
     let mut own = own();
-    own.methods.insert(model.kind, (model, Arc::new(Function(function))));
+    own_method::keep(model.kind, function);
+    own.methods.insert(model.kind, model);
     own.renew().map_err(|why| refused(&why))
 }
 

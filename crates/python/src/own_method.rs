@@ -1,9 +1,13 @@
 //! Integrators of a Python program's own: a function that gives the radiance along all camera rays of a pass.
 
-use crate::{batch, own};
+use crate::batch;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods, ndarray::Array1};
 use pyo3::{exceptions::PyValueError, prelude::*};
-use std::{fmt, sync::Arc};
+use std::{
+    collections::BTreeMap,
+    fmt,
+    sync::{Arc, Mutex, PoisonError},
+};
 use steradian::{
     Plan, Scene, Session,
     engine::{Asked, Counters, Feature, Method, Pass, Passes, Refusal, Run, Support},
@@ -15,7 +19,7 @@ use steradian::{
 const MOST_RAYS: usize = 1 << 16;
 
 /// A function of a [`Wave`].
-pub struct Function(pub Py<PyAny>);
+struct Function(Py<PyAny>);
 
 impl fmt::Debug for Function {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -27,10 +31,20 @@ impl fmt::Debug for Function {
 #[derive(Clone, Debug)]
 struct Own(Arc<Function>);
 
+/// Functions by the names of their integrators.
+static FUNCTIONS: Mutex<BTreeMap<&str, Arc<Function>>> = Mutex::new(BTreeMap::new());
+
+/// Keeps the function of an integrator, in place of an earlier one of the name.
+pub fn keep(name: &'static str, function: Py<PyAny>) {
+    let mut functions = FUNCTIONS.lock().unwrap_or_else(PoisonError::into_inner);
+    functions.insert(name, Arc::new(Function(function)));
+}
+
 /// The method of a request by its name.
 pub fn make(asked: &Asked<'_>) -> Result<Arc<dyn Method>, Refusal> {
     let name = asked.options.name();
-    match own::method(name) {
+    let function = FUNCTIONS.lock().unwrap_or_else(PoisonError::into_inner).get(name).map(Arc::clone);
+    match function {
         Some(function) => Ok(Arc::new(Own(function))),
         None => Err(Refusal(format!("the integrator '{name}' is no more"))),
     }

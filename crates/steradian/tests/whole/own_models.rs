@@ -18,13 +18,14 @@ mod texture;
 
 use std::sync::Arc;
 use steradian::{
-    Control, Film, Layer, Quality, Registry, RegistryError, Scene,
+    Control, Film, Layer, Quality, Registry, RegistryError, Scene, Values,
     bsdf::{Inputs, OwnScatter, TransportMode},
+    core::{camera::OwnCamera, light::OwnLight, medium::OwnMedium, shape::OwnShape},
     instruments::{Specimen, laws::laws},
     load_bytes,
-    math::{Spectrum, Vec2, Vec3},
+    math::{Bounds3, DVec2, DVec3, Spectrum, Vec2, Vec3},
     scene::Diagnostics,
-    schema::{Family, Model, Parameter, Type},
+    schema::{Family, Group, Model, Parameter, Type, light as light_parameters, medium as medium_parameters},
     verify::{Verdict, verify},
 };
 
@@ -224,6 +225,86 @@ fn a_medium_has_its_density() {
         let (found, error) = mean(&film(&ray, "volpath", 256));
         let expected = (-0.7 * depth).exp();
         assert!((found - expected).abs() < 3.5 * error + 1e-4 && error < 0.01, "{found} ± {error}, not {expected}");
+    }
+}
+
+/// Models whose answers are wrong give wrong pictures, but every render ends, without a value that is no number.
+#[test]
+fn faulty_models_end_and_enter_no_picture() {
+    #[derive(Debug)]
+    struct Faulty(f32);
+    impl OwnMedium for Faulty {
+        fn bounds(&self) -> Bounds3 {
+            Bounds3::new(Vec3::splat(-2.0), Vec3::splat(2.0))
+        }
+        fn density(&self, p: Vec3) -> f32 {
+            if p.x > 0.5 { f32::NAN } else { 1.0 }
+        }
+        fn most(&self, _: &Bounds3) -> f32 {
+            self.0
+        }
+    }
+    impl OwnShape for Faulty {
+        fn corners(&self) -> [DVec3; 2] {
+            [DVec3::splat(-1.0), DVec3::splat(1.0)]
+        }
+        fn sample(&self, _: DVec3) -> (f64, DVec3) {
+            (f64::from(self.0), DVec3::splat(f64::from(self.0)))
+        }
+        fn first(&self, _: DVec3, _: DVec3, range: [f64; 2]) -> Option<f64> {
+            Some(range[0] + f64::from(self.0))
+        }
+        fn uv(&self, _: DVec3) -> DVec2 {
+            DVec2::splat(f64::NAN)
+        }
+    }
+    impl OwnLight for Faulty {
+        fn share(&self, _: Vec3) -> f32 {
+            self.0
+        }
+        fn greatest(&self) -> f32 {
+            self.0
+        }
+    }
+    impl OwnCamera for Faulty {
+        fn ray(&self, film: Vec2, _: Vec2) -> (Vec3, Vec3) {
+            let odd = if film.x > 0.5 { f32::NAN } else { self.0 };
+            (Vec3::new(0.0, 0.0, odd), Vec3::splat(odd))
+        }
+    }
+    const fn model(kind: &'static str, groups: &'static [&'static Group]) -> Model {
+        static VALUE: [Parameter; 1] = [Parameter::new(Type::Number, "value", (-1e38, 1e38), "0", "")];
+        Model { kind, doc: "", parameters: &VALUE, groups, source: "" }
+    }
+    static MEDIUM: Model = model("faulty_medium", &[&medium_parameters::OWN]);
+    static SHAPE: Model = model("faulty_shape", &[]);
+    static LIGHT: Model = model("faulty_light", &[&light_parameters::OWN]);
+    static CAMERA: Model = model("faulty_camera", &[]);
+    for value in [0.0, -1.0, 0.1, 1e-30, f32::NAN, f32::INFINITY] {
+        let made = move |_: &Values| Ok(Faulty(value));
+        let registry = Registry::new().medium(&MEDIUM, made).and_then(|r| r.shape(&SHAPE, made));
+        let registry = registry.and_then(|r| r.light(&LIGHT, made)).and_then(|r| r.camera(&CAMERA, made));
+        let registry = registry.expect("a registry");
+        for camera in ["faulty_camera", "perspective"] {
+            let text = format!(
+                "steradian: 1, film: {{film: rgb, width: 8, height: 8}}
+                camera: {{camera: {camera}, to_world: {{look_at: [0, 0, 0], from: [0, 0, 5], up: [0, 1, 0]}}}}
+                media: {{fog: {{medium: faulty_medium, sigma_s: 0.5, sigma_a: 0.1}}}}
+                lights: [{{light: environment}}, {{light: faulty_light, position: [0, 0, 3]}}]
+                shapes: [{{shape: faulty_shape}}, {{shape: sphere, radius: 2, material: {{material: interface}}, interior: fog}}]"
+            );
+            let loaded = load_bytes("text", text.into_bytes(), Some("steradian"), &registry.reading());
+            let scene = Arc::new(loaded.compile(&registry.compiling()).scene.expect("a scene"));
+            for integrator in ["volpath", "bdpt", "raycast", "sppm", "mmlt"] {
+                let quality = Quality { max_depth: Some(5), ..Quality::of(integrator).spp(4) };
+                let picture = registry.render(&scene, &quality).expect("a picture");
+                let planes = picture.rgb().expect("colours");
+                assert!(
+                    [planes.r, planes.g, planes.b].concat().iter().all(|v| v.is_finite()),
+                    "{value} {camera} {integrator}"
+                );
+            }
+        }
     }
 }
 
