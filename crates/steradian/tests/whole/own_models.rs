@@ -130,7 +130,8 @@ fn verify_judges_models_of_ones_own() {
     let differing = |material: &str| {
         let text = format!(
             "steradian: 1, film: {{film: rgb, width: 16, height: 16}}, lights: [{{light: environment, radiance: 1}}]
-            camera: {{camera: perspective, fov: 50, to_world: {{look_at: [0, -0.5, 0], from: [0, 3, 4], up: [0, 1, 0]}}}}
+            camera: {{camera: perspective, fov: 50,
+                to_world: {{look_at: [0, -0.5, 0], from: [0, 3, 4], up: [0, 1, 0]}}}}
             materials: {{own: {{material: {material}}}}}
             shapes: [{{shape: sphere, material: own}}, {{shape: disk, radius: 4, material: own,
                 to_world: [{{rotate: [1, 0, 0], degrees: -90}}, {{translate: [0, -1, 0]}}]}}]"
@@ -291,7 +292,8 @@ fn faulty_models_end_and_enter_no_picture() {
                 camera: {{camera: {camera}, to_world: {{look_at: [0, 0, 0], from: [0, 0, 5], up: [0, 1, 0]}}}}
                 media: {{fog: {{medium: faulty_medium, sigma_s: 0.5, sigma_a: 0.1}}}}
                 lights: [{{light: environment}}, {{light: faulty_light, position: [0, 0, 3]}}]
-                shapes: [{{shape: faulty_shape}}, {{shape: sphere, radius: 2, material: {{material: interface}}, interior: fog}}]"
+                shapes: [{{shape: faulty_shape}},
+                    {{shape: sphere, radius: 2, material: {{material: interface}}, interior: fog}}]"
             );
             let loaded = load_bytes("text", text.into_bytes(), Some("steradian"), &registry.reading());
             let scene = Arc::new(loaded.compile(&registry.compiling()).scene.expect("a scene"));
