@@ -21,6 +21,7 @@ pub mod cook_torrance;
 pub mod dielectric;
 pub mod diffuse;
 pub mod diffuse_transmission;
+pub mod filter;
 pub mod fresnel;
 mod gaussian;
 pub mod grating;
@@ -73,6 +74,7 @@ pub use cook_torrance::{CookTorrance, DiffuseCoupling};
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use diffuse_transmission::DiffuseTransmission;
+pub use filter::Filter;
 pub use grating::{Grating, Grooves};
 pub use grating_profile::Profile;
 pub use hair::Hair;
@@ -294,6 +296,8 @@ models! {
     Dielectric(Dielectric),
     /// A pane that refracts in and out again.
     ThinDielectric(ThinDielectric),
+    /// A polariser or a retarder.
+    Filter(Filter),
     /// A dielectric coat over a diffuse base: plastic, varnish.
     Coated(Coated<'a>),
     /// Rough diffuse reflection.

@@ -4,7 +4,7 @@
 //! unpolarised value is shared out by the Mueller matrix of that facet over its first element. All other models
 //! depolarise: so do Mitsuba's diffuse, plastic and principled ones. The first element is always one, so the radiance
 //! `S₀` of unpolarised light is that of unpolarised transport after one event, and differs after several by what
-//! polarisation adds (two mirrors at Brewster's angle).
+//! polarisation adds (two mirrors at Brewster's angle). Polarisers and retarders: [`super::filter`].
 
 use super::{Bsdf, fresnel};
 use steradian_math::{
@@ -33,6 +33,7 @@ pub fn relative(bsdf: &Bsdf<'_>, frame: &Frame, wo: Vec3, wi: Vec3) -> Mueller {
                 facet(wo, wi, eta).map(|h| (h, t(h)))
             }
         }
+        Bsdf::Filter(f) if !reflects => return f.relative(frame, wo),
         Bsdf::Dielectric(_) if !reflects => return through(frame, wo, wi),
         Bsdf::ThinDielectric(d) => {
             let single =
@@ -73,7 +74,7 @@ fn facet(wo: Vec3, wi: Vec3, eta: f32) -> Option<Vec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Conductor, Dielectric, Diffuse, Microfacet, TransportMode};
+    use crate::{Conductor, Dielectric, Diffuse, Filter, Microfacet, TransportMode};
     use steradian_math::{Vec2, hash::HashRng};
 
     fn frames() -> [Frame; 2] {
@@ -123,6 +124,9 @@ mod tests {
             Bsdf::Dielectric(Dielectric::new(1.5, Microfacet::SMOOTH)),
             Bsdf::Dielectric(Dielectric::new(1.5, Microfacet::ggx(0.3, 0.3))),
             Bsdf::ThinDielectric(super::super::ThinDielectric::new(1.5)),
+            Bsdf::Filter(Filter::linear(20.0, Spectrum::ONE)),
+            Bsdf::Filter(Filter::circular(true, Spectrum::ONE)),
+            Bsdf::Filter(Filter::retarder(20.0, 70.0)),
         ];
         let mut rng = HashRng::new(8);
         for b in &models {

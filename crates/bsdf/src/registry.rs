@@ -73,18 +73,26 @@ pub struct Recipe {
     pub kind: &'static str,
     /// True if the orientation of the tangent matters.
     pub is_anisotropic: bool,
+    /// True for plates that light goes straight through, with another polarisation.
+    pub polarizes: bool,
     /// Makes it.
     pub make: fn(&Inputs) -> Bsdf<'static>,
 }
 
 impl Recipe {
     pub(super) const fn new(kind: &'static str, make: fn(&Inputs) -> Bsdf<'static>) -> Self {
-        Self { kind, is_anisotropic: false, make }
+        Self { kind, is_anisotropic: false, polarizes: false, make }
     }
 
     /// Marks the recipe as one of an anisotropic model, for which the orientation of the tangent matters.
     pub(super) const fn anisotropic(mut self) -> Self {
         self.is_anisotropic = true;
+        self
+    }
+
+    /// Marks the recipe as one of a plate that acts on polarisation.
+    pub(super) const fn polarizing(mut self) -> Self {
+        self.polarizes = true;
         self
     }
 }

@@ -15,6 +15,8 @@ pub enum Feature {
     Subsurface,
     /// Materials that shift the wavelength of light.
     Fluorescence,
+    /// Polarisers and retarders.
+    Polarization,
     /// Lights that are switched on and off.
     Schedules,
     /// Emitters that light sampling does not reach, such as infinite planes.
@@ -83,11 +85,12 @@ impl Support {
 
 impl Feature {
     /// Features of scenes, in the order in which limits are told.
-    pub(crate) const OF_SCENES: [Self; 17] = [
+    pub(crate) const OF_SCENES: [Self; 18] = [
         Self::MovingCamera,
         Self::Media,
         Self::Subsurface,
         Self::Fluorescence,
+        Self::Polarization,
         Self::Schedules,
         Self::GlowingMedia,
         Self::RealisticLens,
@@ -104,11 +107,12 @@ impl Feature {
     ];
 
     /// All features: those of scenes, then those of requests.
-    pub const ALL: [Self; 24] = [
+    pub const ALL: [Self; 25] = [
         Self::Media,
         Self::GlowingMedia,
         Self::Subsurface,
         Self::Fluorescence,
+        Self::Polarization,
         Self::Schedules,
         Self::UnsampledEmitters,
         Self::AmbientLight,
@@ -138,6 +142,7 @@ impl Feature {
             Self::GlowingMedia => "media that glow",
             Self::Subsurface => "light that goes below surfaces",
             Self::Fluorescence => "light that changes its wavelength (material 'fluorescent')",
+            Self::Polarization => "polarisation (materials 'polarizer' and 'retarder')",
             Self::Schedules => "lights that go on and off (parameters 'on' and 'off')",
             Self::UnsampledEmitters => "light of shapes of which no point can be drawn, such as an infinite plane",
             Self::AmbientLight => "lights 'ambient'",
@@ -184,6 +189,7 @@ impl Feature {
             Self::AmbientLight => !scene.lights().ambient.is_empty(),
             Self::GlowingMedia => scene.media().iter().any(|m| m.glow.is_some()),
             Self::Fluorescence => scene.is_fluorescent(),
+            Self::Polarization => scene.polarizes(),
             Self::Schedules => scene.has_schedules(),
             Self::InfinitePlanes => {
                 let is_infinite = |l: &Light| matches!(l, Light::Distant(..) | Light::Environment(_));

@@ -23,8 +23,8 @@ pub const AO: MethodKind = MethodKind::new("ao", |asked| {
 impl Method for AmbientOcclusion {
     fn supports(&self, feature: Feature) -> Support {
         match feature {
-            // Occlusion is of surfaces: media are not in it.
-            Feature::TransparencyBehindMedia => Support::Exact,
+            // Occlusion is of surfaces: media are not in it, nor is light.
+            Feature::TransparencyBehindMedia | Feature::Polarization => Support::Exact,
             _ => support::of_camera_rays(feature),
         }
     }

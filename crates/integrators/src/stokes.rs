@@ -42,6 +42,7 @@ fn component(asked: &Asked<'_>, component: usize) -> Result<Arc<dyn Method>, Ref
 impl Method for Stokes {
     fn supports(&self, feature: Feature) -> Support {
         match feature {
+            Feature::Polarization => Support::Exact,
             Feature::Media => Support::LeavesOut(""),
             Feature::Denoising => Support::Refuses("Stokes parameters are no radiance"),
             _ => support::of_local_scattering(feature),

@@ -2,13 +2,17 @@
 
 use steradian_engine::{
     Feature,
-    Support::{self, Exact, LeavesOut, Refuses},
+    Support::{self, Approximates, Exact, LeavesOut, Refuses},
 };
+
+/// The answer of methods to which all light is unpolarised.
+const UNPOLARIZED: Support = Approximates("filters act as on unpolarised light");
 
 /// Answers of methods that follow rays from the camera, one sample of a pixel after the other.
 pub(crate) fn of_camera_rays(feature: Feature) -> Support {
     match feature {
         Feature::AmbientLight => LeavesOut("the light from all sides that they stand for is no radiance of the scene"),
+        Feature::Polarization => UNPOLARIZED,
         // What media add to a pixel has no coverage.
         Feature::TransparencyBehindMedia => Refuses(""),
         Feature::LightGroups => Refuses("'path', 'volpath' and 'raster' can"),

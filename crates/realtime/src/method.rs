@@ -57,6 +57,7 @@ impl Method for Raster {
         match feature {
             Feature::Media | Feature::UnsampledEmitters => LeavesOut(""),
             Feature::Motion | Feature::Schedules => LeavesOut("it shows the moment at which the shutter opens"),
+            Feature::Polarization => Approximates("filters act as on unpolarised light"),
             Feature::Subsurface | Feature::Fluorescence => Approximates("it is shown as diffuse"),
             Feature::Samplers => LeavesOut("it spreads samples in a way of its own"),
             Feature::AmbientLight if self.options.frame != FrameKind::Forward => {

@@ -158,6 +158,32 @@ pub const MATERIALS: &[Model] = &[
         source: "Stokes, On the intensity of the light reflected from or transmitted through a pile of plates (1862)",
     },
     Model {
+        kind: "polarizer",
+        doc: "a polarising filter without thickness: `stokes` and its parts follow polarised light, for others it \
+              passes one half",
+        parameters: &[
+            word("form", "linear, right_circular, left_circular", "linear", "light that passes"),
+            scalar("theta", (-3600.0, 3600.0), "0", "axis of the light that passes, from ∂p/∂u about the normal")
+                .unit("degrees")
+                .with("form", "linear"),
+            tex("transmittance", UNIT, "1", "factor on what passes"),
+        ],
+        groups: &[&DETAIL],
+        source: "Malus, Sur une propriété de la lumière réfléchie (1809); Korger et al., The polarization \
+         properties of a tilted polarizer (2013)",
+    },
+    Model {
+        kind: "retarder",
+        doc: "a wave plate without thickness, clear for light that is not polarised; for `stokes` and its parts",
+        parameters: &[
+            scalar("theta", (-3600.0, 3600.0), "0", "fast axis, from ∂p/∂u about the normal").unit("degrees"),
+            scalar("delta", (-3600.0, 3600.0), "90", "retardation along the normal; 90 is a quarter wave")
+                .unit("degrees"),
+        ],
+        groups: &[&DETAIL],
+        source: "Goldstein, Polarized Light (2003), 6.43; Mitsuba 3, plugin documentation",
+    },
+    Model {
         kind: "coated_diffuse",
         doc: "a dielectric coat over a diffuse base (pbrt's coateddiffuse, in closed form)",
         parameters: &[
@@ -743,6 +769,8 @@ mod tests {
             "conductor",
             "dielectric",
             "thin_dielectric",
+            "polarizer",
+            "retarder",
             "phong",
             "blinn_phong",
             "ward",

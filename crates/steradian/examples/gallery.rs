@@ -101,6 +101,8 @@ const ROWS: &[Row] = &[
         &["eta=1.5168 abbe_number=64.17", "eta=1.7 abbe_number=20", "cauchy=1.65,0.02", "eta=glass-SF11"],
     ),
     ("thin_dielectric", "a bubble", "", &["eta=1.33", "eta=1.5", "eta=2.4"]),
+    ("polarizer", "unpolarised light passes twice", "", &["", "transmittance=0.9,0.5,0.2"]),
+    ("retarder", "clear to unpolarised light", "", &[""]),
     ("coated_diffuse", "varnish by roughness", "reflectance=0.1,0.25,0.6", ALPHAS),
     (
         "coated_diffuse",

@@ -235,8 +235,11 @@ impl Render {
         let limits = self.method.limits(scene);
         let misses = |feature| self.method.supports(feature) != Support::Exact;
         let misses_ambient = !scene.lights().ambient.is_empty() && misses(Feature::AmbientLight);
+        let misses_polarization = scene.polarizes() && misses(Feature::Polarization);
         let instead = if misses_ambient && limits.len() == 1 {
             "whitted"
+        } else if misses_polarization && limits.len() == 1 {
+            "stokes"
         } else if misses(Feature::SpecularView) {
             // Connections from the camera find what light tracing alone cannot, and its caustics.
             "bdpt"

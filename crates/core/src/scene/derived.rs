@@ -20,6 +20,8 @@ pub struct Facts {
     pub has_media: bool,
     /// True if any surface is a shadow catcher.
     pub has_shadow_catchers: bool,
+    /// True if there are polarisers or retarders.
+    pub polarizes: bool,
     pub is_see_through: bool,
     /// Media that give off light, where it may arrive straight.
     pub emissive_volumes: Vec<EmissiveVolume>,
@@ -47,8 +49,9 @@ impl Facts {
         });
         let has_footprints = has_detail || textures.is_filtered();
         let world = &geometries[..parts.world_count as usize];
+        let polarizes = materials.iter().any(|m| matches!(&m.model, Model::Parametric(p) if p.recipe.polarizes));
         let is_see_through =
-            materials.iter().any(|m| matches!(m.model, Model::ThinDielectric { .. } | Model::Interface));
+            polarizes || materials.iter().any(|m| matches!(m.model, Model::ThinDielectric { .. } | Model::Interface));
         Self {
             planes: (0..).zip(world).filter(|(_, g)| matches!(g.shape, Shape::Plane(_))).map(|(i, _)| i).collect(),
             footprints: has_footprints.then(|| camera.view_footprint(&parts.film, parts.spp)),
@@ -60,6 +63,7 @@ impl Facts {
             is_fluorescent: materials.iter().any(|m| matches!(m.model, Model::Fluorescent(_))),
             has_media: parts.has_media(),
             has_shadow_catchers: geometries.iter().any(|g| g.catches_shadows),
+            polarizes,
             is_see_through,
             emissive_volumes: if is_see_through { emissive_volumes(parts) } else { Vec::new() },
             below_surfaces: materials.iter().find_map(|m| m.model.below()),

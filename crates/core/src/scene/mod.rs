@@ -229,7 +229,13 @@ impl Scene {
         self.facts.has_shadow_catchers
     }
 
-    /// True if there are surfaces that light passes straight: interfaces and thin panes.
+    /// True if there are polarisers or retarders.
+    #[inline]
+    pub fn polarizes(&self) -> bool {
+        self.facts.polarizes
+    }
+
+    /// True if there are surfaces that light passes straight: interfaces, thin panes, polarisers, retarders.
     #[inline]
     pub fn is_see_through(&self) -> bool {
         self.facts.is_see_through

@@ -84,7 +84,8 @@ impl Reader<'_> {
             }
             "hair" => self.hair(object),
             "pplastic" => self.polarized_plastic(object),
-            "polarizer" | "circular" | "retarder" => self.polarizing_filter(object, plugin == "retarder"),
+            "polarizer" | "circular" => self.polarizer(object),
+            "retarder" => self.retarder(object),
             "null" => self.node(Family::Material, "interface", object),
             "bumpmap" | "normalmap" => return self.mapped(object, plugin == "normalmap"),
             // Disney's have the same parameters in both vocabularies.

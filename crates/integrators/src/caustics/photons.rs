@@ -85,7 +85,7 @@ pub(super) fn send(scene: &Scene, stop: &Stop) -> Vec<Photon> {
 pub(super) fn is_receiver(bsdf: &Bsdf) -> bool {
     match bsdf {
         Bsdf::Conductor(b) => b.microfacet.mean_alpha() > BROAD,
-        Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) | Bsdf::Hair(_) | Bsdf::Layered(_) => false,
+        Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) | Bsdf::Filter(_) | Bsdf::Hair(_) | Bsdf::Layered(_) => false,
         _ => true,
     }
 }

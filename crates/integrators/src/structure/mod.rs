@@ -68,6 +68,7 @@ impl Method for Structure {
     fn supports(&self, feature: Feature) -> Support {
         match feature {
             Feature::Motion | Feature::MovingCamera => Approximates("it is shown as the shutter opens"),
+            Feature::Polarization => Support::Exact,
             Feature::ShadowCatchers => LeavesOut(""),
             Feature::Transparency => Refuses(""),
             Feature::Denoising => Refuses("it has no noise"),

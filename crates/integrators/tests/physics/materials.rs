@@ -79,6 +79,8 @@ fn surfaces() -> Vec<Case> {
             d.add(material("dielectric").with("eta", Value::Spectrum(SpectrumValue::Named("glass-SF11".into()))))
         }),
         case("pane", "thin_dielectric", true, |d| d.add(material("thin_dielectric").with("eta", 1.5))),
+        case("polariser", "polarizer", false, |d| d.add(material("polarizer").with("theta", 30.0))),
+        case("quarter-wave plate", "retarder", true, |d| d.add(material("retarder"))),
     ]
 }
 

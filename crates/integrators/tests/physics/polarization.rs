@@ -1,11 +1,12 @@
 //! Polarised light (M131): Brewster's angle, crossed mirrors, and agreement with unpolarised transport where nothing
-//! polarises twice.
+//! polarises twice. Filters: Malus's law, wave plates, circular polarisers.
 
 use crate::{
     shot::{Shot, mean},
     stage::{Stage, diffuse, material, plane, rectangle, rgb, sphere},
 };
 use steradian_core::Scene;
+use steradian_scene::Node;
 
 /// Brewster's angle of glass of index 1.5, and the reflectance there.
 fn brewster() -> (f64, f64) {
@@ -108,4 +109,84 @@ fn radiance_is_that_of_path_where_nothing_polarises_twice() {
         polarised += usize::from(s1.mean()[0].abs() > 1e-3);
     }
     assert!(polarised > 10, "the metal polarises: {polarised} pixels");
+}
+
+/// Filters before a white sky, the first one nearest to it: unit squares across z whose ∂p/∂u is x, with the normal
+/// towards the camera.
+fn filters(plates: &[Node]) -> Stage {
+    let mut stage = Stage::new();
+    for (i, plate) in plates.iter().enumerate() {
+        let id = stage.add(plate.clone());
+        let corner = [-0.5, -0.5, 0.1 * i as f64];
+        stage.place_mesh(rectangle(corner, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0])).material = Some(id);
+    }
+    stage.sky(1.0);
+    stage.probe([0.03, -0.02, 3.0], [0.03, -0.02, 0.0]);
+    stage
+}
+
+fn polarizer(theta: f64) -> Node {
+    material("polarizer").with("theta", theta)
+}
+
+fn circular(form: &str) -> Node {
+    material("polarizer").with("form", form)
+}
+
+fn passes(name: &'static str, plates: &[Node]) -> f64 {
+    mean(&Shot::of(name, 64).roulette_after(30).take(&filters(plates).scene())).mean[0]
+}
+
+fn is_part(what: &str, found: f64, expected: f64) {
+    assert!((found - expected).abs() < 2e-6, "{what}: {found} is not {expected}");
+}
+
+#[test]
+fn two_polarisers_keep_to_the_law_of_malus() {
+    for degrees in [0.0f64, 30.0, 45.0, 60.0, 90.0, -30.0] {
+        let both = [polarizer(20.0), polarizer(20.0 + degrees)];
+        is_part("Malus", passes("stokes", &both), 0.5 * degrees.to_radians().cos().powi(2));
+        for name in ["path", "volpath"] {
+            is_part(name, passes(name, &both), 0.25);
+        }
+    }
+}
+
+#[test]
+fn what_is_between_crossed_polarisers_lets_light_pass_again() {
+    let between = |plate: Node| passes("stokes", &[polarizer(0.0), plate, polarizer(90.0)]);
+    let retarder = |theta: f64, delta: f64| material("retarder").with("theta", theta).with("delta", delta);
+    is_part("a third polariser", between(polarizer(45.0)), 0.125);
+    is_part("a quarter-wave plate", between(retarder(45.0, 90.0)), 0.25);
+    is_part("a half-wave plate", between(retarder(45.0, 180.0)), 0.5);
+    is_part("a half-wave plate along an axis", between(retarder(90.0, 180.0)), 0.0);
+    is_part("a plate by itself", passes("stokes", &[retarder(45.0, 90.0)]), 1.0);
+    is_part("what path sees", passes("path", &[retarder(45.0, 90.0)]), 1.0);
+}
+
+#[test]
+fn circular_polarisers_pass_one_hand() {
+    let (right, left) = (circular("right_circular"), circular("left_circular"));
+    for (one, other, expected) in [(&right, &right, 0.5), (&left, &left, 0.5), (&right, &left, 0.0)] {
+        is_part("two of them", passes("stokes", &[one.clone(), other.clone()]), expected);
+    }
+    is_part("S3 of right", passes("stokes-s3", std::slice::from_ref(&right)), 0.5);
+    // Light along the diagonal, whose part along the fast axis x is ahead, becomes left-circular.
+    let made = [polarizer(45.0), material("retarder")];
+    is_part("S3 of a quarter-wave plate", passes("stokes-s3", &made), -0.5);
+    let analysed = |last: &Node| passes("stokes", &[made[0].clone(), made[1].clone(), last.clone()]);
+    is_part("left", analysed(&left), 0.5);
+    is_part("right", analysed(&right), 0.0);
+}
+
+/// A polariser by itself passes half of what a matt floor sends, tinted, and `limits` tell that methods other than
+/// `stokes` know no more than that.
+#[test]
+fn unpolarised_methods_say_that_they_are() {
+    let scene = filters(&[polarizer(0.0).with("transmittance", rgb([1.0, 0.5, 0.2]))]).scene();
+    for name in ["path", "volpath", "stokes"] {
+        mean(&Shot::of(name, 64).take(&scene)).is_near(name, [0.5, 0.25, 0.1], 1e-4);
+    }
+    assert!(Shot::of("path", 1).limit(&scene).is_some_and(|l| l.contains("polarisation")));
+    assert!(Shot::of("stokes", 1).limit(&scene).is_none());
 }

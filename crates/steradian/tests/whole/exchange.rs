@@ -116,6 +116,39 @@ fn mitsubas_own_scenes_are_written_exactly() {
     assert!(off < 1e-5, "{off}");
 }
 
+/// Light along 30°, 45° ahead of the fast axis of a quarter-wave plate, becomes left-circular, which the last filter
+/// passes.
+const FILTERS: &str = r#"<scene version="3.0.0"><integrator type="path"/>
+<sensor type="orthographic"><transform name="to_world"><lookat origin="0,0,4" target="0,0,0" up="0,1,0"/></transform></sensor>
+<shape type="rectangle"><bsdf type="polarizer"><spectrum name="theta" value="30"/></bsdf></shape>
+<shape type="rectangle"><transform name="to_world"><translate z="1"/></transform>
+ <bsdf type="retarder"><float name="theta" value="-15"/></bsdf></shape>
+<shape type="rectangle"><transform name="to_world"><translate z="2"/></transform>
+ <bsdf type="circular"><boolean name="left_handed" value="true"/><rgb name="transmittance" value="0.8,0.4,0"/></bsdf></shape>
+<emitter type="constant"><rgb name="radiance" value="1"/></emitter></scene>"#;
+
+#[test]
+fn polarising_filters_are_read_and_written_exactly() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = scene(FILTERS, "xml", folder.path());
+    let read = load(&path, &Options::default()).diagnostics;
+    assert!(read.iter().all(|d| d.fidelity.is_none()), "{read:?}");
+    let options = CompileOptions { size: Some((8, 8)), mode: Some(ColorMode::Rgb), ..CompileOptions::default() };
+    for steps in [&[][..], &["xml"], &["steradian", "xml"]] {
+        let (desc, losses) = gone(&path, steps, folder.path());
+        assert!(losses.is_empty(), "{losses:?}");
+        let compiled = std::sync::Arc::new(compile(&desc, &options).scene.expect("a scene"));
+        for (name, part) in [("stokes", 0.5), ("path", 0.25)] {
+            let found = means(&render(&compiled, &Quality { spp: Some(4), ..Quality::of(name) }).expect(name));
+            let is_near = |(found, tint): (&f64, f64)| (found - part * tint).abs() < 2e-6;
+            assert!(found.iter().zip([0.8, 0.4, 0.0]).all(is_near), "{name} {steps:?}: {found:?}");
+        }
+        let left_out = Quality::of("path").render(&compiled).expect("path").left_out(&compiled);
+        assert!(left_out.is_some_and(|l| l.of("path").contains("'stokes' renders it")));
+        assert_eq!(Quality::of("stokes").render(&compiled).expect("stokes").left_out(&compiled), None);
+    }
+}
+
 #[test]
 fn mitsubas_scenes_go_through_pbrt() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -112,8 +112,16 @@ fn hair_takes_the_names_of_its_paper() {
 }
 
 #[test]
-fn polarizing_filters_are_those_of_unpolarized_light() {
+fn polarizing_filters() {
     let (_, m) = material("<bsdf type=\"polarizer\"><float name=\"theta\" value=\"30\"/></bsdf>");
+    assert_eq!((m.kind.as_str(), m.float("theta"), m.string("form")), ("polarizer", Some(30.0), None));
+    let (_, m) = material("<bsdf type=\"circular\"><boolean name=\"left_handed\" value=\"true\"/></bsdf>");
+    assert_eq!((m.kind.as_str(), m.string("form")), ("polarizer", Some("left_circular")));
+    let (_, m) = material("<bsdf type=\"circular\"/>");
+    assert_eq!(m.string("form"), Some("right_circular"));
+    let (_, m) = material("<bsdf type=\"retarder\"><float name=\"theta\" value=\"-45\"/></bsdf>");
+    assert_eq!((m.kind.as_str(), m.float("theta"), m.float("delta")), ("retarder", Some(-45.0), Some(90.0)));
+    let (_, m) = material("<bsdf type=\"polarizer\"><boolean name=\"polarizing\" value=\"false\"/></bsdf>");
     assert_eq!(
         (m.kind.as_str(), m.float("eta"), m.float("specular_transmittance")),
         ("thin_dielectric", Some(1.0), Some(0.5))

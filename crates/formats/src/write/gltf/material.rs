@@ -196,6 +196,14 @@ impl Writer<'_> {
                     draft.extension("KHR_materials_volume")["thicknessFactor"] = json!(1.0);
                 }
             }
+            "polarizer" | "retarder" => {
+                self.x.approximated(node, format!("'{}' becomes a pane as unpolarised light sees it", node.kind));
+                self.gloss(draft, node, ["alpha_u", "alpha_v"], 0.0);
+                let part = if node.kind == "polarizer" { 0.5 } else { 1.0 };
+                self.base_color(draft, &Source::Plain(Colour::Grey(part)));
+                draft.extension("KHR_materials_ior")["ior"] = json!(1.0);
+                draft.extension("KHR_materials_transmission")["transmissionFactor"] = json!(1.0);
+            }
             "plastic" | "coated_diffuse" => {
                 self.x.approximated(node, format!("'{}' becomes glTF's dielectric over a diffuse base", node.kind));
                 let name = if node.kind == "plastic" { "diffuse_reflectance" } else { "reflectance" };

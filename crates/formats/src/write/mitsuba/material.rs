@@ -82,6 +82,12 @@ impl Writer<'_> {
                 self.specular(&mut out, node, true);
                 (out, false)
             }
+            "polarizer" => (self.polarizer(node), false),
+            "retarder" => {
+                let mut out = plain("retarder");
+                self.angles(&mut out, node, &[("theta", 0.0), ("delta", 90.0)]);
+                (out, false)
+            }
             "plastic" => (self.plastic(node, "diffuse_reflectance", 1.49), true),
             "coated_diffuse" => {
                 let what = "'coated_diffuse' becomes 'plastic' over a base that looks the same straight on";
@@ -133,6 +139,26 @@ impl Writer<'_> {
                 (out, false)
             }
             other => (self.stand_in(node, other), true),
+        }
+    }
+
+    fn polarizer(&mut self, node: &Node) -> Element {
+        let form = node.string("form").unwrap_or("linear");
+        let mut out = Element::plugin("bsdf", if form == "linear" { "polarizer" } else { "circular" });
+        if form == "linear" {
+            self.angles(&mut out, node, &[("theta", 0.0)]);
+        } else {
+            out.boolean("left_handed", form == "left_circular");
+        }
+        let transmittance = self.x.source_or(node, "transmittance", 1.0);
+        self.put(&mut out, "transmittance", &transmittance, Role::Reflectance);
+        out
+    }
+
+    fn angles(&mut self, out: &mut Element, node: &Node, names: &[(&str, f64)]) {
+        for &(name, default) in names {
+            let source = self.x.source_or(node, name, default);
+            self.put(out, name, &source, Role::Scalar);
         }
     }
 

@@ -81,6 +81,8 @@ impl Writer<'_> {
             node.kind.as_str(),
             "dielectric"
                 | "thin_dielectric"
+                | "polarizer"
+                | "retarder"
                 | "diffuse_transmission"
                 | "interface"
                 | "mix"
@@ -160,6 +162,10 @@ impl Writer<'_> {
             "measured" => self.measured(out, node),
             "mix" => self.mix(out, node),
             "interface" => out.string("type", "interface"),
+            "polarizer" | "retarder" => {
+                self.x.approximated(node, format!("pbrt has no '{}': nothing is there instead", node.kind));
+                out.string("type", "interface");
+            }
             "principled" | "principledthin" | "metallic_roughness" | "openpbr" => self.layered(out, node),
             _ => self.stand_in(out, node),
         }
