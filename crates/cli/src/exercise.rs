@@ -2,6 +2,8 @@
 
 use crate::{
     failure::{self, Failure, Outcome},
+    html::quoted,
+    signals::{self, Signals},
     terminal,
 };
 use clap::{Args, Subcommand, builder::PossibleValuesParser};
@@ -81,15 +83,24 @@ pub fn run(args: &ExerciseArgs) -> Outcome {
             let language = Language::named(language).unwrap_or(Language::Python);
             let folder = output.clone().unwrap_or_else(|| PathBuf::from(exercise.name));
             start(exercise, language, &folder, *solution).map_err(failed)?;
-            let folder = folder.display();
+            let readme = folder.join("README.md");
+            let word = quoted(&folder.to_string_lossy());
             let text = format!(
-                "{folder}: the task is in {folder}/README.md; `steradian exercise check {folder}` checks the answer\n"
+                "{}: the task is in {}; `steradian exercise check {word}` checks the answer\n",
+                folder.display(),
+                readme.display()
             );
             terminal::data(text.as_bytes())?;
             Ok(failure::DONE)
         }
         ExerciseCommand::Check { folder, timeout, json } => {
-            let report = check(folder, Duration::from_secs((*timeout).into())).map_err(failed)?;
+            let signals = Signals::watch();
+            let checked = check(folder, Duration::from_secs((*timeout).into()), &|| signals.came().is_some());
+            if let (Err(Fault::Stopped), Some(signal)) = (&checked, signals.came()) {
+                let message = format!("stopped by {}", signals::name(signal));
+                return Err(Failure { code: 128 + signal, message });
+            }
+            let report = checked.map_err(failed)?;
             if *json {
                 terminal::json(&report)?;
             } else {

@@ -44,6 +44,9 @@ pub enum Fault {
         /// Language of the exercise.
         language: &'static str,
     },
+    /// The check was asked to stop.
+    #[error("the check was stopped")]
+    Stopped,
 }
 
 impl Fault {

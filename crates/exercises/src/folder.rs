@@ -52,7 +52,7 @@ fn readme(exercise: &Exercise, language: Language) -> String {
         crate::numbers::shown(exercise.tolerance.relative),
         exercise.tolerance.reason
     );
-    format!("{}\n{}\n{tolerance}\n", exercise.texts.readme.trim_end(), how.trim_end())
+    format!("{}\n\n{}\n\n{tolerance}\n", exercise.texts.readme.trim_end(), how.trim_end())
 }
 
 impl Folder {

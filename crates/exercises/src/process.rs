@@ -3,7 +3,7 @@
 use crate::protocol::{Question, Reply};
 use std::{
     io::{BufRead, BufReader, Read, Write},
-    process::{Child, Command, Stdio},
+    process::{Child, Command, Output, Stdio},
     sync::{Arc, Mutex, mpsc},
     thread,
     time::{Duration, Instant},
@@ -17,6 +17,8 @@ const PRINTED: usize = 1 << 14;
 const WAITING: usize = 256;
 /// Time that a program has to end after its last answer.
 const FAREWELL: Duration = Duration::from_secs(2);
+/// Longest wait for a line, a byte or an end until a wish to stop is answered.
+const LOOK_EVERY: Duration = Duration::from_millis(50);
 
 /// Replies to the first questions, and why there are no more.
 #[derive(Debug)]
@@ -39,26 +41,81 @@ pub(crate) enum Stop {
     Flood,
     /// The file with the functions cannot be loaded.
     Broken(String),
+    /// The check itself is to stop.
+    Asked,
 }
 
-/// Ends a program that is no longer needed.
+/// Ends a program that is no longer needed, with all that it started.
 struct Guard(Child);
+
+impl Guard {
+    /// Starts a program in a process group of its own, which signals of the terminal do not reach.
+    fn spawn(command: &mut Command) -> std::io::Result<Self> {
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(command, 0);
+        command.spawn().map(Self)
+    }
+}
 
 impl Drop for Guard {
     fn drop(&mut self) {
+        #[cfg(unix)]
+        let _ = Command::new("sh")
+            .args(["-c", "kill -KILL \"-$0\"", &self.0.id().to_string()])
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .status();
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
+}
+
+/// True when a check is to stop.
+pub(crate) type Stopping<'a> = &'a dyn Fn() -> bool;
+
+/// What a tool prints until it ends; `None` if the check is to stop before.
+///
+/// # Errors
+/// The system's, if the tool cannot be started.
+pub(crate) fn output(command: &mut Command, stopping: Stopping<'_>) -> std::io::Result<Option<Output>> {
+    let mut tool = Guard::spawn(command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()))?;
+    let (stdout, stderr) = (all_of(tool.0.stdout.take()), all_of(tool.0.stderr.take()));
+    while !stopping() {
+        if let Some(status) = wait(&mut tool.0, Instant::now() + LOOK_EVERY) {
+            drop(tool);
+            let text = |read: mpsc::Receiver<Vec<u8>>| read.recv().unwrap_or_default();
+            return Ok(Some(Output { status, stdout: text(stdout), stderr: text(stderr) }));
+        }
+    }
+    Ok(None)
+}
+
+/// Reads to the end in a thread.
+fn all_of(from: Option<impl Read + Send + 'static>) -> mpsc::Receiver<Vec<u8>> {
+    let (sender, read) = mpsc::channel();
+    if let Some(mut from) = from {
+        thread::spawn(move || {
+            let mut all = Vec::new();
+            let _ = from.read_to_end(&mut all);
+            let _ = sender.send(all);
+        });
+    }
+    read
 }
 
 /// Asks a program all questions in one go.
 ///
 /// # Errors
 /// The system's, if the program cannot be started.
-pub(crate) fn ask(command: &mut Command, questions: &[Question], timeout: Duration) -> std::io::Result<Asked> {
+pub(crate) fn ask(
+    command: &mut Command,
+    questions: &[Question],
+    timeout: Duration,
+    stopping: Stopping<'_>,
+) -> std::io::Result<Asked> {
     let deadline = Instant::now() + timeout;
-    let child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
-    let mut child = Guard(child);
+    let mut child = Guard::spawn(command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()))?;
     if let Some(mut stdin) = child.0.stdin.take() {
         let lines: Vec<String> = questions.iter().map(Question::line).collect();
         // A program that ended is told of by the other side.
@@ -80,11 +137,13 @@ pub(crate) fn ask(command: &mut Command, questions: &[Question], timeout: Durati
     }
     let (mut replies, mut stop) = (Vec::with_capacity(questions.len()), None);
     while replies.len() < questions.len() && stop.is_none() {
-        match lines.recv_timeout(deadline.saturating_duration_since(Instant::now())) {
+        match lines.recv_timeout(deadline.saturating_duration_since(Instant::now()).min(LOOK_EVERY)) {
             Ok(line) => match read(&line) {
                 Ok(reply) => replies.push(reply),
                 Err(reason) => stop = Some(reason),
             },
+            Err(mpsc::RecvTimeoutError::Timeout) if stopping() => stop = Some(Stop::Asked),
+            Err(mpsc::RecvTimeoutError::Timeout) if Instant::now() < deadline => (),
             Err(mpsc::RecvTimeoutError::Timeout) => stop = Some(Stop::Timeout),
             Err(mpsc::RecvTimeoutError::Disconnected) => stop = Some(Stop::Ended(ending(&mut child.0, deadline))),
         }

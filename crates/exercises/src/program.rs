@@ -1,6 +1,10 @@
 //! The program in a folder: built, if its language needs that, and the command that runs it.
 
-use crate::{Fault, Language, folder::Folder};
+use crate::{
+    Fault, Language,
+    folder::Folder,
+    process::{Stopping, output},
+};
 use serde::Deserialize;
 use std::{path::PathBuf, process::Command};
 
@@ -36,8 +40,8 @@ impl Folder {
     /// Builds the program.
     ///
     /// # Errors
-    /// [`Fault::Tool`] if there is no compiler.
-    pub fn build(&self) -> Result<Built, Fault> {
+    /// [`Fault::Tool`] if there is no compiler, [`Fault::Stopped`].
+    pub fn build(&self, stopping: Stopping<'_>) -> Result<Built, Fault> {
         match self.language {
             Language::Python => {
                 let mut command = Command::new(PYTHON);
@@ -45,14 +49,15 @@ impl Folder {
                 command.args(["-B", "protocol.py"]).current_dir(&self.path).env("PYTHONIOENCODING", "utf-8");
                 Ok(Built::Command(command))
             }
-            Language::Rust => self.cargo(),
+            Language::Rust => self.cargo(stopping),
         }
     }
 
-    fn cargo(&self) -> Result<Built, Fault> {
+    fn cargo(&self, stopping: Stopping<'_>) -> Result<Built, Fault> {
         let mut cargo = Command::new("cargo");
         cargo.args(["build", "--release", "--offline", "--quiet", "--message-format=json"]).current_dir(&self.path);
-        let output = cargo.output().map_err(|error| self.no_tool("cargo", error))?;
+        let output =
+            output(&mut cargo, stopping).map_err(|error| self.no_tool("cargo", error))?.ok_or(Fault::Stopped)?;
         let text = String::from_utf8_lossy(&output.stdout);
         let messages: Vec<Message> = text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
         let executable = messages.iter().find_map(|m| m.executable.clone());

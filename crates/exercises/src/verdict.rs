@@ -13,21 +13,25 @@ use crate::{
 };
 use std::{path::Path, time::Duration};
 
-/// Builds the program in a folder, asks it, and judges its answers.
+/// Builds the program in a folder, asks it, and judges its answers, until `stopping` says true. No process is left.
 ///
 /// # Errors
-/// Where there is no program to be asked: no exercise in the folder, no compiler or interpreter.
-pub fn check(folder: &Path, timeout: Duration) -> Result<Report, Fault> {
+/// Where there is no program to be asked: no exercise in the folder, no compiler or interpreter. [`Fault::Stopped`].
+pub fn check(folder: &Path, timeout: Duration, stopping: &dyn Fn() -> bool) -> Result<Report, Fault> {
     let folder = Folder::open(folder)?;
     let exercise = folder.exercise;
     let questions = Questions::of(exercise);
-    let (asked, fault) = match folder.build()? {
+    let (asked, fault) = match folder.build(stopping)? {
         Built::Errors(text) => {
             let fault = format!("{} does not compile:\n{text}", folder.language.answer());
             (Asked { replies: Vec::new(), stop: None, printed: String::new() }, Some(fault))
         }
         Built::Command(mut command) => {
-            let asked = ask(&mut command, &questions.all, timeout).map_err(|e| folder.no_tool(folder.tool(), e))?;
+            let asked = ask(&mut command, &questions.all, timeout, stopping);
+            let asked = asked.map_err(|e| folder.no_tool(folder.tool(), e))?;
+            if asked.stop == Some(Stop::Asked) {
+                return Err(Fault::Stopped);
+            }
             let fault = asked.stop.as_ref().map(|stop| {
                 let question = questions.all.get(asked.replies.len());
                 let at = question
@@ -52,6 +56,7 @@ fn told(folder: &Folder, stop: &Stop, timeout: Duration, at: &str) -> String {
              eprintln!; standard output is for answers."
         ),
         Stop::Flood => format!("the program writes a line without end, when it was asked {at}"),
+        Stop::Asked => "the check was stopped".into(),
         Stop::Broken(text) => format!("{} cannot be loaded:\n{text}", folder.language.answer()),
     }
 }

@@ -33,9 +33,16 @@ def arguments(name, numbers):
 def flat(value):
     if value is None:
         raise TypeError("the function gives None: is a `return` missing?")
-    if hasattr(value, "__iter__") and not isinstance(value, str):
-        return [number for part in value for number in flat(part)]
-    return [float(value)]
+    if isinstance(value, (str, bytes)):
+        raise TypeError("the function gives text, %.40r, where numbers are asked for" % (value,))
+    if not hasattr(value, "__iter__"):
+        return [float(value)]
+    numbers = []
+    for part in value:
+        numbers += flat(part)
+        if len(numbers) > 1000:
+            raise TypeError("the function gives more than 1000 numbers")
+    return numbers
 
 
 def explained(error):

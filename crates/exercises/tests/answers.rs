@@ -10,7 +10,7 @@ use std::{
     thread,
     time::Duration,
 };
-use steradian_exercises::{EXERCISES, Exercise, Language, Report, check, find, start};
+use steradian_exercises::{EXERCISES, Exercise, Fault, Language, Report, check, find, start};
 
 /// Long enough for a busy machine: no verdict depends on it.
 const PATIENCE: Duration = Duration::from_secs(600);
@@ -88,7 +88,7 @@ fn verdict(exercise: &Exercise, language: Language, change: impl FnOnce(String) 
     let file = answer(&folder, language);
     let text = change(fs::read_to_string(&file).unwrap());
     fs::write(&file, text).unwrap();
-    check(&folder, PATIENCE).unwrap()
+    check(&folder, PATIENCE, &|| false).unwrap()
 }
 
 fn replaced(text: String, w: &Wrong) -> String {
@@ -98,43 +98,77 @@ fn replaced(text: String, w: &Wrong) -> String {
     })
 }
 
-/// Keys of mistakes that a report names.
-fn keys(report: &Report) -> Vec<&str> {
-    report.functions.iter().filter_map(|f| f.mistake).chain(report.laws.iter().filter_map(|l| l.mistake)).collect()
+/// Asserts that a report names a mistake.
+fn names(exercise: &Exercise, key: &str, report: &Report) {
+    assert!(!report.passed, "{} {key}", exercise.name);
+    let of_functions = report.functions.iter().filter_map(|f| f.mistake);
+    let keys: Vec<&str> = of_functions.chain(report.laws.iter().filter_map(|l| l.mistake)).collect();
+    // Functions that call a wrong one may be wrong as well.
+    assert_eq!(keys.first(), Some(&key), "{}\n{report}", exercise.name);
 }
 
-fn tests_of(language: Language) {
-    all(EXERCISES, |exercise| {
-        let report = verdict(exercise, language, |text| text);
-        assert!(report.passed, "{report}");
+/// Several answers in Rust as one, which is built once: the file `variant` in the folder says which one answers.
+fn variants(answers: &[String]) -> String {
+    let modules = answers.iter().enumerate().map(|(i, text)| format!("#[allow(dead_code)]\nmod v{i} {{\n{text}}}\n"));
+    let signatures = answers[0].split("pub fn ").skip(1).filter_map(|text| text.split_once(" {\n"));
+    let functions = signatures.map(|(signature, _)| {
+        let (name, rest) = signature.split_once('(').unwrap();
+        let parameters = rest.split_once(')').unwrap().0.split(',');
+        let arguments: Vec<&str> = parameters.filter_map(|p| Some(p.split_once(':')?.0.trim())).collect();
+        let arguments = arguments.join(", ");
+        let arms = (0..answers.len()).map(|i| format!("{i} => v{i}::{name}({arguments}),\n"));
+        format!(
+            "pub fn {signature} {{ match variant() {{\n{}i => panic!(\"{{i}}\"),\n}} }}\n",
+            arms.collect::<String>()
+        )
     });
-    let wrong: Vec<(&Exercise, Wrong)> = EXERCISES
-        .iter()
-        .flat_map(|e| wrong(e).into_iter().map(|w| (*e, w)))
-        .filter(|(_, w)| w.language == language)
-        .collect();
-    all(&wrong, |(exercise, w)| {
-        let report = verdict(exercise, language, |text| replaced(text, w));
-        assert!(!report.passed, "{} {}", exercise.name, w.key);
-        // What calls a wrong function may be wrong as well.
-        assert_eq!(keys(&report).first(), Some(&w.key.as_str()), "{}\n{report}", exercise.name);
-    });
+    let variant = "fn variant() -> usize {
+    static VARIANT: std::sync::OnceLock<usize> = std::sync::OnceLock::new();
+    *VARIANT.get_or_init(|| std::fs::read_to_string(\"variant\").unwrap().parse().unwrap())
+}
+";
+    modules.chain(functions).chain([variant.to_owned()]).collect()
+}
+
+/// The verdicts on several answers in Rust.
+fn verdicts(exercise: &Exercise, answers: &[String]) -> Vec<Report> {
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path().join("answer");
+    start(exercise, Language::Rust, &folder, true).unwrap();
+    fs::write(answer(&folder, Language::Rust), variants(answers)).unwrap();
+    let of = |i: usize| {
+        fs::write(folder.join("variant"), i.to_string()).unwrap();
+        check(&folder, PATIENCE, &|| false).unwrap()
+    };
+    (0..answers.len()).map(of).collect()
 }
 
 #[test]
 fn python_solutions_pass_and_wrong_answers_get_their_hints() {
     if has("python3") {
-        for exercise in EXERCISES {
+        all(EXERCISES, |exercise| {
+            let report = verdict(exercise, Language::Python, |text| text);
+            assert!(report.passed, "{report}");
             assert!(wrong(exercise).len() >= 4, "{}", exercise.name);
-        }
-        tests_of(Language::Python);
+            for w in wrong(exercise).iter().filter(|w| w.language == Language::Python) {
+                names(exercise, &w.key, &verdict(exercise, Language::Python, |text| replaced(text, w)));
+            }
+        });
     }
 }
 
 #[test]
 fn rust_solutions_pass_and_wrong_answers_get_their_hints() {
     if has("cargo") {
-        tests_of(Language::Rust);
+        all(EXERCISES, |exercise| {
+            let wrong: Vec<Wrong> = wrong(exercise).into_iter().filter(|w| w.language == Language::Rust).collect();
+            let solution = source(exercise, "solution.rs");
+            let mut answers = vec![solution.clone()];
+            answers.extend(wrong.iter().map(|w| replaced(solution.clone(), w)));
+            let reports = verdicts(exercise, &answers);
+            assert!(reports[0].passed, "{}", reports[0]);
+            wrong.iter().zip(&reports[1..]).for_each(|(w, report)| names(exercise, &w.key, report));
+        });
     }
 }
 
@@ -163,6 +197,8 @@ fn broken_python_is_told_in_words() {
     says(&of("return undefined"), &["error", "cos_i = 0.5, eta = 1.5", "NameError", "line 2"]);
     says(&of("return 1 / 0"), &["ZeroDivisionError"]);
     says(&of("pass"), &["return"]);
+    says(&of("return '0.5'"), &["text, '0.5'", "numbers are asked for"]);
+    says(&of("yield from iter(int, 1)"), &["more than 1000 numbers"]);
     says(&of("return float('nan')"), &["NaN", "cos_i = 0.5"]);
     says(&of("return 1, 2"), &["2 numbers", "1 are asked for: F"]);
     says(&of("import os; os._exit(3)"), &["ended early", "exit status: 3", "cos_i = 0.5, eta = 1.5"]);
@@ -203,7 +239,7 @@ fn a_loop_without_end_is_ended() {
     let folder = place.path().join("f");
     start(find("fresnel").unwrap(), Language::Python, &folder, false).unwrap();
     fs::write(folder.join("answer.py"), "def reflectance(c, e):\n    while True: pass\n").unwrap();
-    let report = check(&folder, Duration::from_secs(2)).unwrap();
+    let report = check(&folder, Duration::from_secs(2), &|| false).unwrap();
     assert!(!report.passed);
     says(&report.to_string(), &["no answer within 2 s", "not asked"]);
 }
@@ -213,11 +249,67 @@ fn broken_rust_is_told_in_words() {
     if !has("cargo") {
         return;
     }
-    let of = |body: &str| told(Language::Rust, &format!("pub fn reflectance(c: f64, e: f64) -> f64 {{ {body} }}\n"));
-    says(&of("todo!()"), &["not written", "src/answer.rs"]);
-    says(&of("let x = ;"), &["does not compile", "expected expression"]);
-    says(&of("let v = vec![c]; v[(1.0 + e) as usize]"), &["error", "cos_i = 0.5", "index out of bounds"]);
-    says(&of("println!(\"debug {c}\"); e"), &["no answer", "debug 0.5", "eprintln!"]);
-    says(&of("eprintln!(\"debug {c}\"); e"), &["the program printed", "debug 0.5", "wrong at"]);
-    says(&of("std::process::exit((7.0 + c) as i32 - e as i32 + 1)"), &["ended early", "exit status: 7"]);
+    let of = |body: &str| format!("pub fn reflectance(c: f64, e: f64) -> f64 {{ {body} }}\n");
+    says(&told(Language::Rust, &of("let x = ;")), &["does not compile", "expected expression"]);
+    let cases: [(&str, &[&str]); 5] = [
+        ("todo!()", &["not written", "src/answer.rs"]),
+        ("let v = vec![c]; v[(1.0 + e) as usize]", &["error", "cos_i = 0.5", "index out of bounds"]),
+        ("println!(\"debug {c}\"); e", &["no answer", "debug 0.5", "eprintln!"]),
+        ("eprintln!(\"debug {c}\"); e", &["the program printed", "debug 0.5", "wrong at"]),
+        ("std::process::exit((7.0 + c) as i32 - e as i32 + 1)", &["ended early", "exit status: 7"]),
+    ];
+    let answers = cases.map(|(body, _)| of(body).replace(" { ", " {\n").replace(" }\n", "\n}\n"));
+    for ((_, words), report) in cases.iter().zip(verdicts(find("fresnel").unwrap(), &answers)) {
+        assert!(!report.passed);
+        says(&report.to_string(), words);
+    }
+}
+
+/// A program's children end with it, and a check that is stopped leaves none.
+#[cfg(unix)]
+#[test]
+fn no_process_is_left() {
+    if !has("python3") {
+        return;
+    }
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path().join("f");
+    start(find("fresnel").unwrap(), Language::Python, &folder, true).unwrap();
+    let file = folder.join("answer.py");
+    let solution = fs::read_to_string(&file).unwrap();
+    let child = "import os, sys, time
+r, w = os.pipe()
+if os.fork() == 0:
+    open('child', 'w').write(str(os.getpid()))
+    os.write(w, b'.')
+    while True: time.sleep(1)
+os.read(r, 1)
+";
+    fs::write(&file, format!("{child}{solution}")).unwrap();
+    let report = check(&folder, PATIENCE, &|| false).unwrap();
+    assert!(report.passed, "{report}");
+    ended(&folder);
+    fs::remove_file(folder.join("child")).unwrap();
+    fs::write(&file, format!("{child}def reflectance(c, e):\n    while True: pass\n")).unwrap();
+    let stopped = check(&folder, PATIENCE, &|| folder.join("child").exists());
+    assert!(matches!(stopped, Err(Fault::Stopped)), "{stopped:?}");
+    ended(&folder);
+}
+
+/// Waits for the end of the process whose number is in the file `child`.
+fn ended(folder: &Path) {
+    let mut text = String::new();
+    while text.is_empty() {
+        text = fs::read_to_string(folder.join("child")).unwrap();
+    }
+    let is_there = || {
+        let state = Command::new("ps").args(["-o", "stat=", "-p", &text]).output().unwrap();
+        let state = String::from_utf8_lossy(&state.stdout).into_owned();
+        !state.trim().is_empty() && !state.starts_with('Z')
+    };
+    let since = std::time::Instant::now();
+    while is_there() {
+        assert!(since.elapsed() < PATIENCE, "process {text} is left");
+        thread::sleep(Duration::from_millis(10));
+    }
 }

@@ -49,10 +49,14 @@ pub fn number(number: f64) -> String {
     }
 }
 
+/// A word, quoted where POSIX shells need that.
+pub fn quoted(word: &str) -> String {
+    let is_plain = !word.is_empty() && word.chars().all(|c| c.is_alphanumeric() || "_@%+=:,./-".contains(c));
+    if is_plain { word.into() } else { format!("'{}'", word.replace('\'', r"'\''")) }
+}
+
 /// The command, quoted as POSIX shells read it.
 pub fn command_line() -> String {
-    let plain = |word: &str| !word.is_empty() && word.chars().all(|c| c.is_alphanumeric() || "_@%+=:,./-".contains(c));
-    let quoted = |word: &str| if plain(word) { word.into() } else { format!("'{}'", word.replace('\'', r"'\''")) };
     let words = std::env::args_os().skip(1).map(|word| quoted(&word.to_string_lossy()));
     std::iter::once("steradian".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
 }

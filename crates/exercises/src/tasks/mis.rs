@@ -85,6 +85,12 @@ pub(super) static EXERCISE: Exercise = Exercise {
         }),
         Mistake::values(
             "estimate",
+            "b-as-a",
+            "The second point is weighted as if a had drawn it: b did, and its density comes first there.",
+            |p| vec![weight(p[1], p[2]) * ratio(p[0], p[1]) + weight(p[4], p[5]) * ratio(p[3], p[5])],
+        ),
+        Mistake::values(
+            "estimate",
             "wrong-density",
             "A value is divided by the density of the strategy that drew it, not by the other one.",
             |p| vec![weight(p[1], p[2]) * ratio(p[0], p[2]) + weight(p[5], p[4]) * ratio(p[3], p[4])],

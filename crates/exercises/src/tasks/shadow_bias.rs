@@ -24,12 +24,14 @@ pub(super) static EXERCISE: Exercise = Exercise {
             reference: Some(|p| share(p, |depth, bias, map| depth - bias <= map)),
             points: || {
                 let mut random = Random::new(131);
-                (0..50)
-                    .map(|_| {
-                        let map = [0; 9].map(|_| random.between(1.0, 3.0));
-                        [&[random.between(1.5, 2.5), random.between(0.2, 0.5)][..], &map].concat()
-                    })
-                    .collect()
+                let alike = [2.0, 0.5, 1.5, 1.5, 1.0, 1.5, 2.0, 1.5, 1.25, 1.5, 1.75];
+                // Depths that are equal are exact.
+                let equal = (0..8).map(|i| alike.map(|x| x * f64::from(i + 1)).to_vec());
+                let random = (0..50).map(|_| {
+                    let map = [0; 9].map(|_| random.between(1.0, 3.0));
+                    [&[random.between(1.5, 2.5), random.between(0.2, 0.5)][..], &map].concat()
+                });
+                equal.chain(random).collect()
             },
         },
         Function {
@@ -42,6 +44,12 @@ pub(super) static EXERCISE: Exercise = Exercise {
     ],
     tolerance: Tolerance::DOUBLE,
     mistakes: &[
+        Mistake::values(
+            "bias",
+            "tangent-of-cosine",
+            "The tangent is taken of the cosine, which is no angle; θ is the angle of which it is the cosine.",
+            |p| vec![0.5 * p[0] * p[1].tan().min(p[2])],
+        ),
         Mistake::values(
             "bias",
             "sine",
@@ -76,6 +84,12 @@ pub(super) static EXERCISE: Exercise = Exercise {
             "The bias moves the receiver towards the light: it is subtracted from \
         its depth.",
             |p| share(p, |depth, bias, map| depth + bias <= map),
+        ),
+        Mistake::values(
+            "lit",
+            "strictly-nearer",
+            "A point at the very depth of the map is lit: at most, not less than.",
+            |p| share(p, |depth, bias, map| depth - bias < map),
         ),
         Mistake::values(
             "lit",
