@@ -91,7 +91,7 @@ pub fn is_gltf(path: &Path) -> bool {
 /// True for names of models, which have no camera of their own.
 pub fn is_model(path: &Path) -> bool {
     let is = |known: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(known));
-    ["obj", "ply", "bpt"].into_iter().any(is)
+    ["obj", "ply", "stl", "bpt"].into_iter().any(is)
 }
 
 /// Definitions by which a model comes as its file has it: without a ground, its axes as they are.

@@ -1,7 +1,11 @@
 //! Readers of scene files by extension and by content. A new format is a module with its reader and an entry in
 //! [`READERS`].
 
-use crate::{Import, Options, gltf, mesh::model, mitsuba, native, pbrt};
+use crate::{
+    Import, Options, gltf,
+    mesh::{model, stl},
+    mitsuba, native, pbrt,
+};
 use std::path::Path;
 
 /// Reader of a scene format.
@@ -108,6 +112,7 @@ pub const READERS: &[Reader] = &[
         bytes: gltf::import_bytes,
     },
     model(&[("ply", "polygon model")], |b| b.bytes.starts_with(b"ply")),
+    model(&[("stl", "triangles, binary or text")], |b| stl::looks_like(b.bytes)),
     // Statements of OBJ begin with a small letter, pbrt's directives with a capital.
     model(&[("obj", "Wavefront model with materials")], |b| b.first.is_ascii_lowercase()),
     model(&[("bpt", "Bézier patches in text, such as the Utah teapot")], |_| false),

@@ -235,7 +235,7 @@ fn unknown(name: &str) -> Import {
     let known = extensions().map(|e| format!(".{}", e.0)).collect::<Vec<_>>().join(", ");
     let extension = Path::new(name).extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let help = match steradian_image::FileKind::from_extension(Path::new(name)) {
-        _ if matches!(extension.as_str(), "stl" | "3mf" | "off" | "step" | "stp") => {
+        _ if matches!(extension.as_str(), "3mf" | "off" | "step" | "stp") => {
             format!("save it as .ply or .obj (MeshLab, Blender and CAD programs do); known are {known}")
         }
         _ if matches!(extension.as_str(), "usd" | "usda" | "usdc" | "usdz" | "fbx" | "blend" | "dae" | "abc") => {
@@ -284,7 +284,7 @@ mod tests {
             assert_eq!(said(&[]), "", "{text}");
             assert!(said(&[defined]).contains(about), "{text} -D {defined}: {}", said(&[defined]));
         }
-        for (name, about) in [("part.STL", "save it as .ply or .obj"), ("scene.usdz", "save it as .glb")] {
+        for (name, about) in [("part.STEP", "save it as .ply or .obj"), ("scene.usdz", "save it as .glb")] {
             assert!(unknown(name).diagnostics.iter().any(|d| d.to_string().contains(about)), "{name}");
         }
         let options = Options { defines: [("foo".into(), "1".into())].into(), ..Options::default() };

@@ -1,4 +1,4 @@
-//! Opening a model (OBJ, PLY, Bézier patches) as a scene: its shapes and materials as they are, seen by a camera that
+//! Opening a model (OBJ, PLY, STL, Bézier patches) as a scene: its shapes and materials as they are, seen by a camera that
 //! frames them, under a sky.
 
 mod background;
@@ -10,7 +10,7 @@ pub(crate) mod stage;
 mod studio;
 mod upright;
 
-use super::{MeshError, Place, bpt, mtl, obj, ply, text};
+use super::{MeshError, Place, bpt, mtl, obj, ply, stl, text};
 use crate::{
     Import, Options,
     files::{self, SearchPath},
@@ -22,7 +22,7 @@ use std::{
 };
 use steradian_scene::{Attribute, Domain, Family, FileId, Format, Mesh, Node, NodeId, Shape, Span};
 
-/// Opens an OBJ, PLY or BPT file. What is needed to see it is added: a camera, a studio, and a ground, unless
+/// Opens an OBJ, PLY, STL or BPT file. What is needed to see it is added: a camera, a studio, and a ground, unless
 /// [`Options::defines`] has `ground=false`. Meshes without normals get those of
 /// smooth surfaces. Up is y, or z where the model clearly lies on its side otherwise ([`Options::defines`] `up`), and a
 /// note says so. A file that starts as PLY is PLY, whatever it is called.
@@ -72,6 +72,8 @@ pub fn import_bytes(path: &Path, bytes: Vec<u8>, options: &Options) -> Import {
     let is_named = |name: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(name));
     if bytes.starts_with(b"ply") || is_named("ply") {
         opener.ply(&bytes);
+    } else if is_named("stl") || (!is_named("obj") && stl::looks_like(&bytes)) {
+        opener.stl(&bytes);
     } else if is_named("bpt") || (!is_named("obj") && bytes.trim_ascii_start().first().is_some_and(u8::is_ascii_digit))
     {
         opener.bpt(&bytes);
@@ -193,6 +195,26 @@ impl Opener<'_> {
         );
         let Import { desc, diagnostics, .. } = &mut self.import;
         diagnostics.note(&desc.sources, None, message);
+    }
+
+    /// By custom z is up in such files, which `up` may say otherwise; here it is y.
+    fn stl(&mut self, bytes: &[u8]) {
+        let mut file = match stl::read(bytes) {
+            Ok(file) => file,
+            Err(e) => return self.fault(&e, bytes),
+        };
+        self.import.desc.sources.add(self.path, Vec::new());
+        if file.colored > 0 {
+            self.dropped(
+                None,
+                format!("the colours of {} triangles are left out: STL has no standard for them", file.colored),
+            );
+        }
+        if !self.options.defines.contains_key("up") {
+            self.knows_up = true;
+            file.mesh.positions.iter_mut().for_each(|p| *p = [p[0], p[2], -p[1]]);
+        }
+        self.shape(file.mesh, Look::default(), None);
     }
 
     fn bpt(&mut self, bytes: &[u8]) {
