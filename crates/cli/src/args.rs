@@ -580,7 +580,7 @@ pub struct DenoiseArgs {
                   The address that is printed holds a secret: who knows it may look at the scene, edit it, and save \
                   pictures into its folder. Of options, pictures take --tonemap, --exposure and those of the server.")]
 pub struct ViewArgs {
-    /// Scene file (.pbrt .pbrt.gz .xml .gltf .glb .obj .ply .stl .bpt .steradian), or builtin:NAME; default: the built-in
+    /// Scene file (.pbrt .pbrt.gz .xml .gltf .glb .obj .ply .stl .bpt .steradian), or builtin:NAME; default: built-in
     /// Cornell box. Or finished pictures (.exr .pfm .hdr .png and others) and folders of them
     #[arg(value_name = "SCENE|PICTURE|FOLDER")]
     pub files: Vec<PathBuf>,

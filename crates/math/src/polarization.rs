@@ -3,7 +3,7 @@
 //! A Stokes vector `(S₀, S₁, S₂, S₃)` describes light that travels along `k` relative to a unit vector `x ⊥ k`, with
 //! `y = k × x`: total radiance; linear polarisation along `x` over along `y`; along the diagonal `x + y` over the
 //! other; right- over left-circular. With fields `∝ exp(i(kz − ωt))` these are `S₂ = 2 Re(E_x E_y*)` and
-//! `S₃ = −2 Im(E_x E_y*)`. Frames and signs are those of Mitsuba 3. (Collett, Field Guide to Polarization, 2005; Wilkie
+//! `S₃ = 2 Im(E_x E_y*)`. Frames and signs are those of Mitsuba 3. (Collett, Field Guide to Polarization, 2005; Wilkie
 //! and Weidlich 2012 on bookkeeping.) The four lanes of each element are colours or wavelengths.
 
 use crate::{Frame, Spectrum, Vec3};
@@ -93,7 +93,7 @@ impl Mueller {
         let re = lanes(&|a, b| (a * b.conjugate()).re);
         let im = lanes(&|a, b| (a * b.conjugate()).im);
         let o = Spectrum::ZERO;
-        Self([[mean, half, o, o], [half, mean, o, o], [o, o, re, im], [o, o, im * -1.0, re]])
+        Self([[mean, half, o, o], [half, mean, o, o], [o, o, re, im * -1.0], [o, o, im, re]])
     }
 
     /// Changes the reference direction: turns it by an angle, counter-clockwise when the light comes towards the eye.
@@ -264,6 +264,18 @@ mod tests {
 
     fn lane(s: Stokes) -> [f32; 4] {
         s.0.map(|v| v[0])
+    }
+
+    /// Amplitudes whose phases differ are a retarder: `exp(iδ)` is behind by δ.
+    #[test]
+    fn phases_of_amplitudes_are_retardations() {
+        let one = [Complex::new(1.0, 0.0); 4];
+        for delta in [0.3_f64, 1.5, -2.0] {
+            let behind = [Complex::new(delta.cos(), delta.sin()); 4];
+            let (a, b) = (Mueller::from_amplitudes(one, behind), Mueller::retarder(0.0, delta as f32));
+            let apart = (0..16).map(|k| (a.0[k / 4][k % 4][0] - b.0[k / 4][k % 4][0]).abs()).fold(0.0, f32::max);
+            assert!(apart < 1e-6, "{delta}: {a:?} {b:?}");
+        }
     }
 
     /// The least eigenvalue of the coherency matrix of lane 0 over its trace: a matrix can occur in nature if it is not

@@ -119,13 +119,15 @@ fn mitsubas_own_scenes_are_written_exactly() {
 /// Light along 30°, 45° ahead of the fast axis of a quarter-wave plate, becomes left-circular, which the last filter
 /// passes.
 const FILTERS: &str = r#"<scene version="3.0.0"><integrator type="path"/>
-<sensor type="orthographic"><transform name="to_world"><lookat origin="0,0,4" target="0,0,0" up="0,1,0"/></transform></sensor>
+<sensor type="orthographic">
+ <transform name="to_world"><lookat origin="0,0,4" target="0,0,0" up="0,1,0"/></transform></sensor>
 <shape type="rectangle"><transform name="to_world"><scale value="3"/></transform>
  <bsdf type="polarizer"><spectrum name="theta" value="30"/></bsdf></shape>
 <shape type="rectangle"><transform name="to_world"><scale value="3"/><translate z="1"/></transform>
  <bsdf type="retarder"><float name="theta" value="-15"/></bsdf></shape>
 <shape type="rectangle"><transform name="to_world"><scale value="3"/><translate z="2"/></transform>
- <bsdf type="circular"><boolean name="left_handed" value="true"/><rgb name="transmittance" value="0.8,0.4,0"/></bsdf></shape>
+ <bsdf type="circular"><boolean name="left_handed" value="true"/>
+  <rgb name="transmittance" value="0.8,0.4,0"/></bsdf></shape>
 <emitter type="constant"><rgb name="radiance" value="1"/></emitter></scene>"#;
 
 #[test]

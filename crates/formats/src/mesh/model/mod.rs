@@ -1,5 +1,5 @@
-//! Opening a model (OBJ, PLY, STL, Bézier patches) as a scene: its shapes and materials as they are, seen by a camera that
-//! frames them, under a sky.
+//! Opening a model (OBJ, PLY, STL, Bézier patches) as a scene: its shapes and materials as they are, seen by a camera
+//! that frames them, under a sky.
 
 mod background;
 mod finish;
