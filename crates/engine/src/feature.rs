@@ -153,7 +153,9 @@ impl Feature {
             Self::Motion => "motion",
             Self::MovingCamera => "a camera that moves",
             Self::RealisticLens => "a camera with a lens of several elements (realistic)",
-            Self::UnconnectedCamera => "a spherical camera with a lens",
+            Self::UnconnectedCamera => {
+                "a camera whose view has no inverse: spherical with a lens, or of a program's own"
+            }
             Self::ShadowCatchers => "shadow catchers",
             Self::Transparency => "a transparent background",
             Self::TransparencyBehindMedia => "a transparent background behind media",
