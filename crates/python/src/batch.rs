@@ -4,51 +4,66 @@
 //! once, leaves each its answer and wakes who waits for it, until no row is left (flat combining, Hendler et al. 2010).
 //! Others come to their next row while the function runs, so that the length of arrays grows with that of threads.
 
+use crate::faults;
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods,
     ndarray::{Array1, Array2},
 };
 use pyo3::{
-    exceptions::{PyTypeError, PyValueError},
+    exceptions::{PyRecursionError, PyRuntimeError, PyTypeError, PyValueError},
     prelude::*,
     sync::PyOnceLock,
     types::PyDict,
 };
+use rayon::prelude::*;
 use std::{
     cell::Cell,
     fmt,
-    sync::{
-        Arc, Mutex, MutexGuard, OnceLock, PoisonError,
-        atomic::{AtomicBool, Ordering},
-    },
+    sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError},
     thread::{self, Thread},
 };
 use steradian::bsdf::Inputs;
 
-/// Exception that a function raised, until somebody takes it.
-static FAULT: Mutex<Option<PyErr>> = Mutex::new(None);
-static HAS_FAULT: AtomicBool = AtomicBool::new(false);
+/// Most calls of functions by functions.
+const MOST_NESTED: u32 = 16;
 
 thread_local! {
-    /// True while this thread calls a function.
-    static CALLS: Cell<bool> = const { Cell::new(false) };
+    /// Calls of functions that this thread is in.
+    static NESTED: Cell<u32> = const { Cell::new(0) };
 }
 
-/// Result of renders and measurements: the exception of a function, if one raised.
-pub fn fault() -> PyResult<()> {
-    HAS_FAULT.store(false, Ordering::Relaxed);
-    lock(&FAULT).take().map_or(Ok(()), Err)
+/// True in a function of a material or texture. Rows of arrays are asked for by its own thread there: all others may
+/// wait for its end.
+pub fn is_inside() -> bool {
+    NESTED.get() > 0
 }
 
-/// True if a function raised an exception that nobody has taken.
-pub fn has_fault() -> bool {
-    HAS_FAULT.load(Ordering::Relaxed)
+/// Refuses what takes threads of its own in a function of a material or texture, which they would wait for.
+pub fn refuse_inside(what: &str) -> PyResult<()> {
+    match is_inside() {
+        true => Err(PyRuntimeError::new_err(format!("functions of materials and textures cannot {what}"))),
+        false => Ok(()),
+    }
 }
 
-/// Keeps the first exception.
-pub fn raise(why: PyErr) {
-    lock(&FAULT).get_or_insert(why);
-    HAS_FAULT.store(true, Ordering::Relaxed);
+/// A call of a function by this thread.
+struct Inside;
+
+impl Inside {
+    fn begin() -> PyResult<Self> {
+        if NESTED.get() >= MOST_NESTED {
+            let why = format!("functions of materials and textures ask for themselves {MOST_NESTED} deep");
+            return Err(PyRecursionError::new_err(why));
+        }
+        NESTED.set(NESTED.get() + 1);
+        Ok(Self)
+    }
+}
+
+impl Drop for Inside {
+    fn drop(&mut self) {
+        NESTED.set(NESTED.get() - 1);
+    }
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -82,6 +97,8 @@ struct Queue {
 /// A function of arrays of vectors, and of the parameters of materials.
 pub struct Batch {
     function: Py<PyAny>,
+    /// Name of the model that it is of.
+    model: &'static str,
     /// Name in messages.
     name: &'static str,
     /// Columns of the two arrays of vectors.
@@ -100,24 +117,25 @@ impl fmt::Debug for Batch {
 }
 
 impl Batch {
-    /// A function by its name in messages.
+    /// A function of a model, by its name in messages.
     pub fn new(
         function: Py<PyAny>,
+        model: &'static str,
         name: &'static str,
         columns: [usize; 2],
         results: &'static [usize],
         names: [Vec<&'static str>; 2],
     ) -> Self {
-        Self { function, name, columns, results, names, queue: Mutex::default() }
+        Self { function, model, name, columns, results, names, queue: Mutex::default() }
     }
 
     /// The function's value for a row, one number in all lanes; zero after a fault.
     pub fn ask(&self, row: Row) -> [f32; 4] {
-        if has_fault() {
+        if faults::is_over(self.model) {
             return [0.0; 4];
         }
         // A function that asks for itself cannot wait for its own end.
-        if CALLS.get() {
+        if is_inside() {
             return self.called(&[row])[0];
         }
         let slot = Arc::new(Slot { row, answer: OnceLock::new(), asker: thread::current() });
@@ -139,7 +157,6 @@ impl Batch {
 
     /// Answers all rows, those that come meanwhile, too.
     fn serve(&self) {
-        CALLS.set(true);
         loop {
             let all = {
                 let mut queue = lock(&self.queue);
@@ -158,13 +175,15 @@ impl Batch {
             // Who was answered may ask again.
             thread::yield_now();
         }
-        CALLS.set(false);
     }
 
     fn called(&self, rows: &[Row]) -> Vec<[f32; 4]> {
-        Python::attach(|py| self.call(py, rows)).unwrap_or_else(|why| {
-            raise(why);
-            vec![[0.0; 4]; rows.len()]
+        Python::attach(|py| {
+            let answers = Inside::begin().and_then(|_inside| self.call(py, rows));
+            answers.unwrap_or_else(|why| {
+                faults::raise(py, self.model, &why);
+                vec![[0.0; 4]; rows.len()]
+            })
         })
     }
 
@@ -223,13 +242,16 @@ impl Batch {
     }
 }
 
-/// A result as a contiguous array of single precision.
+/// A result as a contiguous array of single precision. Single numbers and `None` are none, of one row, too.
 pub fn numbers<'py>(result: &Bound<'py, PyAny>, name: &str) -> PyResult<Bound<'py, numpy::PyArrayDyn<f32>>> {
     static AS_ARRAY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let py = result.py();
-    let as_array = AS_ARRAY.import(py, "numpy", "ascontiguousarray")?;
+    let as_array = AS_ARRAY.import(py, "numpy", "asarray")?;
+    // The order, casting (neither of complex numbers nor of objects), subclasses and copies of `astype`.
+    let astype = ("float32", "C", "same_kind", false, false);
     let array = as_array
-        .call1((result, "float32"))
+        .call1((result,))
+        .and_then(|array| array.call_method1("astype", astype))
         .map_err(|e| PyTypeError::new_err(format!("'{name}' gave something that is no array of numbers: {e}")))?;
     array.cast_into::<numpy::PyArrayDyn<f32>>().map_err(PyErr::from)
 }
@@ -238,4 +260,14 @@ pub fn numbers<'py>(result: &Bound<'py, PyAny>, name: &str) -> PyResult<Bound<'p
 pub fn matrix(py: Python<'_>, shape: (usize, usize), data: Vec<f32>) -> PyResult<Bound<'_, PyArray2<f32>>> {
     let array = Array2::from_shape_vec(shape, data).map_err(|e| PyValueError::new_err(e.to_string()))?;
     Ok(array.into_pyarray(py))
+}
+
+/// Something for each of so many rows, by threads that take at least so many at a time; by this thread alone in a
+/// function, for which others may wait.
+pub fn each<T: Send>(py: Python<'_>, rows: usize, at_once: usize, of: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+    let is_inside = is_inside();
+    py.detach(|| match is_inside {
+        true => (0..rows).map(of).collect(),
+        false => (0..rows).into_par_iter().with_min_len(at_once).map(of).collect(),
+    })
 }

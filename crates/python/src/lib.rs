@@ -10,6 +10,7 @@ mod batch;
 mod comparison;
 mod convert;
 mod denoise;
+mod faults;
 mod frames;
 mod guard;
 mod image;

@@ -2,6 +2,7 @@
 
 use crate::{
     batch::{self, matrix},
+    faults::{Models, Watch, models},
     message, own,
 };
 use numpy::{
@@ -12,7 +13,6 @@ use pyo3::{
     exceptions::{PyKeyError, PyValueError},
     prelude::*,
 };
-use rayon::prelude::*;
 use std::sync::Arc;
 use steradian::{
     ColorMode, CompileOptions, Scene,
@@ -45,15 +45,16 @@ type Samples<'py> = (
 #[pyclass(frozen, module = "steradian")]
 pub struct Material {
     scene: Arc<Scene>,
+    models: Models,
     index: u32,
     wavelengths: Option<[f32; 4]>,
 }
 
 impl Material {
     /// A material of a scene by its name.
-    pub fn named(scene: Arc<Scene>, name: &str) -> PyResult<Self> {
+    pub fn named(scene: Arc<Scene>, models: Models, name: &str) -> PyResult<Self> {
         match scene.material_names().iter().rposition(|n| n == name) {
-            Some(index) => Ok(Self { scene, index: index as u32, wavelengths: None }),
+            Some(index) => Ok(Self { scene, models, index: index as u32, wavelengths: None }),
             None => {
                 let known = scene.material_names().join(", ");
                 Err(PyKeyError::new_err(format!("there is no material '{name}'; there are {known}")))
@@ -70,6 +71,13 @@ impl Material {
     ) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let lanes = if self.scene.mode() == ColorMode::Spectral { 4 } else { 3 };
         matrix(py, (values.len(), lanes), values.flat_map(|v| specimen.lanes(v)).collect())
+    }
+
+    /// Something for each of so many rows.
+    fn each<T: Send>(&self, py: Python<'_>, rows: usize, of: impl Fn(usize) -> T + Sync + Send) -> PyResult<Vec<T>> {
+        let faults = Watch::begin(&self.models);
+        let found = batch::each(py, rows, ROWS_AT_ONCE, of);
+        faults.fault().map(|()| found)
     }
 
     fn specimen(&self, uv: [f32; 2]) -> Specimen<'_> {
@@ -119,12 +127,6 @@ fn numbers(array: ArrayView2<'_, f32>) -> PyResult<Vec<[f32; 4]>> {
     array.rows().into_iter().enumerate().map(one).collect()
 }
 
-/// Something for each of so many rows, by many threads.
-fn each<T: Send>(py: Python<'_>, rows: usize, of: impl Fn(usize) -> T + Sync + Send) -> PyResult<Vec<T>> {
-    let found = py.detach(|| (0..rows).into_par_iter().with_min_len(ROWS_AT_ONCE).map(of).collect());
-    batch::fault().map(|()| found)
-}
-
 fn column<'py>(py: Python<'py>, values: impl Iterator<Item = f32>) -> Bound<'py, PyArray1<f32>> {
     Array1::from_iter(values).into_pyarray(py)
 }
@@ -134,15 +136,23 @@ impl Material {
     /// A material by kind, with parameters as words of the command line.
     #[staticmethod]
     #[pyo3(signature = (kind, parameters, *, wavelengths = None))]
-    fn describe(kind: &str, parameters: Vec<(String, String)>, wavelengths: Option<[f32; 4]>) -> PyResult<Self> {
+    fn describe(
+        py: Python<'_>,
+        kind: &str,
+        parameters: Vec<(String, String)>,
+        wavelengths: Option<[f32; 4]>,
+    ) -> PyResult<Self> {
         let desc = specimen::describe_of(own::registry().kinds(), kind, &parameters).map_err(PyValueError::new_err)?;
         let mode = if wavelengths.is_some() { ColorMode::Spectral } else { ColorMode::Rgb };
         let options = CompileOptions { mode: Some(mode), size: Some((8, 8)), ..own::compiling() };
-        let compiled = steradian::compile(&desc, &options);
+        let models = models(&desc);
+        let faults = Watch::begin(&models);
+        let compiled = py.detach(|| steradian::compile(&desc, &options));
+        faults.fault()?;
         let Some(scene) = compiled.scene else { return Err(message::error(&compiled.diagnostics)) };
         // The specimen is the first shape.
         let index = scene.geometries()[0].material;
-        Ok(Self { scene: Arc::new(scene), index, wavelengths })
+        Ok(Self { scene: Arc::new(scene), models, index, wavelengths })
     }
 
     /// `f·|cosθ_i|` of pairs of directions, sr⁻¹, and the density of sampling `wi`: N × 3 colours (N × 4
@@ -158,7 +168,7 @@ impl Material {
     ) -> PyResult<(Bound<'py, PyArray2<f32>>, Bound<'py, PyArray1<f32>>)> {
         let (wo, wi) = pairs(&wo, &wi)?;
         let specimen = self.specimen(uv);
-        let found = each(py, wo.len(), |i| match wi[i] {
+        let found = self.each(py, wo.len(), |i| match wi[i] {
             Vec3::ZERO => BsdfEval::ZERO,
             wi => specimen.eval(wo[i], wi, TransportMode::Radiance),
         })?;
@@ -182,7 +192,7 @@ impl Material {
             return Err(PyValueError::new_err(format!("wo has {} rows, u {}", wo.len(), u.len())));
         }
         let specimen = self.specimen(uv);
-        let found = each(py, wo.len(), |i| {
+        let found = self.each(py, wo.len(), |i| {
             let [lobe, x, y, choice] = u[i];
             let drawn = specimen.sample(wo[i], choice, lobe, Vec2::new(x, y), TransportMode::Radiance);
             drawn.filter(|s| s.pdf > 0.0)
@@ -217,7 +227,7 @@ impl Material {
         }
         let wo = directions("wo", wo.as_array(), false)?;
         let specimen = self.specimen(uv);
-        let found = each(py, wo.len(), |i| {
+        let found = self.each(py, wo.len(), |i| {
             let mut sums = [0.0; 4];
             for k in 0..samples {
                 let [choice, lobe, x, y] = shuffled_scrambled_sobol_4d(k, 7);
@@ -244,8 +254,10 @@ impl Material {
             let wanted = format!("samples are whole numbers from 1 to {MOST_SAMPLES}, not {samples}");
             return Err(PyValueError::new_err(wanted));
         }
+        batch::refuse_inside("test laws")?;
+        let faults = Watch::begin(&self.models);
         let found = py.detach(|| laws(&self.specimen(uv), samples));
-        batch::fault()?;
+        faults.fault()?;
         Ok(found.laws.iter().map(|l| (l.law, l.angle, l.found, l.expected, l.p, l.holds)).collect())
     }
 

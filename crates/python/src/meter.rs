@@ -1,9 +1,11 @@
 //! Light meters at many points of a scene.
 
 use crate::{
+    batch,
+    faults::Watch,
     message,
     rays::{columns, rows},
-    scene::Scene,
+    scene::{Ready, Scene},
     settings,
 };
 use numpy::{IntoPyArray, PyReadonlyArray2, ndarray::Array1};
@@ -56,7 +58,9 @@ pub fn meter<'py>(
     };
     let aims = aims.map(|aims| rows::<_, 3>("normals or directions", &aims, points.len())).transpose()?;
     let aims: Option<Vec<Vec3>> = aims.map(|aims| aims.into_iter().enumerate().map(unit).collect()).transpose()?;
-    let scene = scene.queried(py, settings::color(color)?)?.scene;
+    batch::refuse_inside("measure light")?;
+    let Ready { scene, models, .. } = scene.queried(py, settings::color(color)?)?;
+    let faults = Watch::begin(&models);
     let media = match integrator {
         None => scene.has_media(),
         Some("path") => false,
@@ -84,8 +88,10 @@ pub fn meter<'py>(
     for (row, point) in points.iter().enumerate() {
         let aim = aims.as_ref().and_then(|aims| aims.get(row)).copied();
         py.check_signals()?;
+        faults.fault()?;
         readings.push(py.detach(|| instrument::read(&scene, &receiver(point, aim), &settings)));
     }
+    faults.fault()?;
     let nonfinite: u64 = readings.iter().map(|r| r.nonfinite).sum();
     if nonfinite > 0 {
         message::warn(py, &format!("{nonfinite} samples were not finite and count as black"))?;

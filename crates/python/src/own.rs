@@ -4,7 +4,10 @@ use crate::{
     batch::{Batch, Row},
     own_method,
 };
-use pyo3::{exceptions::PyValueError, prelude::*};
+use pyo3::{
+    exceptions::{PyTypeError, PyValueError},
+    prelude::*,
+};
 use std::{
     collections::BTreeMap,
     sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError},
@@ -83,8 +86,28 @@ fn name_of(name: &str) -> PyResult<&'static str> {
     }
 }
 
-fn model(kind: &str, doc: &'static str, parameters: Vec<Parameter>, family: Family) -> PyResult<&'static Model> {
+/// A name of a parameter that no other one has.
+fn parameter_of(name: &str, others: &[Vec<&str>; 2]) -> PyResult<&'static str> {
+    let is_taken = others.iter().flatten().any(|other| *other == name)
+        || DETAIL.parameters.iter().any(|parameter| parameter.name == name);
+    match is_taken {
+        true => Err(PyValueError::new_err(format!("there are two parameters '{name}'; all materials have bumps"))),
+        false => name_of(name),
+    }
+}
+
+fn model(
+    kind: &str,
+    function: &Bound<'_, PyAny>,
+    doc: &'static str,
+    parameters: Vec<Parameter>,
+    family: Family,
+) -> PyResult<&'static Model> {
     let kind = name_of(kind)?;
+    if !function.is_callable() {
+        let type_name = function.get_type().name()?;
+        return Err(PyTypeError::new_err(format!("the {} '{kind}' needs a function, not {type_name}", family.noun())));
+    }
     if family.model(kind).is_some() {
         return Err(PyValueError::new_err(format!("the {} '{kind}' is there already", family.noun())));
     }
@@ -108,6 +131,7 @@ fn refused(why: &RegistryError) -> PyErr {
 #[pyo3(signature = (name, eval, sample, pdf, colors, numbers, transmits, reciprocal))]
 #[expect(clippy::too_many_arguments, reason = "the signature of a function of Python")]
 pub fn own_material(
+    py: Python<'_>,
     name: &str,
     eval: Py<PyAny>,
     sample: Option<Py<PyAny>>,
@@ -120,22 +144,28 @@ pub fn own_material(
     let mut parameters = Vec::new();
     let mut names = [Vec::new(), Vec::new()];
     for (name, rgb) in &colors {
-        let name = name_of(name)?;
+        let name = parameter_of(name, &names)?;
+        if !rgb.iter().all(|v| (0.0..=1.0).contains(v)) {
+            return Err(PyValueError::new_err(format!("the colour '{name}' is {rgb:?}, not within 0 and 1")));
+        }
         names[0].push(name);
         let default = rgb.map(|v| v.to_string()).join(", ");
         parameters.push(Parameter::new(Type::Texture, name, (0.0, 1.0), kept(&default), "a colour"));
     }
     for (name, v) in &numbers {
-        let name = name_of(name)?;
+        let name = parameter_of(name, &names)?;
+        if !v.is_finite() {
+            return Err(PyValueError::new_err(format!("the number '{name}' is {v}, which is not finite")));
+        }
         names[1].push(name);
         let any = (f64::NEG_INFINITY, f64::INFINITY);
         parameters.push(Parameter::new(Type::Scalar, name, any, kept(&v.to_string()), "a number"));
     }
-    let model = model(name, "a material of a Python program", parameters, Family::Material)?;
+    let model = model(name, eval.bind(py), "a material of a Python program", parameters, Family::Material)?;
     let scatter = Scatter {
-        eval: Batch::new(eval, "eval", [3, 3], &[1, 3, 4], names.clone()),
-        sample: sample.map(|f| Batch::new(f, "sample", [3, 3], &[3], names.clone())),
-        pdf: pdf.map(|f| Batch::new(f, "pdf", [3, 3], &[1], names)),
+        eval: Batch::new(eval, model.kind, "eval", [3, 3], &[1, 3, 4], names.clone()),
+        sample: sample.map(|f| Batch::new(f, model.kind, "sample", [3, 3], &[3], names.clone())),
+        pdf: pdf.map(|f| Batch::new(f, model.kind, "pdf", [3, 3], &[1], names)),
         transmits,
         reciprocal,
     };
@@ -153,9 +183,9 @@ pub fn own_material(
 
 /// A texture by a function of arrays; see `steradian.texture`.
 #[pyfunction]
-pub fn own_texture(name: &str, function: Py<PyAny>) -> PyResult<()> {
-    let model = model(name, "a texture of a Python program", Vec::new(), Family::Texture)?;
-    let batch = Batch::new(function, "texture", [2, 3], &[1, 3], [Vec::new(), Vec::new()]);
+pub fn own_texture(py: Python<'_>, name: &str, function: Py<PyAny>) -> PyResult<()> {
+    let model = model(name, function.bind(py), "a texture of a Python program", Vec::new(), Family::Texture)?;
+    let batch = Batch::new(function, model.kind, "texture", [2, 3], &[1, 3], [Vec::new(), Vec::new()]);
     let mut own = own();
     own.textures.insert(model.kind, (model, Arc::new(batch)));
     own.renew().map_err(|why| refused(&why))
@@ -163,8 +193,8 @@ pub fn own_texture(name: &str, function: Py<PyAny>) -> PyResult<()> {
 
 /// An integrator by a function of waves; see `steradian.integrator`.
 #[pyfunction]
-pub fn own_integrator(name: &str, function: Py<PyAny>) -> PyResult<()> {
-    let model = model(name, "an integrator of a Python program", Vec::new(), Family::Integrator)?;
+pub fn own_integrator(py: Python<'_>, name: &str, function: Py<PyAny>) -> PyResult<()> {
+    let model = model(name, function.bind(py), "an integrator of a Python program", Vec::new(), Family::Integrator)?;
     let mut own = own();
     own_method::keep(model.kind, function);
     own.methods.insert(model.kind, model);

@@ -1,12 +1,16 @@
 //! Integrators of a Python program's own: a function that gives the radiance along all camera rays of a pass.
 
-use crate::batch;
+use crate::{batch, faults};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods, ndarray::Array1};
-use pyo3::{exceptions::PyValueError, prelude::*};
+use pyo3::{
+    exceptions::{PyRuntimeError, PyValueError},
+    prelude::*,
+};
 use std::{
+    cell::Cell,
     collections::BTreeMap,
     fmt,
-    sync::{Arc, Mutex, PoisonError},
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 use steradian::{
     Plan, Scene, Session,
@@ -29,23 +33,58 @@ impl fmt::Debug for Function {
 
 /// The method of a function.
 #[derive(Clone, Debug)]
-struct Own(Arc<Function>);
+struct Own {
+    function: Arc<Function>,
+    name: &'static str,
+}
+
+thread_local! {
+    /// True while this thread calls the function of an integrator.
+    static INSIDE: Cell<bool> = const { Cell::new(false) };
+}
+
+/// A call of the function of an integrator.
+struct Inside;
+
+impl Inside {
+    fn begin() -> Self {
+        INSIDE.set(true);
+        Self
+    }
+}
+
+impl Drop for Inside {
+    fn drop(&mut self) {
+        INSIDE.set(false);
+    }
+}
+
+/// Refuses renders by functions in functions, which might call themselves without end.
+pub fn refuse_inside(method: &str) -> PyResult<()> {
+    match INSIDE.get() && functions().contains_key(method) {
+        true => Err(PyRuntimeError::new_err(format!("integrators of a program cannot render with '{method}'"))),
+        false => Ok(()),
+    }
+}
 
 /// Functions by the names of their integrators.
 static FUNCTIONS: Mutex<BTreeMap<&str, Arc<Function>>> = Mutex::new(BTreeMap::new());
 
+fn functions() -> MutexGuard<'static, BTreeMap<&'static str, Arc<Function>>> {
+    FUNCTIONS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Keeps the function of an integrator, in place of an earlier one of the name.
 pub fn keep(name: &'static str, function: Py<PyAny>) {
-    let mut functions = FUNCTIONS.lock().unwrap_or_else(PoisonError::into_inner);
-    functions.insert(name, Arc::new(Function(function)));
+    functions().insert(name, Arc::new(Function(function)));
 }
 
 /// The method of a request by its name.
 pub fn make(asked: &Asked<'_>) -> Result<Arc<dyn Method>, Refusal> {
     let name = asked.options.name();
-    let function = FUNCTIONS.lock().unwrap_or_else(PoisonError::into_inner).get(name).map(Arc::clone);
+    let function = functions().get_key_value(name).map(|(name, function)| (*name, Arc::clone(function)));
     match function {
-        Some(function) => Ok(Arc::new(Own(function))),
+        Some((name, function)) => Ok(Arc::new(Own { function, name })),
         None => Err(Refusal(format!("the integrator '{name}' is no more"))),
     }
 }
@@ -71,11 +110,14 @@ impl Pass for Own {
         let mut counters = Counters::default();
         let all: Vec<[u32; 2]> = (crop.y0..crop.y1).flat_map(|y| (crop.x0..crop.x1).map(move |x| [x, y])).collect();
         for pixels in all.chunks(MOST_RAYS) {
-            if run.is_cancelled() || batch::has_fault() {
+            if run.is_cancelled() || faults::is_over(self.name) {
                 return None;
             }
-            let colors = Python::attach(|py| self.radiance(py, run, number, pixels));
-            let colors = colors.map_err(batch::raise).ok()?;
+            let colors = Python::attach(|py| {
+                let _inside = Inside::begin();
+                let colors = self.radiance(py, run, number, pixels);
+                colors.map_err(|why| faults::raise(py, self.name, &why)).ok()
+            })?;
             for ([x, y], rgb) in pixels.iter().zip(colors) {
                 let weight = run.camera_sample(*x, *y, number).weight;
                 counters.samples += 1;
@@ -95,7 +137,7 @@ impl Own {
     fn radiance(&self, py: Python<'_>, run: &Run<'_>, number: u32, pixels: &[[u32; 2]]) -> PyResult<Vec<Vec3>> {
         let n = pixels.len();
         let wave = Wave::new(py, run, number, pixels)?;
-        let result = self.0.0.bind(py).call1((wave,))?;
+        let result = self.function.0.bind(py).call1((wave,))?;
         let array = batch::numbers(&result, "the integrator")?;
         if array.shape() != [n, 3] && array.shape() != [n] {
             let what = format!("the integrator gave an array of shape {:?}, where ({n}, 3) is needed", array.shape());

@@ -1,6 +1,8 @@
 //! Renders in parts: several processes compute them, and one joins them to the picture.
 
 use crate::{
+    batch,
+    faults::{self, Models, Watch},
     image::{Facts, Image},
     settings::Settings,
     stepping::{develop, passes, plan, session},
@@ -21,6 +23,7 @@ pub struct Parts {
     scene: Arc<Scene>,
     /// All files that the scene is made of.
     files: Arc<[PathBuf]>,
+    models: Models,
     layers: Vec<Layer>,
     recipe: Recipe,
     /// Number of pieces.
@@ -44,7 +47,7 @@ impl Parts {
     pub fn new(
         py: Python<'_>,
         scene: &Arc<Scene>,
-        files: &Arc<[PathBuf]>,
+        (files, models): (&Arc<[PathBuf]>, &Models),
         settings: &Settings,
         fingerprint: [u8; 32],
     ) -> PyResult<Self> {
@@ -53,6 +56,7 @@ impl Parts {
             let why = "a render up to a time cannot be computed in parts: where it ended would depend on the machines";
             return Err(PyValueError::new_err(why));
         }
+        batch::refuse_inside("render")?;
         let (render, session) = py.detach(|| {
             let render = plan(settings, scene)?;
             let session = session(&render, scene)?;
@@ -65,6 +69,7 @@ impl Parts {
         Ok(Self {
             scene: scene.clone(),
             files: files.clone(),
+            models: faults::models_and(models, render.name),
             layers: quality.layers.clone(),
             recipe: Recipe::new(scene, fingerprint, options, &render),
             pieces,
@@ -112,7 +117,10 @@ impl Parts {
     /// Computes pieces, from the first up to the end, which is not among them; one call after the other. The bytes of
     /// the part, or `None` if it was stopped.
     fn compute<'py>(&self, py: Python<'py>, first: u32, end: u32) -> PyResult<Option<Bound<'py, PyBytes>>> {
+        batch::refuse_inside("render")?;
+        let faults = Watch::begin(&self.models);
         let part = py.detach(|| self.part(&(first..end)))?;
+        faults.fault()?;
         Ok(part.map(|part| PyBytes::new(py, &part)))
     }
 

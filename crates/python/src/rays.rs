@@ -1,12 +1,15 @@
 //! Rays through a scene: what they meet, and whether anything is in between.
 
-use crate::{batch, scene::Scene};
+use crate::{
+    batch::each,
+    faults::Watch,
+    scene::{Ready, Scene},
+};
 use numpy::{
     Element, IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArray2,
     ndarray::{Array1, Array2},
 };
 use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
-use rayon::prelude::*;
 use steradian::math::{DVec3, Ray, Vec3, spectra::Wavelengths};
 
 /// Rays that one thread takes at least.
@@ -119,13 +122,11 @@ pub fn trace<'py>(
     max_distance: PyReadonlyArray1<'py, f32>,
     time: f32,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let scene = scene.queried(py, None)?.scene;
+    let Ready { scene, models, .. } = scene.queried(py, None)?;
+    let faults = Watch::begin(&models);
     let rays = rays(&scene, &origins, &directions, &max_distance, time)?;
-    let found: Vec<Found> = py.detach(|| {
-        let all = rays.par_iter().with_min_len(RAYS_AT_ONCE);
-        all.map(|ray| Found::along(&scene, ray)).collect()
-    });
-    batch::fault()?;
+    let found: Vec<Found> = each(py, rays.len(), RAYS_AT_ONCE, |i| Found::along(&scene, &rays[i]));
+    faults.fault()?;
     let all = PyDict::new(py);
     all.set_item("t", column(py, &found, |f| f.t))?;
     all.set_item("position", columns(py, &found, |f| f.position.to_array())?)?;
@@ -153,11 +154,11 @@ pub fn occluded<'py>(
     max_distance: PyReadonlyArray1<'py, f32>,
     time: f32,
 ) -> PyResult<Bound<'py, PyArray1<bool>>> {
-    let scene = scene.queried(py, None)?.scene;
+    let Ready { scene, models, .. } = scene.queried(py, None)?;
+    let faults = Watch::begin(&models);
     let rays = rays(&scene, &origins, &directions, &max_distance, time)?;
-    let all = rays.par_iter().with_min_len(RAYS_AT_ONCE);
-    let found: Vec<bool> = py.detach(|| all.map(|m| scene.occluded(&m.ray)).collect());
-    batch::fault()?;
+    let found: Vec<bool> = each(py, rays.len(), RAYS_AT_ONCE, |i| scene.occluded(&rays[i].ray));
+    faults.fault()?;
     Ok(found.into_pyarray(py))
 }
 

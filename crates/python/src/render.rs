@@ -2,9 +2,11 @@
 
 use crate::{
     batch,
+    faults::{Models, Watch, models_and},
     frames::Frames,
     image::{Facts, Image},
     message::warn,
+    own_method,
     progress::Progress,
     resume::Kept,
     settings::Settings,
@@ -35,6 +37,8 @@ pub struct Request<'a> {
     pub scene: &'a Arc<Scene>,
     /// All files that the scene is made of.
     pub files: &'a Arc<[PathBuf]>,
+    /// Names of its models.
+    pub models: &'a Models,
     pub settings: &'a Settings,
     /// Called with a [`Progress`]; `False` stops the render.
     pub progress: Option<&'a Py<PyAny>>,
@@ -47,7 +51,10 @@ pub struct Request<'a> {
 /// Renders until all samples are taken, or something ends it.
 pub fn run(py: Python<'_>, request: &Request<'_>) -> PyResult<Image> {
     let Request { scene, settings, resume, before, .. } = request;
+    batch::refuse_inside("render")?;
     let mut render = plan(settings, scene)?;
+    own_method::refuse_inside(render.name)?;
+    let faults = Watch::begin(&models_and(request.models, render.name));
     let crop = scene.film().crop;
     let pixels = f64::from(crop.width()) * f64::from(crop.height());
     let planned = pixels * f64::from(render.plan.sampler.spp);
@@ -58,7 +65,7 @@ pub fn run(py: Python<'_>, request: &Request<'_>) -> PyResult<Image> {
     kept.as_ref().map_or(Ok(()), |kept| kept.restore(py, &mut *session))?;
     let (ended, fault) = py.detach(|| {
         let control = Control::default();
-        let end = watch(&mut *session, &control, request, kept.as_ref(), (pixels, planned));
+        let end = watch(&mut *session, &control, request, (kept.as_ref(), &faults), (pixels, planned));
         let fault = kept.as_ref().and_then(|kept| kept.save(&mut *session).err());
         let facts = Facts {
             spp: session.counters().samples as f64 / pixels,
@@ -81,7 +88,7 @@ pub fn run(py: Python<'_>, request: &Request<'_>) -> PyResult<Image> {
         ((end, facts, picture), fault)
     });
     // Of functions that are called between the last look and the end.
-    batch::fault()?;
+    faults.fault()?;
     fault.map_or(Ok(()), |why| warn(py, &why))?;
     match ended {
         // Ctrl-C keeps the picture; what a callback raised goes on.
@@ -103,7 +110,7 @@ fn watch(
     session: &mut dyn Session,
     control: &Control,
     request: &Request<'_>,
-    kept: Option<&Kept<'_>>,
+    (kept, faults): (Option<&Kept<'_>>, &Watch),
     (pixels, planned): (f64, f64),
 ) -> Option<End> {
     let start = Instant::now();
@@ -130,8 +137,8 @@ fn watch(
             if end.is_some() {
                 continue;
             }
-            if batch::has_fault() {
-                end = batch::fault().err().map(End::Raised);
+            if faults.has_fault() {
+                end = faults.fault().err().map(End::Raised);
                 control.cancel.store(true, Ordering::Relaxed);
                 continue;
             }

@@ -3,6 +3,7 @@
 use crate::{
     SceneError,
     convert::to_python,
+    faults::{Models, Watch, models},
     frames::Frames,
     guard,
     image::Image,
@@ -45,6 +46,8 @@ const WAYS: usize = 2;
 pub struct Ready {
     key: String,
     pub scene: Arc<steradian::Scene>,
+    /// Names of its models.
+    pub models: Models,
     /// All files that it is made of.
     pub files: Arc<[PathBuf]>,
 }
@@ -210,12 +213,15 @@ impl State {
         }
         self.ready.truncate(WAYS - 1);
         let Self { desc, kept, .. } = self;
+        let models = models(desc);
+        let faults = Watch::begin(&models);
         let compiled = py.detach(|| steradian::recompile(desc, options, kept));
+        faults.fault()?;
         let Some(scene) = compiled.scene else { return Err(error(&compiled.diagnostics)) };
         // Those of a repeated compilation are kept once.
         self.diagnostics.extend(compiled.diagnostics);
         let files = desc.files().map(PathBuf::from).chain(compiled.files).collect();
-        let ready = Ready { key, scene: Arc::new(scene), files };
+        let ready = Ready { key, scene: Arc::new(scene), models, files };
         self.ready.insert(0, ready.clone());
         Ok(ready)
     }
@@ -390,8 +396,8 @@ impl Scene {
     #[pyo3(signature = (name, *, color = "auto"))]
     fn material(&self, py: Python<'_>, name: &str, color: &str) -> PyResult<Material> {
         let mode = settings::color(color)?;
-        let scene = self.queried(py, mode)?.scene;
-        Material::named(scene, name)
+        let Ready { scene, models, .. } = self.queried(py, mode)?;
+        Material::named(scene, models, name)
     }
 
     /// Renders the scene. Ctrl-C ends it, and the picture of the samples that there are is returned.
@@ -405,19 +411,19 @@ impl Scene {
         before: Option<&Frames>,
     ) -> PyResult<Image> {
         let resume = resume.map(|path| Ok::<_, PyErr>((path, self.print(py, Some(settings))?))).transpose()?;
-        let Ready { scene, files, .. } = self.ready(py, settings)?;
+        let Ready { scene, models, files, .. } = self.ready(py, settings)?;
         if let Some((path, _)) = &resume {
             let kept = [path.clone(), steradian::resume::before(path)];
             kept.iter().try_for_each(|path| guard::claim(path, files.iter().map(PathBuf::as_path)))?;
         }
         let progress = progress.as_ref();
-        render::run(py, &Request { scene: &scene, files: &files, settings, progress, resume, before })
+        render::run(py, &Request { scene: &scene, files: &files, models: &models, settings, progress, resume, before })
     }
 
     /// A render in parts, of a scene with that fingerprint.
     fn parts(&self, py: Python<'_>, settings: &Settings, fingerprint: [u8; 32]) -> PyResult<Parts> {
-        let Ready { scene, files, .. } = self.ready(py, settings)?;
-        Parts::new(py, &scene, &files, settings, fingerprint)
+        let Ready { scene, models, files, .. } = self.ready(py, settings)?;
+        Parts::new(py, &scene, (&files, &models), settings, fingerprint)
     }
 
     /// Hash of the description, and of the contents of the files that it names.

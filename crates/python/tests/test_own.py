@@ -1,5 +1,7 @@
 """Materials, textures and integrators of a program's own, beside those that are built in."""
 
+import threading
+
 import numpy as np
 import pytest
 
@@ -163,9 +165,81 @@ def test_faults_of_functions_are_raised():
     (lambda: st.material("phong", colors={"a": 1}), "needs 'eval'"),
     (lambda: st.material("py_many", eval=glossy, colors={c: 0.5 for c in "abcde"}), "at most four"),
     (lambda: st.material("py_color", eval=glossy, colors={"a": [1, 2]}), r"\(3,\)"),
+    (lambda: st.material("py_color", eval=glossy, colors={"a": 5}), "not within 0 and 1"),
+    (lambda: st.material("py_number", eval=glossy, numbers={"a": float("nan")}), "not finite"),
+    (lambda: st.material("py_alike", eval=glossy, colors={"a": 0.5}, numbers={"a": 1}), "two parameters 'a'"),
+    (lambda: st.material("py_bumps", eval=glossy, colors={"bump": 0.5}), "two parameters 'bump'"),
     (lambda: st.texture("checkerboard", glossy), "the texture 'checkerboard' is there already"),
     (lambda: st.integrator("path", glossy), "the integrator 'path' is there already"),
 ])
 def test_names_and_parameters_are_checked(call, what):
     with pytest.raises(ValueError, match=what):
         call()
+
+
+def test_a_fault_is_that_of_the_renders_that_called_it():
+    def raises(wo, wi, at):
+        raise KeyError("mine")
+
+    st.material("py_good", eval=lambda wo, wi, at: wi[:, 2] / np.pi * 0.5)
+    st.material("py_bad", eval=raises)
+    good, bad = ball({"material": "py_good"}), ball({"material": "py_bad"})
+    reference = np.asarray(good.render(integrator="path", spp=4, seed=1))
+    raised = []
+
+    def fail():
+        for _ in range(30):
+            try:
+                bad.render(integrator="path", spp=4)
+                raised.append(None)
+            except Exception as why:
+                raised.append(str(why))
+
+    other = threading.Thread(target=fail)
+    other.start()
+    pictures = [np.asarray(good.render(integrator="path", spp=4, seed=1)) for _ in range(30)]
+    other.join()
+    assert raised == ["'mine'"] * 30, raised
+    assert all(np.array_equal(picture, reference) for picture in pictures)
+
+
+def test_functions_may_ask_for_other_materials_but_not_render():
+    gold = st.material("conductor", alpha_u=0.3)
+
+    def unit(w):
+        return w / np.linalg.norm(w, axis=1, keepdims=True)
+
+    st.material("py_gold", eval=lambda wo, wi, at: gold.eval(unit(wo), unit(wi)))
+    agree(*(ball({"material": m, **more}).render(integrator="path", spp=64, layers=["variance"], seed=i, threads=8)
+            for i, (m, more) in enumerate([("py_gold", {}), ("conductor", {"alpha_u": 0.3})])), relative=0.05)
+    inner = ball({"material": "diffuse"})
+    st.material("py_renders", eval=lambda wo, wi, at: np.asarray(inner.render(spp=1)).mean() * wi[:, 2])
+    with pytest.raises(RuntimeError, match="cannot render"):
+        ball({"material": "py_renders"}).render(integrator="path", spp=1)
+    st.material("py_self", eval=lambda wo, wi, at: own.eval(unit(wo), unit(wi)))
+    own = st.material("py_self")
+    for threads in (1, 4):
+        with pytest.raises(RecursionError, match="ask for themselves"):
+            ball({"material": "py_self"}).render(integrator="path", spp=1, threads=threads)
+    # An integrator may begin with the picture of another one; one of itself has no end.
+    st.integrator("py_twice", lambda wave: 2 * np.asarray(inner.render(integrator="path", spp=1)).reshape(-1, 3))
+    once = np.asarray(inner.render(integrator="path", spp=1))
+    assert np.allclose(np.asarray(inner.render(integrator="py_twice", spp=1)), 2 * once)
+    st.integrator("py_endless", lambda wave: np.asarray(inner.render(integrator="py_endless", spp=1)).reshape(-1, 3))
+    with pytest.raises(RuntimeError, match="cannot render with 'py_endless'"):
+        inner.render(integrator="py_endless", spp=1)
+
+
+@pytest.mark.parametrize("threads", [1, 64])
+@pytest.mark.parametrize("value", [None, 0.3, 1j, "x", (x for x in "ab"), [None]])
+def test_results_that_are_no_rows_are_refused(value, threads):
+    """Of one row, too, which depends on threads."""
+    st.material("py_row", eval=lambda wo, wi, at: value)
+    with pytest.raises((TypeError, ValueError), match="'eval' gave"):
+        ball({"material": "py_row"}).render(integrator="path", spp=1, threads=threads)
+
+
+def test_models_are_functions():
+    for make in (lambda: st.material("py_five", eval=5), lambda: st.texture("py_five", 5), lambda: st.integrator("py_five", 5)):
+        with pytest.raises(TypeError, match="'py_five' needs a function, not int"):
+            make()
