@@ -74,7 +74,7 @@ impl Drop for Guard {
 /// True when a check is to stop.
 pub(crate) type Stopping<'a> = &'a dyn Fn() -> bool;
 
-/// What a tool prints until it ends; `None` if the check is to stop before.
+/// Output of a tool until it ends; `None` if the check is to stop before.
 ///
 /// # Errors
 /// The system's, if the tool cannot be started.

@@ -1,14 +1,16 @@
 //! Exceptions of functions of Python, told to the renders and measurements that may have called them.
 
 use pyo3::prelude::*;
-use std::collections::BTreeSet;
-use std::sync::{
-    Arc, Mutex, MutexGuard, PoisonError,
-    atomic::{AtomicUsize, Ordering},
+use std::{
+    collections::BTreeSet,
+    sync::{
+        Arc, Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicUsize, Ordering},
+    },
 };
 use steradian::scene::SceneDesc;
 
-/// What goes on.
+/// Renders and measurements that go on.
 static WATCHES: Mutex<Vec<Arc<Watched>>> = Mutex::new(Vec::new());
 /// Number of those that met an exception.
 static ENDING: AtomicUsize = AtomicUsize::new(0);
@@ -22,7 +24,7 @@ pub fn models(desc: &SceneDesc) -> Models {
     kinds.into_iter().map(str::to_owned).collect()
 }
 
-/// Those names, and one more.
+/// Names of models, and one more.
 pub fn models_and(models: &Models, more: &str) -> Models {
     models.iter().map(String::as_str).chain([more]).map(str::to_owned).collect()
 }
