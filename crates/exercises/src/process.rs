@@ -71,7 +71,7 @@ impl Drop for Guard {
     }
 }
 
-/// True when a check is to stop.
+/// Request to stop a check: true if there is one.
 pub(crate) type Stopping<'a> = &'a dyn Fn() -> bool;
 
 /// Output of a tool until it ends; `None` if the check is to stop before.
