@@ -1,5 +1,7 @@
 """Materials, textures and integrators of a program's own, beside those that are built in."""
 
+import os
+import re
 import threading
 
 import numpy as np
@@ -243,3 +245,13 @@ def test_models_are_functions():
     for make in (lambda: st.material("py_five", eval=5), lambda: st.texture("py_five", 5), lambda: st.integrator("py_five", 5)):
         with pytest.raises(TypeError, match="'py_five' needs a function, not int"):
             make()
+
+
+def test_the_page_on_own_models_runs(tmp_path, monkeypatch):
+    page = os.path.join(os.path.dirname(__file__), *[os.pardir] * 3, "docs", "own-models.md")
+    with open(page, encoding="utf-8") as file:
+        program = re.search(r"```python\n(.*?)```", file.read(), re.DOTALL).group(1)
+    monkeypatch.chdir(tmp_path)
+    exec(compile(program, page, "exec"), {})  # noqa: S102
+    pictures = [np.asarray(st.read_image(str(tmp_path / name))) for name in ("cloth.exr", "depth.exr")]
+    assert all(np.isfinite(p).all() and p.max() > 0 for p in pictures)

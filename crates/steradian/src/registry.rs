@@ -18,7 +18,7 @@ use steradian_schema::{Kinds, Model};
 /// parameters the same rules hold. A model is described by a row of the schema ([`Model`]): kind, parameters with type,
 /// range, default and meaning.
 ///
-/// Rust programs hand it to [`Registry::open`]; see the examples `own_material` and `own_models`.
+/// Rust programs hand it to [`Registry::open`]; see the example `own_models`.
 #[derive(Clone, Debug, Default)]
 pub struct Registry {
     models: Models,
