@@ -19,7 +19,7 @@ use crate::{
 };
 use clap::{Parser, Subcommand};
 
-/// A physically based renderer for pbrt-v4, Mitsuba and glTF scenes and for OBJ, PLY and STL models.
+/// A physically based renderer for pbrt-v4, Mitsuba, glTF and USD scenes and for OBJ, PLY and STL models.
 #[derive(Debug, Parser)]
 #[command(
     name = "steradian",

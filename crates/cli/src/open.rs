@@ -94,9 +94,15 @@ pub fn is_model(path: &Path) -> bool {
     ["obj", "ply", "stl", "bpt"].into_iter().any(is)
 }
 
+/// True for names of USD stages.
+fn is_usd(path: &Path) -> bool {
+    let is = |known: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(known));
+    ["usd", "usda", "usdc", "usdz"].into_iter().any(is)
+}
+
 /// Definitions by which a model comes as its file has it: without a ground, its axes as they are.
 pub fn bare(path: &Path) -> Vec<(String, String)> {
-    let ground = (is_model(path) || is_gltf(path)).then_some(("ground", "false"));
+    let ground = (is_model(path) || is_gltf(path) || is_usd(path)).then_some(("ground", "false"));
     let up = is_model(path).then_some(("up", "y"));
     ground.into_iter().chain(up).map(|(name, value)| (name.into(), value.into())).collect()
 }

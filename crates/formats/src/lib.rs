@@ -24,6 +24,7 @@ pub mod mitsuba;
 pub mod native;
 pub mod pbrt;
 pub mod readers;
+pub mod usd;
 pub mod write;
 
 pub use limits::Limits;

@@ -4,7 +4,7 @@
 use crate::{
     Import, Options, gltf,
     mesh::{model, stl},
-    mitsuba, native, pbrt,
+    mitsuba, native, pbrt, usd,
 };
 use std::path::Path;
 
@@ -110,6 +110,18 @@ pub const READERS: &[Reader] = &[
         looks_like: |b| b.bytes.starts_with(b"glTF") || b.first == b'{',
         file: gltf::import,
         bytes: gltf::import_bytes,
+    },
+    Reader {
+        extensions: &[
+            ("usd", "Universal Scene Description, in text or binary form"),
+            ("usda", "Universal Scene Description in text"),
+            ("usdc", "Universal Scene Description in binary form"),
+            ("usdz", "Universal Scene Description with its pictures, as an archive"),
+        ],
+        definitions: Some(&["at", "azimuth", "background", "elevation", "ground", "sky", "strength", "sun", "turn"]),
+        looks_like: |b| usd::looks_like(b.bytes),
+        file: usd::import,
+        bytes: usd::import_bytes,
     },
     model(&[("ply", "polygon model")], |b| b.bytes.starts_with(b"ply")),
     model(&[("stl", "triangles, binary or text")], |b| stl::looks_like(b.bytes)),

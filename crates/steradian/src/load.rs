@@ -238,7 +238,7 @@ fn unknown(name: &str) -> Import {
         _ if matches!(extension.as_str(), "3mf" | "off" | "step" | "stp") => {
             format!("save it as .ply or .obj (MeshLab, Blender and CAD programs do); known are {known}")
         }
-        _ if matches!(extension.as_str(), "usd" | "usda" | "usdc" | "usdz" | "fbx" | "blend" | "dae" | "abc") => {
+        _ if matches!(extension.as_str(), "fbx" | "blend" | "dae" | "abc") => {
             format!("save it as .glb, with its materials (Blender: File, Export, glTF 2.0); known are {known}")
         }
         Some(_) => "it is a picture, which `steradian info`, compare, convert and signal read".into(),
@@ -284,7 +284,7 @@ mod tests {
             assert_eq!(said(&[]), "", "{text}");
             assert!(said(&[defined]).contains(about), "{text} -D {defined}: {}", said(&[defined]));
         }
-        for (name, about) in [("part.STEP", "save it as .ply or .obj"), ("scene.usdz", "save it as .glb")] {
+        for (name, about) in [("part.STEP", "save it as .ply or .obj"), ("scene.fbx", "save it as .glb")] {
             assert!(unknown(name).diagnostics.iter().any(|d| d.to_string().contains(about)), "{name}");
         }
         let options = Options { defines: [("foo".into(), "1".into())].into(), ..Options::default() };

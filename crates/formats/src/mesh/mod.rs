@@ -5,7 +5,7 @@
 //! is allocated.
 
 mod error;
-mod polygon;
+pub(crate) mod polygon;
 pub(crate) mod recentre;
 pub(crate) mod text;
 

@@ -31,6 +31,78 @@ groups: {g: [{shape: disk, radius: @1, height: 0, material: @m}]}
 instances: [{group: g, to_world: {matrix: [1 0 0 @0  0 1 0 0  0 0 1 0  0 0 0 @1]}}]
 ";
 
+/// A stage with such places.
+const USD: &str = r#"#usda 1.0
+(
+    upAxis = "Z"
+    timeCodesPerSecond = @24
+    startTimeCode = @1
+)
+def Xform "W" {
+    double3 xformOp:translate.timeSamples = { 1: (0, @0, 0), 5: (1, 0, 0) }
+    float3 xformOp:rotateXYZ = (0, 0, @10)
+    quatf xformOp:orient = (1, 0, @0, 0)
+    uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateXYZ", "xformOp:orient"]
+    def Camera "C" {
+        float focalLength = @35
+        float horizontalAperture = @20
+        float fStop = @2
+        float focusDistance = @4
+        float2 clippingRange = (@1, 100)
+        double3 xformOp:translate = (0, -5, 0)
+        double xformOp:rotateX = 90
+        uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateX"]
+    }
+    def Mesh "M" {
+        int[] faceVertexCounts = [@3, 3]
+        int[] faceVertexIndices = [0, 1, @2, 0, 2, 3]
+        point3f[] points = [(@0, 0, 0), (1, 0, 0), (1, 0, 1), (0, 0, 1)]
+        texCoord2f[] primvars:st = [(@0, 0), (1, 0), (1, 1), (0, 1)] (interpolation = "vertex")
+        rel material:binding = </W/L>
+        def GeomSubset "S" {
+            uniform token familyName = "materialBind"
+            int[] indices = [@1]
+        }
+    }
+    def Material "L" {
+        token outputs:surface.connect = </W/L/P.outputs:surface>
+        def Shader "P" {
+            uniform token info:id = "UsdPreviewSurface"
+            color3f inputs:diffuseColor = (@1, 0, 0)
+            color3f inputs:emissiveColor = (0, @0, 0)
+            float inputs:roughness = @0.5
+            float inputs:ior = @1.5
+            float inputs:opacity = @0.5
+            float inputs:opacityThreshold = @0
+        }
+    }
+    def Cone "K" {
+        double radius = @1
+        double height = @2
+    }
+    def PointInstancer "I" {
+        rel prototypes = </W/I/B>
+        int[] protoIndices = [@0, 0]
+        point3f[] positions = [(@0, 0, 0), (1, 1, 1)]
+        def Cube "B" {
+            double size = @1
+        }
+    }
+    def RectLight "R" {
+        float inputs:intensity = @5
+        float inputs:exposure = @1
+        float inputs:width = @1
+        bool inputs:normalize = true
+    }
+    def SphereLight "B" {
+        float inputs:radius = @1
+        float inputs:shaping:cone:angle = @30
+        float inputs:colorTemperature = @5000
+        bool inputs:enableColorTemperature = true
+    }
+}
+"#;
+
 /// A text with the number of one place after the other replaced; `@name` is no place.
 fn poisoned(file: &'static str, template: &'static str) -> impl Iterator<Item = Case> {
     let place = |(at, _): &(usize, &str)| template.as_bytes().get(at + 1).is_some_and(u8::is_ascii_digit);
@@ -84,6 +156,37 @@ pub fn gltf() -> impl Iterator<Item = Case> {
         Refused(""),
     ));
     faults.into_iter().chain(poisoned("s.gltf", GLTF))
+}
+
+/// Stages in text and in binary form.
+pub fn usd() -> impl Iterator<Item = Case> {
+    let c = |name: &str, text: &str, expect| Case::new(name, "s.usda", text, expect);
+    let mut laughs = String::from("#usda 1.0\n");
+    for level in 0..8 {
+        let child = |k| format!("def \"c{k}\" (references = </l{}>) {{\n}}\n", level + 1);
+        laughs += &format!("def \"l{level}\" {{\n{}}}\n", (0..10).map(child).collect::<String>());
+    }
+    let mut faults = vec![
+        c("empty", "", Refused("#usda")),
+        c("head alone", "#usda 1.0\n", Warned("no surfaces")),
+        c("deep prims", &format!("#usda 1.0\n{}", "def \"a\" {".repeat(1 << 18)), Refused("nested")),
+        c("deep lists", &format!("#usda 1.0\ndef \"a\" {{ int[] x = {}", "[".repeat(1 << 20)), Refused("")),
+        c("deep options", &format!("#usda 1.0\ndef \"a\" {}", "(references = @b@ ".repeat(1 << 18)), Refused("")),
+        c("its own sublayer", "#usda 1.0\n(subLayers = [@s.usda@])\ndef Cube \"c\" {\n}\n", Picture),
+        c("its own reference", "#usda 1.0\n(defaultPrim = \"a\")\ndef \"a\" (references = @s.usda@) {\n}\n", Either),
+        c("laughs", &laughs, Refused("more than")),
+        c("far away", "#usda 1.0\ndef \"a\" (references = @../../../etc/passwd@) {\n}\ndef Cube \"c\" {\n}\n", Either),
+    ];
+    let mut head = b"PXR-USDC\0\x08\0\0\0\0\0\0".to_vec();
+    faults.push(Case::new("a binary head and no more", "s.usdc", head.clone(), Refused("")));
+    head.extend([0x18, 0, 0, 0, 0, 0, 0, 0]);
+    head.extend([0xff; 64]);
+    faults.push(Case::new("a binary head and nonsense", "s.usdc", head, Refused("")));
+    faults.push(Case::new("an archive without members", "s.usdz", b"PK\x03\x04PK\x05\x06".to_vec(), Refused("")));
+    faults.into_iter().chain(poisoned("s.usda", USD)).map(|mut case| {
+        case.small = true;
+        case
+    })
 }
 
 /// Steradian's own language.
