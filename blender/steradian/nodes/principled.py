@@ -1,0 +1,198 @@
+"""The Principled BSDF as `openpbr`, of which it has nearly the same layers; rough metal gets what facets reflect to each
+other from `conductor`."""
+
+from __future__ import annotations
+
+import math
+
+from . import values as v
+from .normals import maps
+from .registry import scatters
+from .surface import Surface
+
+WHITE = (1.0, 1.0, 1.0)
+
+
+def f0_of_ior(n: float) -> float:
+    """Reflectance at normal incidence."""
+    return ((n - 1.0) / (n + 1.0)) ** 2
+
+
+def ior_of_f0(f0: float) -> float:
+    """The index with that reflectance, held as by Cycles."""
+    root = math.sqrt(min(max(f0, 0.0), 0.99))
+    return (1.0 + root) / (1.0 - root)
+
+
+def specular(here) -> dict:
+    """Index and strength: a constant `Specular IOR Level` changes the index, as in Cycles; one that varies is a factor."""
+    n, level = max(here.constant("IOR", 1.5), 1e-3), here.number("Specular IOR Level", 0.5)
+    if v.is_constant(level):
+        changed = n if level == 0.5 else ior_of_f0(f0_of_ior(n) * 2.0 * max(level, 0.0))
+        changed = 1.0 / changed if n < 1.0 and level != 0.5 else changed
+        return {"specular_ior": min(max(changed, 0.05), 20.0)}
+    if level.high > 0.5:
+        here.tell("'Specular IOR Level' from a texture above 0.5 counts as 0.5, or by the greater index of its maximum")
+        n = ior_of_f0(f0_of_ior(n) * 2.0 * min(level.high, 1.0))
+        level = v.multiply(level, 0.5 / min(level.high, 1.0))
+    return {"specular_ior": min(max(n, 0.05), 20.0), "specular_weight": v.scene(v.clamp(v.multiply(level, 2.0)))}
+
+
+def stretched(here, roughness, amount, openpbr=True):
+    """Roughness and anisotropy with Cycles' α: r²/√q along the tangent and r²√q across, q = 1 − 0.9 a.
+
+    OpenPBR has r'²√(2/(1 + q²)) along, and q times that across.
+    """
+    held = 0.9 * min(max(amount, 0.0), 1.0)
+    q = 1.0 - held
+    factor = ((1.0 + q * q) / (2.0 * q)) ** 0.25
+    return v.clamp(v.multiply(roughness, factor)), held
+
+
+def anisotropy(here, roughness) -> dict:
+    """Roughness, stretch and its turn."""
+    amount = here.constant("Anisotropic")
+    if here.is_linked("Tangent"):
+        here.tell("the tangent is that of the UV map, not what feeds 'Tangent'")
+    if amount <= 0.0:
+        return {"specular_roughness": v.scene(roughness)}
+    roughness, held = stretched(here, roughness, amount)
+    turn = v.multiply(here.number("Anisotropic Rotation"), 360.0)
+    return {
+        "specular_roughness": v.scene(roughness),
+        "specular_roughness_anisotropy": held,
+        "anisotropy_rotation": v.scene(turn),
+    }
+
+
+def mean_free_path(albedo: float, ior: float) -> float:
+    """Factor from Cycles' radius of the random walk to the mean free path: √(3(1 − α′)), with Jensen's α′ of the albedo
+    under a dipole of that index."""
+    inverse = 1.0 / ior
+    diffuse = inverse * (-1.440 * inverse + 0.710) + 0.668 + 0.0636 * ior
+    boundary = (1.0 + diffuse) / (1.0 - diffuse)
+
+    def reflected(alpha):
+        root = math.sqrt(3.0 * (1.0 - alpha))
+        return 0.5 * alpha * (1.0 + math.exp(-4.0 / 3.0 * boundary * root)) * math.exp(-root)
+
+    low, high = 0.0, 1.0
+    for _ in range(40):
+        alpha = 0.5 * (low + high)
+        low, high = (alpha, high) if reflected(alpha) < albedo else (low, alpha)
+    return math.sqrt(3.0 * (1.0 - 0.5 * (low + high)))
+
+
+def subsurface(here, base) -> dict:
+    """Subsurface scattering of the base's colour."""
+    weight = v.clamp(here.number("Subsurface Weight"))
+    if weight == 0.0:
+        return {}
+    radius, scale = here.colour("Subsurface Radius"), here.number("Subsurface Scale", 0.05)
+    method = here.node.subsurface_method
+    ior = here.constant("Subsurface IOR", 1.4) if method == "RANDOM_WALK_SKIN" else max(here.constant("IOR", 1.5), 1.0)
+    colour = v.middle(base)
+    if method == "RANDOM_WALK":
+        factor = tuple(mean_free_path(min(max(c, 0.0), 1.0), min(max(ior, 1.0001), 3.8)) for c in colour)
+    else:
+        factor = (0.25 / math.pi,) * 3
+    if method == "BURLEY":
+        here.tell("Christensen and Burley's profile is taken as a random walk of the same mean free path")
+    if not v.is_constant(base) and method == "RANDOM_WALK":
+        here.tell("the mean free path is that of the base colour's middle")
+    return {
+        "subsurface_weight": v.scene(weight),
+        "subsurface_color": v.scene(v.clamp(base)),
+        "subsurface_radius": v.scene(scale),
+        "subsurface_radius_scale": v.scene(v.multiply(radius, factor)),
+        "subsurface_scatter_anisotropy": here.constant("Subsurface Anisotropy") if method != "BURLEY" else 0.0,
+    }
+
+
+def transmission(here, base) -> dict:
+    """Refraction, coloured by the root of the base's colour at each passage."""
+    weight = v.clamp(here.number("Transmission Weight"))
+    if weight == 0.0:
+        return {}
+    root = v.apply(lambda x: math.sqrt(max(x, 0.0)), v.clamp(base), "sqrt(max({a},0))")
+    return {"transmission_weight": v.scene(weight), "transmission_color": v.scene(root)}
+
+
+def coat(here) -> dict:
+    """The clear coat."""
+    weight = v.clamp(here.number("Coat Weight"))
+    if weight == 0.0:
+        return {}
+    made = {
+        "coat_weight": v.scene(weight),
+        "coat_roughness": v.scene(v.clamp(here.number("Coat Roughness", 0.03))),
+        "coat_ior": v.scene(v.clamp(here.number("Coat IOR", 1.5), 1.0, 20.0)),
+    }
+    tint = here.colour("Coat Tint", WHITE)
+    if tint != WHITE:
+        made["coat_color"] = v.scene(v.clamp(tint))
+    own = maps(here, "Coat Normal")
+    if "normal_map" in own:
+        made["coat_normal_map"] = own["normal_map"]
+        if "normal_map_strength" in own:
+            made["coat_normal_map_strength"] = own["normal_map_strength"]
+    elif "bump" in own:
+        here.tell("bumps of the coat are not known: it has the surface's own normal")
+    if "normal_map" not in own:
+        made["coat_normals"] = "own"
+    return made
+
+
+def sheen(here) -> dict:
+    """Sheen."""
+    weight = v.clamp(here.number("Sheen Weight"))
+    if weight == 0.0:
+        return {}
+    return {
+        "fuzz_weight": v.scene(weight),
+        "fuzz_color": v.scene(v.clamp(here.colour("Sheen Tint", WHITE))),
+        "fuzz_roughness": v.scene(v.clamp(here.number("Sheen Roughness", 0.5))),
+    }
+
+
+def film(here) -> dict:
+    """A film that interferes."""
+    thickness = here.number("Thin Film Thickness")
+    if thickness == 0.0:
+        return {}
+    return {
+        "thin_film_weight": 1.0,
+        "thin_film_thickness": v.scene(thickness),
+        "thin_film_ior": v.scene(v.clamp(here.number("Thin Film IOR", 1.33), 1.0, 5.0)),
+    }
+
+
+def emitted(here):
+    """Radiance by colour and strength."""
+    strength = here.number("Emission Strength")
+    return 0.0 if strength == 0.0 else v.multiply(here.colour("Emission Color", WHITE), strength)
+
+
+@scatters("ShaderNodeBsdfPrincipled")
+def principled(here) -> Surface:
+    base = v.clamp(here.colour("Base Color", (0.8, 0.8, 0.8)))
+    made = {
+        "material": "openpbr",
+        "base_color": v.scene(base),
+        "base_metalness": v.scene(v.clamp(here.number("Metallic"))),
+        **anisotropy(here, v.clamp(here.number("Roughness", 0.5))),
+        **specular(here),
+        **transmission(here, base),
+        **subsurface(here, base),
+        **coat(here),
+        **sheen(here),
+        **film(here),
+        **maps(here),
+    }
+    tint = here.colour("Specular Tint", WHITE)
+    if tint != WHITE:
+        made["specular_color"] = v.scene(v.clamp(tint))
+    rough = v.clamp(here.number("Diffuse Roughness"))
+    if rough != 0.0:
+        made["base_diffuse_roughness"] = v.scene(rough)
+    return Surface(made, emitted(here), v.clamp(here.number("Alpha", 1.0)))
