@@ -16,7 +16,7 @@ use steradian_math::{
     },
     transform::Affine,
 };
-use steradian_scene::{Family, Format, Node, NodeId, SpectrumValue, Value};
+use steradian_scene::{ColorSpace, Family, Format, Node, NodeId, SpectrumValue, Value};
 use steradian_texture::SpectrumTexture;
 
 /// Mean luminance of an image.
@@ -271,6 +271,7 @@ impl Compiler<'_> {
                 return None;
             }
             let texels = self.emitted_texels(node, texels);
+            let texels = self.tinted(node, texels);
             if let Some(e) = illuminance {
                 scale *= e / upper_illuminance(&texels, parametrization).max(1e-20);
             }
@@ -304,6 +305,24 @@ impl Compiler<'_> {
             self.diagnostics.warn(&self.desc.sources, node.param("file").and_then(|p| p.span), what);
         }
         texels
+    }
+
+    /// The picture of an environment times its `radiance`, where that is given.
+    fn tinted(&mut self, node: &Node, texels: Texels) -> Texels {
+        let factor = match node.get("radiance") {
+            None => return texels,
+            Some(Value::Spectrum(SpectrumValue::Rgb(rgb, ColorSpace::Srgb))) => rgb.map(|v| v as f32),
+            Some(Value::Spectrum(SpectrumValue::Constant(v))) => [*v as f32; 3],
+            Some(_) => {
+                let span = node.param("radiance").and_then(|p| p.span).or(node.span);
+                self.approximated(span, "a spectrum as factor on a picture counts by its luminance");
+                [self.constant_color(node, "radiance", Role::Unbounded).luminance(self.mode); 3]
+            }
+        };
+        match factor {
+            [1.0, 1.0, 1.0] => texels,
+            _ => texels.tinted(factor),
+        }
     }
 
     fn portal(&mut self, node: &Node) -> Option<[Vec3; 3]> {

@@ -104,6 +104,15 @@ impl Texels {
         if self.alpha() == Some(channel) { stored } else { self.encoding.decode(stored) }
     }
 
+    /// Linear colours times a factor, in single precision; without opacity.
+    pub fn tinted(&self, factor: [f32; 3]) -> Self {
+        let lanes = if self.channels >= 3 { [0, 1, 2] } else { [0; 3] };
+        let texel = |k: usize| [0, 1, 2].map(|c| self.linear(k % self.width, k / self.width, lanes[c]) * factor[c]);
+        let data = TexelData::F32((0..self.width * self.height).flat_map(texel).collect());
+        let tinted = Self::new(self.width, self.height, 3, data, Encoding::Linear);
+        Self { metadata: self.metadata.clone(), ..tinted }
+    }
+
     /// Bytes that the samples take.
     pub fn byte_size(&self) -> usize {
         let sample = match self.data {

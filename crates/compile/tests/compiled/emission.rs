@@ -241,3 +241,34 @@ fn glows_and_grids_of_media_count_or_are_refused() {
         compiled(medium("uniformgrid").with("density", eight(1.0))).unwrap_err().contains("'density' has 8 numbers")
     );
 }
+
+/// An environment's picture comes times its `radiance`, grey, coloured or a spectrum by its luminance.
+#[test]
+fn pictures_of_environments_take_their_factor() {
+    let seen = |factor: Option<Value>| {
+        let mut desc = SceneDesc { format: Format::Native, ..SceneDesc::default() };
+        let mut bytes = b"PF\n4 2\n-1.0\n".to_vec();
+        (0..24).for_each(|k| bytes.extend([0.25_f32, 0.5, 2.0][k % 3].to_le_bytes()));
+        desc.embedded.insert("sky.pfm".into(), bytes.into());
+        let mut node = Node::new(Family::Light, "environment", None).with("file", std::path::PathBuf::from("sky.pfm"));
+        if let Some(factor) = factor {
+            node = node.with("radiance", factor);
+        }
+        let node = desc.add(node);
+        desc.lights.push(node);
+        desc.cameras = vec![desc.add(Node::new(Family::Camera, "perspective", None))];
+        let sphere = desc.add(Node::new(Family::Shape, "sphere", None));
+        desc.shapes.push(Shape::new(sphere));
+        let compiled = compile(&desc, &Options::default());
+        let Some(scene) = compiled.scene else { panic!("{:?}", compiled.diagnostics) };
+        let Light::Environment(e) = &scene.lights().lights[0] else { panic!() };
+        e.radiance(Vec3::ZERO, Vec3::new(0.6, 0.0, 0.8), &Wavelengths::RGB).to_rgb()
+    };
+    let [r, g, b] = seen(None);
+    assert_eq!([r, g, b], [0.25, 0.5, 2.0]);
+    assert_eq!(seen(Some(white(0.5))), [0.5 * r, 0.5 * g, 0.5 * b]);
+    let tint = Value::Spectrum(SpectrumValue::Rgb([2.0, 1.0, 0.25], ColorSpace::Srgb));
+    assert_eq!(seen(Some(tint)), [2.0 * r, g, 0.25 * b]);
+    let [warm, _, _] = seen(Some(Value::Spectrum(SpectrumValue::Constant(3.0))));
+    assert!((warm - 3.0 * r).abs() < 1e-6);
+}
