@@ -1,0 +1,1 @@
+"""From Blender's dependency graph to the scene language."""

@@ -1,0 +1,119 @@
+"""Lights in Cycles' units: watts as radiance and radiant intensity."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from . import matrix
+from .context import Context
+
+try:
+    from .. import nodes
+except ImportError:
+    nodes = None
+
+
+def export(context: Context, thing: bpy.types.Object, world: Any) -> None:
+    """Adds a light object at a place."""
+    lamp, place = thing.data, matrix.array(world)
+    if not matrix.usable(place):
+        return
+    strength = lamp.energy * 2.0**lamp.exposure * _colour(context, lamp)
+    if not strength.any():
+        return
+    name = thing.lightgroup or thing.name
+    if not lamp.use_shadow:
+        context.report(thing.name, "throws shadows, though it is set not to")
+    {"POINT": _point, "SPOT": _spot, "SUN": _sun, "AREA": _area}[lamp.type](context, name, thing, place, strength)
+
+
+def _colour(context: Context, lamp: bpy.types.Light) -> NDArray[np.float64]:
+    """Colour of a light with its temperature and its node tree."""
+    colour = np.array(lamp.color, np.float64)
+    if lamp.use_temperature:
+        colour *= np.array(lamp.temperature_color)[:3]
+    if not lamp.use_nodes or lamp.node_tree is None:
+        return colour
+    if hasattr(nodes, "light_colour"):
+        return colour * np.array(nodes.light_colour(lamp, context), np.float64)
+    emitting = next((node for node in lamp.node_tree.nodes if node.type == "EMISSION"), None)
+    if emitting is None:
+        return colour
+    for socket in emitting.inputs:
+        if socket.is_linked:
+            context.report(lamp.name, f"the link to '{socket.name}' is not followed")
+    return colour * np.array(emitting.inputs["Color"].default_value[:3]) * emitting.inputs["Strength"].default_value
+
+
+def _point(context: Context, name: str, thing: bpy.types.Object, place: NDArray[np.float64], strength: NDArray[np.float64]) -> None:
+    radius = thing.data.shadow_soft_size
+    if not thing.data.normalize and radius > 0:
+        strength = strength * math.pi * radius * radius * 4
+    if radius > 0:
+        radiance = strength / (4 * math.pi**2 * radius**2)
+        _emitter(context, name, thing, {"shape": "sphere", "radius": radius, "to_world": _moved(place)}, radiance)
+    else:
+        context.add("lights", name, {"light": "point", "position": place[:3, 3], "intensity": strength / (4 * math.pi)})
+
+
+def _moved(place: NDArray[np.float64]) -> NDArray[np.float64]:
+    m = np.eye(4)
+    m[:3, 3] = place[:3, 3]
+    return m
+
+
+def _spot(context: Context, name: str, thing: bpy.types.Object, place: NDArray[np.float64], strength: NDArray[np.float64]) -> None:
+    lamp = thing.data
+    if lamp.shadow_soft_size > 0:
+        context.report(thing.name, "shines from a point: its radius is left out")
+    half = lamp.spot_size / 2
+    inner = min(math.cos(half) + lamp.spot_blend * (1 - math.cos(half)), 1.0)
+    context.add("lights", name, {
+        "light": "spot", "intensity": strength / (4 * math.pi), "cone_angle": math.degrees(half),
+        "falloff_start": math.degrees(math.acos(inner)), "falloff": "smoothstep", "to_world": matrix.rigid(place) @ matrix.FLIP,
+    })
+
+
+def _sun(context: Context, name: str, thing: bpy.types.Object, place: NDArray[np.float64], strength: NDArray[np.float64]) -> None:
+    axes = matrix.rigid(place)
+    way, size = -axes[:3, 2], math.tan(thing.data.angle / 2)
+    if size < 1e-4:
+        context.add("lights", name, {"light": "distant", "direction": way, "radiance": strength})
+        return
+    # A disc so far away that its light is as good as parallel from each of its points.
+    distance = context.sun_distance
+    disc = np.eye(4)
+    disc[:3, :3] = (axes @ matrix.FLIP)[:3, :3] * distance * size
+    disc[:3, 3] = -way * distance
+    _emitter(context, name, thing, {"shape": "disk", "to_world": disc}, strength / (math.pi * size * size))
+
+
+def _area(context: Context, name: str, thing: bpy.types.Object, place: NDArray[np.float64], strength: NDArray[np.float64]) -> None:
+    lamp = thing.data
+    if lamp.spread < math.pi - 1e-3:
+        context.report(thing.name, "shines to all sides of its face: its spread is left out")
+    across = lamp.size_y if lamp.shape in {"RECTANGLE", "ELLIPSE"} else lamp.size
+    scale = np.linalg.norm(place[:3, :3], axis=0)
+    size = np.array([lamp.size * scale[0], across * scale[1]]) / 2
+    is_round = lamp.shape in {"DISK", "ELLIPSE"}
+    area = size[0] * size[1] * (math.pi if is_round else 4)
+    if area <= 0:
+        context.report(thing.name, "has no area, and is left out")
+        return
+    m = matrix.rigid(place) @ matrix.FLIP @ np.diag([size[0], size[1], 1, 1])
+    shape = {"shape": "disk"} if is_round else {"shape": "polygon", "points": [-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0]}
+    radiance = strength / (math.pi * (area if lamp.normalize else 1))
+    _emitter(context, name, thing, {**shape, "to_world": m}, radiance)
+
+
+def _emitter(context: Context, name: str, thing: bpy.types.Object, shape: dict[str, Any], radiance: NDArray[np.float64]) -> None:
+    """A shape that emits, and reflects nothing."""
+    black = context.__dict__.setdefault("black", None) or context.material("black", {"material": "diffuse", "reflectance": 0.0})
+    context.black = black
+    emission = context.add("nodes", name, {"light": "area", "radiance": radiance})
+    context.add("shapes", thing.name, {**shape, "material": black, "emission": emission})

@@ -1,0 +1,99 @@
+"""A dependency graph as a dictionary for `steradian.scene`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+import numpy as np
+
+from . import camera, instances, matrix, world
+from .context import Context
+from .image import Images
+from .report import Report
+
+FILTERS = {"BOX": "box", "GAUSSIAN": "gaussian", "BLACKMAN_HARRIS": "blackman_harris"}
+
+
+class Exporter:
+    """Makes descriptions, and keeps what does not change from one to the next: meshes and pictures."""
+
+    def __init__(self, report: Report | None = None):
+        self.report = report or Report()
+        self.images = Images()
+        self.meshes = instances.Meshes()
+
+    def description(
+        self, depsgraph: bpy.types.Depsgraph, size: tuple[int, int] | None = None, *, view: dict[str, Any] | None = None,
+        frame_set: Any = None,
+    ) -> dict[str, Any]:
+        """The scene of a dependency graph; `view` is a camera instead of the scene's own.
+
+        With `frame_set(frame, subframe)` motion blur is exported where the scene has it: what moves is looked at
+        as the shutter opens and as it closes.
+        """
+        scene = depsgraph.scene_eval
+        size = size or frame_size(scene)
+        moved, eye = None, None
+        if frame_set is not None and scene.render.use_motion_blur:
+            moved, eye = self._moved(depsgraph, frame_set)
+        context = Context(depsgraph, self.report, self.images)
+        context.sun_distance = _sun_distance(depsgraph)
+        if view is not None:
+            context.add("cameras", "view", view)
+        elif scene.camera is not None:
+            camera.export(context, scene.camera.evaluated_get(depsgraph), size, eye)
+        world.export(context, scene.world)
+        instances.export(context, self.meshes, moved)
+        self.meshes.sweep()
+        if frame_set is not None and scene.render.use_motion_blur:
+            frame_set(*_moment(self._frame))
+        return {**context.description(), **settings(scene, size)}
+
+    def _moved(self, depsgraph: bpy.types.Depsgraph, frame_set: Any) -> tuple[Any, Any]:
+        """Places of objects and of the camera as the shutter closes; the graph is left as it opens."""
+        scene = depsgraph.scene
+        self._frame = now = scene.frame_current + scene.frame_subframe
+        shutter = scene.render.motion_blur_shutter
+        begin = now - {"START": 0.0, "CENTER": 0.5, "END": 1.0}[scene.render.motion_blur_position] * shutter
+        frame_set(*_moment(begin + shutter))
+        moved = instances.places(depsgraph)
+        eye = matrix.array(scene.camera.evaluated_get(depsgraph).matrix_world) if scene.camera else None
+        frame_set(*_moment(begin))
+        return moved, eye
+
+
+def _moment(time: float) -> tuple[int, float]:
+    frame = int(np.floor(time))
+    return frame, float(min(max(time - frame, 0.0), 1.0))
+
+
+def frame_size(scene: bpy.types.Scene) -> tuple[int, int]:
+    """Size of the whole frame in pixels, with the percentage."""
+    part = scene.render.resolution_percentage / 100
+    return max(int(scene.render.resolution_x * part), 1), max(int(scene.render.resolution_y * part), 1)
+
+
+def settings(scene: bpy.types.Scene, size: tuple[int, int]) -> dict[str, Any]:
+    """Film and pixel filter."""
+    own = getattr(scene, "steradian", None)
+    film: dict[str, Any] = {"film": "rgb", "width": size[0], "height": size[1]}
+    if own is not None and own.clamp > 0:
+        film["max_component"] = own.clamp
+    kind = FILTERS[own.filter if own is not None else "BLACKMAN_HARRIS"]
+    width = own.filter_width if own is not None else 1.5
+    radius = 0.5 if kind == "box" else width / 2
+    entry: dict[str, Any] = {"filter": kind, "radius_x": radius, "radius_y": radius}
+    if kind == "gaussian":
+        entry["sigma"] = width / 12
+    return {"film": film, "filter": entry}
+
+
+def _sun_distance(depsgraph: bpy.types.Depsgraph) -> float:
+    """How far away discs of suns are: a power of ten, a hundred times the size of the scene or more."""
+    reach = 1.0
+    for thing in depsgraph.objects:
+        if thing.type in instances.GEOMETRY and len(thing.bound_box):
+            corners = np.array(thing.bound_box) @ np.array(thing.matrix_world.to_3x3()).T + np.array(thing.matrix_world.translation)
+            reach = max(reach, float(np.abs(corners).max()))
+    return float(10 ** np.ceil(np.log10(reach * 100)))

@@ -1,0 +1,130 @@
+"""Worlds: the background's colour, pictures around and skies."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import bpy
+import numpy as np
+
+from .context import Context
+from .matrix import array
+
+# From a latlong whose up is +y, as the scene language has it, to Blender's, whose up is +z and whose middle is at +x.
+LATLONG = np.array([[0.0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
+
+
+def export(context: Context, world: bpy.types.World | None) -> None:
+    """Adds the light of a world."""
+    if world is None:
+        return
+    name = world.lightgroup or world.name
+    tree = world.node_tree
+    output = next((n for n in tree.nodes if n.type == "OUTPUT_WORLD" and n.is_active_output), None) if tree else None
+    if output is None:
+        _constant(context, name, list(world.color))
+        return
+    if output.inputs["Volume"].is_linked:
+        context.report(world.name, "the volume of the world is left out")
+    surface = _linked(output.inputs["Surface"])
+    if surface is None:
+        return
+    if surface.type != "BACKGROUND":
+        context.report(world.name, f"the node '{surface.name}' is not read; the world's colour is taken")
+        _constant(context, name, list(world.color))
+        return
+    strength = _number(context, surface.inputs["Strength"])
+    colour = surface.inputs["Color"]
+    source = _linked(colour)
+    if strength <= 0:
+        return
+    if source is None or source.type not in {"TEX_ENVIRONMENT", "TEX_SKY"}:
+        _constant(context, name, [c * strength for c in _colour(context, colour)])
+    elif source.type == "TEX_SKY":
+        _sky(context, name, source, strength)
+    else:
+        _picture(context, name, source, strength)
+
+
+def _linked(socket: bpy.types.NodeSocket) -> bpy.types.Node | None:
+    """The node that a socket is linked to, through reroutes."""
+    while socket.is_linked:
+        node = socket.links[0].from_node
+        if node.type != "REROUTE":
+            return node
+        socket = node.inputs[0]
+    return None
+
+
+def _number(context: Context, socket: bpy.types.NodeSocket) -> float:
+    node = _linked(socket)
+    if node is not None and node.type == "VALUE":
+        return float(node.outputs[0].default_value)
+    if node is not None:
+        context.report(node.name, f"the link to '{socket.name}' is not followed")
+    return float(socket.default_value)
+
+
+def _colour(context: Context, socket: bpy.types.NodeSocket) -> list[float]:
+    node = _linked(socket)
+    if node is not None and node.type == "RGB":
+        return list(node.outputs[0].default_value[:3])
+    if node is not None:
+        context.report(node.name, f"the link to '{socket.name}' is not followed")
+    return list(socket.default_value[:3])
+
+
+def _constant(context: Context, name: str, colour: list[float]) -> None:
+    if any(colour):
+        context.add("lights", name, {"light": "environment", "radiance": colour})
+
+
+def _picture(context: Context, name: str, node: bpy.types.Node, strength: float) -> None:
+    path = context.image(node.image) if node.image else None
+    if path is None:
+        _constant(context, name, [strength, 0.0, strength])
+        return
+    if node.projection != "EQUIRECTANGULAR":
+        context.report(node.name, f"the projection {node.projection.lower()} is read as equirectangular")
+    space = node.image.colorspace_settings.name
+    entry: dict[str, Any] = {
+        "light": "environment", "file": path, "parametrization": "latlong", "radiance": strength,
+        "to_world": np.linalg.inv(_mapping(context, node)) @ LATLONG,
+        "encoding": "srgb" if space == "sRGB" else "linear",
+    }
+    context.add("lights", name, {key: value for key, value in entry.items() if key != "encoding" or not node.image.is_float})
+
+
+def _mapping(context: Context, node: bpy.types.Node) -> Any:
+    """Matrix from directions of the world to those that a texture is looked up in."""
+    mapping = _linked(node.inputs["Vector"])
+    if mapping is None or mapping.type == "TEX_COORD":
+        return np.eye(4)
+    if mapping.type != "MAPPING" or any(mapping.inputs[k].is_linked for k in ("Rotation", "Scale") if k in mapping.inputs):
+        context.report(mapping.name, "is not read: the picture is not turned")
+        return np.eye(4)
+    from mathutils import Euler
+
+    scale = np.array(mapping.inputs["Scale"].default_value)
+    if not np.allclose(np.abs(scale), abs(scale[0])) or np.any(np.array(mapping.inputs["Location"].default_value) if "Location" in mapping.inputs else 0):
+        context.report(mapping.name, "of its mapping the rotation is read alone")
+    turn = array(Euler(mapping.inputs["Rotation"].default_value).to_matrix().to_4x4())
+    turn = turn @ np.diag([*np.sign(scale), 1.0])
+    return np.linalg.inv(turn) if mapping.vector_type == "TEXTURE" else turn
+
+
+def _sky(context: Context, name: str, node: bpy.types.Node, strength: float) -> None:
+    context.report(node.name, f"the sky {node.sky_type.lower()} is approximated by the sky of Hosek and Wilkie")
+    if node.sky_type in {"SINGLE_SCATTERING", "MULTIPLE_SCATTERING"}:
+        height, turn = node.sun_elevation, node.sun_rotation
+        way = [math.sin(turn) * math.cos(height), math.cos(turn) * math.cos(height), math.sin(height)]
+        turbidity, ground, sun = 1 + 2 * node.air_density, 0.3, node.sun_intensity if node.sun_disc else 0.0
+        aperture = math.degrees(node.sun_size)
+    else:
+        way, turbidity, ground, sun, aperture = list(node.sun_direction), node.turbidity, node.ground_albedo, 0.0, 0.5358
+    entry: dict[str, Any] = {
+        "light": "sky", "sun_direction": way, "turbidity": min(max(turbidity, 1.0), 10.0), "albedo": ground, "scale": strength,
+        "sun_scale": sun, "sun_aperture": min(max(aperture, 0.01), 89.0),
+    }
+    context.add("lights", name, entry)
