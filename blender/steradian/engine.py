@@ -12,7 +12,7 @@ import numpy as np
 
 from . import passes, settings
 from .export.report import Report
-from .export.scene import Exporter, frame_size
+from .export.scene import Exported, Exporter, frame_size
 
 
 def library() -> Any:
@@ -64,71 +64,83 @@ class SteradianEngine(bpy.types.RenderEngine):
         self.update_stats("Steradian", "Reading the scene")
         exporter = Exporter(report)
         size = frame_size(scene)
-        description = exporter.description(depsgraph, size, frame_set=lambda frame, part: self.frame_set(frame, subframe=part))
-        if not description.get("cameras"):
+        exported = exporter.export(depsgraph, size, frame_set=lambda frame, part: self.frame_set(frame, subframe=part))
+        if not exported.description.get("cameras"):
             self.error_set("Steradian: the scene has no camera")
             return
-        st = library()
         self.update_stats("Steradian", "Compiling the scene")
-        compiled = st.scene(description)
+        compiled = library().scene(exported.description)
         tell(compiled, report)
-        self._frame(compiled, scene, view_layer, size, report)
+        self._frame(compiled, exported, scene, view_layer, size, report)
         tell(compiled, report)
 
-    def _frame(self, compiled: Any, scene: Any, view_layer: Any, size: tuple[int, int], report: Report) -> None:
+    def _frame(self, compiled: Any, exported: Exported, scene: Any, view_layer: Any, size: tuple[int, int], report: Report) -> None:
         """Renders in steps of growing numbers of samples, each of which Blender shows."""
         wanted = [] if self.is_preview else passes.wanted(view_layer, scene)
         own, transparent = scene.steradian, scene.render.film_transparent
-        denoise = None if own.denoiser == "none" or self.is_preview else own.denoiser
-        options = settings.options(scene, is_preview=self.is_preview) | {
-            "size": size, "transparent": transparent, "layers": passes.layers(wanted, transparent=transparent, denoise=denoise is not None),
-        }
-        if any(each.layer == "light_groups" for each in wanted):
-            options["integrator"] = settings.method(scene, groups=True)
+        denoiser = None if own.denoiser == "none" or self.is_preview else own.denoiser
+        groups = any(each.layer == "light_groups" for each in wanted)
+        frame: dict[str, Any] = {"size": size}
         if (crop := border(scene, size)) is not None:
-            options["crop"] = crop
+            frame["crop"] = crop
+        behind = background(exported, frame)
+        options = settings.options(scene, is_preview=self.is_preview, groups=groups, hides_lamps=exported.hides_lamps) | frame | {
+            "transparent": transparent,
+            "layers": passes.layers(wanted, alpha=transparent or behind is not None, denoise=denoiser is not None),
+        }
         for each in wanted:
             self.add_pass(each.name, len(each.channels), each.channels, layer=view_layer.name)
+
+        def show(image: Any) -> None:
+            result = self.begin_result(0, 0, image.width, image.height, layer=view_layer.name)
+            found = result.layers[0].passes
+            put(found["Combined"], passes.combined(image, transparent=transparent, background=behind))
+            for each in wanted:
+                if each.name in found:
+                    put(found[each.name], passes.values(image, each))
+            self.end_result(result)
+
         with tempfile.TemporaryDirectory(prefix="steradian-") as folder:
-            image = self._steps(compiled, options, wanted, view_layer.name, os.path.join(folder, "state"))
-        if image is not None and denoise and not self.test_break():
+            image = self._steps(compiled, options, show, os.path.join(folder, "state"))
+        if image is not None and denoiser and not self.test_break():
             self.update_stats("Steradian", "Removing noise")
-            self._show(_denoised(image, denoise, report), wanted, view_layer.name, transparent)
+            show(_denoised(image, denoiser, report))
 
-    def _steps(self, compiled: Any, options: dict[str, Any], wanted: Any, layer: str, state: str) -> Any:
-        """Pictures of more and more samples; the last one."""
+    def _steps(self, compiled: Any, options: dict[str, Any], show: Any, state: str) -> Any:
+        """Shows pictures of more and more samples; the last one."""
         spp, limit, begin, image = options.get("spp"), options.get("time"), time.monotonic(), None
-        for part in steps(spp, can_go_on=not options.get("adaptive") and "error" not in options and not self.is_preview):
-            def progress(now: Any) -> bool:
-                done = now.fraction * (part or 1) / (spp or 1)
-                self.update_progress(min(done, 1.0))
-                self.update_stats("Steradian", f"Samples {now.spp:.0f} of {spp or 'a preview'}")
-                return not self.test_break()
 
+        def progress(now: Any) -> bool:
+            self.update_progress(min(now.spp / spp, 1.0) if spp else now.fraction)
+            self.update_stats("Steradian", f"Samples {now.spp:.0f} of {spp or 'a preview'}")
+            return not self.test_break()
+
+        parts = steps(spp, can_go_on=not options.get("adaptive") and "error" not in options and not self.is_preview)
+        for part in parts:
             now = dict(options)
             if part is not None:
                 now["spp"] = part
             if limit is not None:
                 now["time"] = limit - (time.monotonic() - begin)
-                if now["time"] <= 0:
+                if now["time"] <= 0 and image is not None:
                     break
-            if spp is not None and part != spp or image is not None:
+            if len(parts) > 1:
                 now["resume"] = state
-            image = compiled.render(progress=progress, **now)
-            self._show(image, wanted, layer, options["transparent"])
+            try:
+                image = compiled.render(progress=progress, **now)
+            except ValueError:
+                if self.test_break():
+                    break
+                raise
+            show(image)
             if image.stopped or self.test_break():
                 break
         return image
 
-    def _show(self, image: Any, wanted: Any, layer: str, transparent: bool) -> None:
-        """Gives a picture to Blender."""
-        result = self.begin_result(0, 0, image.width, image.height, layer=layer)
-        found = result.layers[0].passes
-        put(found["Combined"], passes.combined(image, transparent=transparent))
-        for each in wanted:
-            if each.name in found:
-                put(found[each.name], passes.values(image, each))
-        self.end_result(result)
+    def __del__(self) -> None:
+        from . import viewport_draw
+
+        viewport_draw.forget(id(self))
 
     def view_update(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
         """Takes over changes of the scene into the viewport."""
@@ -141,6 +153,14 @@ class SteradianEngine(bpy.types.RenderEngine):
         from . import viewport_draw
 
         viewport_draw.draw(self, context, depsgraph)
+
+
+def background(exported: Exported, frame: dict[str, Any]) -> Any:
+    """Picture of what is behind everything, rows from the top, where it is rendered apart."""
+    if exported.background is None:
+        return None
+    image = library().scene(exported.background).render(spp=16, integrator="path", color="rgb", **frame)
+    return np.stack([image["R"], image["G"], image["B"]], axis=-1)
 
 
 def put(target: bpy.types.RenderPass, values: Any) -> None:

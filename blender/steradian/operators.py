@@ -32,7 +32,7 @@ class STERADIAN_OT_open(bpy.types.Operator):
         exporter = Exporter(report)
         path = bpy.path.abspath(self.filepath) or os.path.join(tempfile.mkdtemp(prefix="steradian-"), f"{context.scene.name}.steradian")
         try:
-            compiled = library().scene(exporter.description(depsgraph))
+            compiled = library().scene(exporter.export(depsgraph).description)
             compiled.save(path, overwrite=True)
             tell(compiled, report)
             if self.show:

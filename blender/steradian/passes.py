@@ -69,20 +69,25 @@ def missing(view_layer: bpy.types.ViewLayer) -> list[str]:
     return [name for flag, name in MISSING.items() if getattr(view_layer, flag, False)]
 
 
-def layers(passes: list[Pass], *, transparent: bool, denoise: bool) -> list[str]:
+def layers(passes: list[Pass], *, alpha: bool, denoise: bool) -> list[str]:
     """Layers to render."""
     found = {p.layer for p in passes if p.layer}
-    if transparent:
+    if alpha:
         found.add("alpha")
     if denoise:
         found |= {"albedo", "normal", "depth", "variance"}
     return sorted(found)
 
 
-def combined(image: Any, *, transparent: bool) -> NDArray[np.float32]:
-    """The picture with its coverage, rows from the bottom, height × width × 4."""
-    alpha = image["A"] if transparent and "A" in image.channels else np.ones((image.height, image.width), np.float32)
-    return np.flipud(np.stack([image["R"], image["G"], image["B"], alpha], axis=-1))
+def combined(image: Any, *, transparent: bool, background: NDArray[np.float32] | None = None) -> NDArray[np.float32]:
+    """The picture with its coverage, rows from the bottom, height × width × 4; before a background, height × width × 3."""
+    colour = np.stack([image["R"], image["G"], image["B"]], axis=-1)
+    alpha = image["A"] if "A" in image.channels else np.ones((image.height, image.width), np.float32)
+    if background is not None:
+        colour = colour + (1 - alpha[..., None]) * background
+    if not transparent:
+        alpha = np.ones_like(alpha)
+    return np.flipud(np.concatenate([colour, alpha[..., None]], axis=-1))
 
 
 def values(image: Any, wanted: Pass) -> NDArray[np.float32]:

@@ -68,12 +68,12 @@ class SteradianSettings(bpy.types.PropertyGroup):
     threads: IntProperty(name="Threads", description="Threads that render; 0 for all processors", default=0, min=0, max=1024)
 
 
-def options(scene: bpy.types.Scene, *, is_preview: bool = False) -> dict[str, Any]:
+def options(scene: bpy.types.Scene, *, is_preview: bool = False, groups: bool = False, hides_lamps: bool = False) -> dict[str, Any]:
     """Settings of a scene as arguments of `Scene.render`, without size, layers and progress."""
     own = scene.steradian
     found: dict[str, Any] = {
-        "spp": own.preview_samples if is_preview else own.samples, "max_depth": own.max_depth, "integrator": method(scene),
-        "seed": own.seed + (scene.frame_current if own.animate_seed else 0), "threads": own.threads,
+        "spp": own.preview_samples if is_preview else own.samples, "max_depth": own.max_depth,
+        "integrator": method(scene, groups=groups, hides_lamps=hides_lamps), "seed": own.seed + (scene.frame_current if own.animate_seed else 0), "threads": own.threads,
         "color": "spectral" if own.spectral else "rgb",
     }
     if own.method == "raster":
@@ -87,12 +87,15 @@ def options(scene: bpy.types.Scene, *, is_preview: bool = False) -> dict[str, An
     return found
 
 
-def method(scene: bpy.types.Scene, *, groups: bool = False) -> str:
+def method(scene: bpy.types.Scene, *, groups: bool = False, hides_lamps: bool = False) -> str:
     """Integrator with its parameters; light groups need plain paths."""
     own = scene.steradian
-    if own.method != "path":
-        return str(own.method)
-    return "path:reuse=1,effort=even" if groups else f"path:caustics={own.caustics}"
+    given = []
+    if own.method == "path":
+        given += ["reuse=1", "effort=even"] if groups else [f"caustics={own.caustics}"]
+    if hides_lamps and own.method != "ao":
+        given.append("hide_emitters=true")
+    return ":".join([own.method, ",".join(given)]) if given else str(own.method)
 
 
 def register() -> None:

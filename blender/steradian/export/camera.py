@@ -73,5 +73,5 @@ def _panorama(context: Context, thing: bpy.types.Object, place: NDArray[np.float
     return {"camera": "spherical", "mapping": "equirectangular", "to_world": place @ PANORAMA}
 
 
-# From the axes of the scene language's panorama to those of a camera.
-PANORAMA = np.eye(4)
+# From the axes of the scene language's panorama, whose middle is at -x, to those of a camera.
+PANORAMA = np.array([[0.0, 0, -1, 0], [0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1]])

@@ -22,8 +22,13 @@ class Context:
         self.instances: list[dict[str, Any]] = []
         self.name = Names()
         self.uv_map: str | None = None
+        self.object: bpy.types.Object | None = None
         self.attributes: set[str] = set()
         self.sun_distance = 1e4
+        self.clear: str | None = None
+        self.surfaces: dict[Any, dict[str, Any]] = {}
+        self.hidden_lamps: list[str] = []
+        self.emitters: list[str] = []
 
     def add(self, section: str, name: str, entry: dict[str, Any]) -> str:
         """Puts an entry into a section under a name like `name`, which is returned."""

@@ -47,7 +47,7 @@ def edits(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[tuple[str, str
     is_own = {"mesh", "to_world"}
     if any(section == "shapes" and parameter not in is_own for section, _, parameter, _ in found):
         return None
-    return None if any(not same(old.get(key), new.get(key)) for key in ("film", "filter")) else found
+    return found if same(old.get("filter"), new.get("filter")) and same(old.get("film"), new.get("film")) else None
 
 
 def apply(scene: Any, description: Mapping[str, Any], changes: list[tuple[str, str, str, Any]]) -> bool:

@@ -52,13 +52,21 @@ def _colour(context: Context, lamp: bpy.types.Light) -> NDArray[np.float64]:
 
 def _point(context: Context, name: str, thing: bpy.types.Object, place: NDArray[np.float64], strength: NDArray[np.float64]) -> None:
     radius = thing.data.shadow_soft_size
-    if not thing.data.normalize and radius > 0:
-        strength = strength * math.pi * radius * radius * 4
+    strength = strength * _whole(thing.data)
     if radius > 0:
+        if thing.data.use_soft_falloff:
+            context.report(thing.name, "is a sphere: its soft falloff, which is darker very near the lamp, is left out")
         radiance = strength / (4 * math.pi**2 * radius**2)
         _emitter(context, name, thing, {"shape": "sphere", "radius": radius, "to_world": _moved(place)}, radiance)
     else:
         context.add("lights", name, {"light": "point", "position": place[:3, 3], "intensity": strength / (4 * math.pi)})
+
+
+def _whole(lamp: bpy.types.Light) -> float:
+    """Factor on the power of a point or spot: the area of its sphere where its power is not that of all of it."""
+    if lamp.normalize:
+        return 1.0
+    return 4 * math.pi * lamp.shadow_soft_size**2 if lamp.shadow_soft_size > 0 else 4.0
 
 
 def _moved(place: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -71,6 +79,10 @@ def _spot(context: Context, name: str, thing: bpy.types.Object, place: NDArray[n
     lamp = thing.data
     if lamp.shadow_soft_size > 0:
         context.report(thing.name, "shines from a point: its radius is left out")
+    scale = np.linalg.norm(place[:3, :3], axis=0)
+    if not np.allclose(scale, scale[0], rtol=1e-3):
+        context.report(thing.name, "has a round cone: its scale is left out")
+    strength = strength * _whole(lamp)
     half = lamp.spot_size / 2
     inner = min(math.cos(half) + lamp.spot_blend * (1 - math.cos(half)), 1.0)
     context.add("lights", name, {
@@ -90,7 +102,7 @@ def _sun(context: Context, name: str, thing: bpy.types.Object, place: NDArray[np
     disc = np.eye(4)
     disc[:3, :3] = (axes @ matrix.FLIP)[:3, :3] * distance * size
     disc[:3, 3] = -way * distance
-    _emitter(context, name, thing, {"shape": "disk", "to_world": disc}, strength / (math.pi * size * size))
+    _emitter(context, name, thing, {"shape": "disk", "to_world": disc}, strength / (math.pi * math.sin(thing.data.angle / 2) ** 2))
 
 
 def _area(context: Context, name: str, thing: bpy.types.Object, place: NDArray[np.float64], strength: NDArray[np.float64]) -> None:
@@ -112,8 +124,9 @@ def _area(context: Context, name: str, thing: bpy.types.Object, place: NDArray[n
 
 
 def _emitter(context: Context, name: str, thing: bpy.types.Object, shape: dict[str, Any], radiance: NDArray[np.float64]) -> None:
-    """A shape that emits, and reflects nothing."""
-    black = context.__dict__.setdefault("black", None) or context.material("black", {"material": "diffuse", "reflectance": 0.0})
-    context.black = black
+    """A shape that emits, and that light passes: lamps throw no shadows."""
+    if context.clear is None:
+        context.clear = context.material("lamp", {"material": "interface"})
     emission = context.add("nodes", name, {"light": "area", "radiance": radiance})
-    context.add("shapes", thing.name, {**shape, "material": black, "emission": emission})
+    context.add("shapes", thing.name, {**shape, "material": context.clear, "emission": emission})
+    (context.emitters if thing.visible_camera else context.hidden_lamps).append(thing.name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import bpy
@@ -15,6 +16,19 @@ from .report import Report
 FILTERS = {"BOX": "box", "GAUSSIAN": "gaussian", "BLACKMAN_HARRIS": "blackman_harris"}
 
 
+@dataclass
+class Exported:
+    """A scene as a dictionary for `steradian.scene`, and how it is to be rendered.
+
+    Lamps that the camera does not see are hidden by an option of methods, which hides the background, too; it is then
+    a scene of its own, whose picture goes behind the other.
+    """
+
+    description: dict[str, Any]
+    hides_lamps: bool = False
+    background: dict[str, Any] | None = None
+
+
 class Exporter:
     """Makes descriptions, and keeps what does not change from one to the next: meshes and pictures."""
 
@@ -23,10 +37,10 @@ class Exporter:
         self.images = Images()
         self.meshes = instances.Meshes()
 
-    def description(
+    def export(
         self, depsgraph: bpy.types.Depsgraph, size: tuple[int, int] | None = None, *, view: dict[str, Any] | None = None,
         frame_set: Any = None,
-    ) -> dict[str, Any]:
+    ) -> Exported:
         """The scene of a dependency graph; `view` is a camera instead of the scene's own.
 
         With `frame_set(frame, subframe)` motion blur is exported where the scene has it: what moves is looked at
@@ -44,11 +58,20 @@ class Exporter:
         elif scene.camera is not None:
             camera.export(context, scene.camera.evaluated_get(depsgraph), size, eye)
         world.export(context, scene.world)
+        around = dict(context.sections["lights"])
         instances.export(context, self.meshes, moved)
         self.meshes.sweep()
         if frame_set is not None and scene.render.use_motion_blur:
             frame_set(*_moment(self._frame))
-        return {**context.description(), **settings(scene, size)}
+        frame = settings(scene, size)
+        exported = Exported({**context.description(), **frame})
+        if context.hidden_lamps and context.emitters:
+            context.report(context.hidden_lamps[0], f"is seen by the camera, as all lamps are, since '{context.emitters[0]}' shines")
+        elif context.hidden_lamps:
+            exported.hides_lamps = True
+            if around and not scene.render.film_transparent:
+                exported.background = {"cameras": context.sections["cameras"], "lights": around, **frame}
+        return exported
 
     def _moved(self, depsgraph: bpy.types.Depsgraph, frame_set: Any) -> tuple[Any, Any]:
         """Places of objects and of the camera as the shutter closes; the graph is left as it opens."""

@@ -22,8 +22,10 @@ def of_slot(context: Context, thing: bpy.types.Object, slot: int) -> dict[str, A
     slots = thing.material_slots
     material = slots[min(slot, len(slots) - 1)].material if slots else None
     group = thing.lightgroup
-    known = context.__dict__.setdefault("surfaces", {})
-    key = (material.name_full if material else "", group)
+    known = context.surfaces
+    alone = nodes is not None and material is not None and nodes.depends_on_object(material.node_tree)
+    key = (material.name_full if material else "", group, thing.name_full if alone else "")
+    context.object = thing
     if key not in known:
         known[key] = _surface(context, material, group)
     return dict(known[key])
@@ -35,6 +37,7 @@ def _surface(context: Context, material: bpy.types.Material | None, group: str) 
     name = material.name if material else "default"
     if isinstance(shape.get("emission"), dict):
         shape["emission"] = context.add("nodes", group or f"{name} emission", shape["emission"])
+        context.emitters.append(name)
     for side in ("interior", "exterior"):
         if isinstance(shape.get(side), dict):
             shape[side] = context.medium(f"{name} volume", shape[side])

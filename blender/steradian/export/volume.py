@@ -31,9 +31,9 @@ def parts(context: Context, thing: bpy.types.Object) -> list[dict[str, Any]]:
     entry = dict(context.sections["media"].get(of.get("interior", ""), {"sigma_s": 0.5, "sigma_a": 0.5}))
     medium = {key: value for key, value in entry.items() if key in {"sigma_a", "sigma_s", "sigma_t", "albedo", "g", "phase", "Lescale"}}
     scale = abs(float(np.linalg.det(place[:3, :3]))) ** (-1 / 3) if data.render.space == "OBJECT" else 1.0
-    medium = {"medium": "vdb", "file": path, "to_world": place, "scale": scale * entry.get("scale", 1.0), **medium}
+    medium = {"medium": "vdb", "file": {"file": path}, "to_world": place, "scale": scale * entry.get("scale", 1.0), **medium}
     low, high = np.array(thing.bound_box).min(axis=0), np.array(thing.bound_box).max(axis=0)
     box = {"positions": low + CORNERS * (high - low), "triangles": np.array(FACES)}
-    boundary = context.__dict__.setdefault("interface", None) or context.material("boundary", {"material": "interface"})
-    context.interface = boundary
-    return [{"shape": "mesh", "mesh": box, "material": boundary, "interior": context.medium(thing.name, medium)}]
+    if context.clear is None:
+        context.clear = context.material("boundary", {"material": "interface"})
+    return [{"shape": "mesh", "mesh": box, "material": context.clear, "interior": context.medium(thing.name, medium)}]

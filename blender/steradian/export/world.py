@@ -89,7 +89,7 @@ def _picture(context: Context, name: str, node: bpy.types.Node, strength: float)
         context.report(node.name, f"the projection {node.projection.lower()} is read as equirectangular")
     space = node.image.colorspace_settings.name
     entry: dict[str, Any] = {
-        "light": "environment", "file": path, "parametrization": "latlong", "radiance": strength,
+        "light": "environment", "file": {"file": path}, "parametrization": "latlong", "scale": strength,
         "to_world": np.linalg.inv(_mapping(context, node)) @ LATLONG,
         "encoding": "srgb" if space == "sRGB" else "linear",
     }

@@ -1,0 +1,65 @@
+"""Drawing of the viewport's picture by Blender's gpu module."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+import numpy as np
+
+from .export.report import Report
+from .viewport import Session
+
+
+def session(owner: bpy.types.RenderEngine) -> Session:
+    """The session of an engine, which Blender keeps as long as the viewport shows it."""
+    found = _sessions.get(id(owner))
+    if found is None:
+        found = _sessions[id(owner)] = Session(Report(), owner.tag_redraw)
+    return found
+
+
+_sessions: dict[int, Session] = {}
+
+
+def forget(owner: int) -> None:
+    """Ends the session of an engine, by its id."""
+    found = _sessions.pop(owner, None)
+    if found is not None:
+        found.close()
+
+
+def update(owner: bpy.types.RenderEngine, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
+    """Takes over changes of the scene."""
+    session(owner).update(depsgraph)
+    _look(owner, context)
+
+
+def _look(owner: bpy.types.RenderEngine, context: bpy.types.Context) -> None:
+    view = context.region_data
+    session(owner).camera(view.view_matrix, view.window_matrix, (context.region.width, context.region.height))
+
+
+def draw(owner: bpy.types.RenderEngine, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
+    """Draws the newest picture over the region."""
+    import gpu
+    from gpu_extras.presets import draw_texture_2d
+
+    _look(owner, context)
+    own = session(owner)
+    if own.error is not None:
+        owner.update_stats("Steradian", own.error)
+        return
+    found: Any = own.picture() or own.last()
+    if found is None:
+        return
+    picture, spp = found
+    height, width = picture.shape[:2]
+    pixels = gpu.types.Buffer("FLOAT", width * height * 4, np.ascontiguousarray(picture, np.float32).ravel())
+    texture = gpu.types.GPUTexture((width, height), format="RGBA16F", data=pixels)
+    gpu.state.blend_set("ALPHA_PREMULT")
+    owner.bind_display_space_shader(depsgraph.scene)
+    draw_texture_2d(texture, (0, 0), context.region.width, context.region.height)
+    owner.unbind_display_space_shader()
+    gpu.state.blend_set("NONE")
+    owner.update_stats("Steradian", f"Samples {spp}" if spp else "Coarse picture")
