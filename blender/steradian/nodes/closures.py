@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from . import values as v
+from .metal import conductor
 from .normals import maps
 from .principled import mean_free_path
 from .registry import scatters
@@ -78,6 +79,9 @@ def metallic(here) -> Surface:
             made["film_thickness"], made["film_eta"] = v.scene(thickness), v.scene(here.number("Thin Film IOR", 1.33))
         return Surface(made)
     roughness, amount = v.clamp(here.number("Roughness")), here.constant("Anisotropy")
+    if here.node.distribution == "MULTI_GGX" and v.bounds(roughness)[1] >= 0.25 and thickness == 0.0 and not amount:
+        base, edge = v.clamp(here.colour("Base Color")), v.clamp(here.colour("Edge Tint"))
+        return Surface({**conductor(base, edge, roughness), **maps(here)})
     made = {
         "material": "openpbr",
         "base_color": v.scene(v.clamp(here.colour("Base Color"))),

@@ -1,11 +1,11 @@
-"""The Principled BSDF as `openpbr`, of which it has nearly the same layers; rough metal gets what facets reflect to each
-other from `conductor`."""
+"""The Principled BSDF as `openpbr`, which has nearly the same layers, and `conductor` for rough metal."""
 
 from __future__ import annotations
 
 import math
 
 from . import values as v
+from .metal import conductor
 from .normals import maps
 from .registry import scatters
 from .surface import Surface
@@ -30,6 +30,8 @@ def specular(here) -> dict:
     if v.is_constant(level):
         changed = n if level == 0.5 else ior_of_f0(f0_of_ior(n) * 2.0 * max(level, 0.0))
         changed = 1.0 / changed if n < 1.0 and level != 0.5 else changed
+        if f0_of_ior(changed) < 1e-6:
+            return {"specular_ior": 1.0, "specular_weight": 0.0}
         return {"specular_ior": min(max(changed, 0.05), 20.0)}
     if level.high > 0.5:
         here.tell("'Specular IOR Level' from a texture above 0.5 counts as 0.5, or by the greater index of its maximum")
@@ -109,13 +111,10 @@ def subsurface(here, base) -> dict:
     }
 
 
-def transmission(here, base) -> dict:
+def glass(base) -> dict:
     """Refraction, coloured by the root of the base's colour at each passage."""
-    weight = v.clamp(here.number("Transmission Weight"))
-    if weight == 0.0:
-        return {}
     root = v.apply(lambda x: math.sqrt(max(x, 0.0)), v.clamp(base), "sqrt(max({a},0))")
-    return {"transmission_weight": v.scene(weight), "transmission_color": v.scene(root)}
+    return {"transmission_weight": 1.0, "transmission_color": v.scene(root)}
 
 
 def coat(here) -> dict:
@@ -173,26 +172,51 @@ def emitted(here):
     return 0.0 if strength == 0.0 else v.multiply(here.colour("Emission Color", WHITE), strength)
 
 
-@scatters("ShaderNodeBsdfPrincipled")
-def principled(here) -> Surface:
-    base = v.clamp(here.colour("Base Color", (0.8, 0.8, 0.8)))
-    made = {
-        "material": "openpbr",
-        "base_color": v.scene(base),
-        "base_metalness": v.scene(v.clamp(here.number("Metallic"))),
-        **anisotropy(here, v.clamp(here.number("Roughness", 0.5))),
-        **specular(here),
-        **transmission(here, base),
-        **subsurface(here, base),
-        **coat(here),
-        **sheen(here),
-        **film(here),
-        **maps(here),
-    }
+def common(here) -> dict:
+    """What all parts of the surface have: layers above, and normals."""
+    made = {**coat(here), **sheen(here), **film(here), **maps(here)}
     tint = here.colour("Specular Tint", WHITE)
     if tint != WHITE:
         made["specular_color"] = v.scene(v.clamp(tint))
+    return made
+
+
+def is_plain_rough_metal(here, roughness) -> bool:
+    """True if a metal loses light that its facets would reflect to each other, and has nothing that `conductor` lacks."""
+    if here.node.distribution != "MULTI_GGX" or v.bounds(roughness)[1] < 0.25:
+        return False
+    above = [k for k in ("Coat Weight", "Sheen Weight", "Thin Film Thickness") if here.number(k) != 0.0]
+    if above or here.constant("Anisotropic"):
+        here.tell("rough metal under a coat, sheen or film, or stretched, loses what its facets reflect to each other")
+        return False
+    return True
+
+
+def joined(parts: list, share) -> dict:
+    """A mix of two materials; one alone where the other has no share."""
+    if v.is_constant(share) and share in (0.0, 1.0):
+        return parts[int(share)]
+    return {"material": "mix", "materials": parts, "amount": v.scene(share)}
+
+
+@scatters("ShaderNodeBsdfPrincipled")
+def principled(here) -> Surface:
+    base, roughness = v.clamp(here.colour("Base Color", (0.8, 0.8, 0.8))), v.clamp(here.number("Roughness", 0.5))
+    metallic, through = v.clamp(here.number("Metallic")), v.clamp(here.number("Transmission Weight"))
+    shared = {"material": "openpbr", **anisotropy(here, roughness), **specular(here), **common(here)}
+    opaque = {**shared, "base_color": v.scene(base), **subsurface(here, base)}
     rough = v.clamp(here.number("Diffuse Roughness"))
     if rough != 0.0:
-        made["base_diffuse_roughness"] = v.scene(rough)
+        opaque["base_diffuse_roughness"] = v.scene(rough)
+    # Light inside a surface that refracts in part meets the other part from behind, which a mix has and a weight has not.
+    body = opaque if through == 0.0 else joined([opaque, {**shared, **glass(base)}], through)
+    if metallic == 0.0:
+        made = body
+    elif is_plain_rough_metal(here, roughness):
+        metal = {**conductor(base, v.clamp(here.colour("Specular Tint", WHITE)), roughness), **maps(here)}
+        made = joined([body, metal], metallic)
+    elif body is opaque:
+        made = {**opaque, "base_metalness": v.scene(metallic)}
+    else:
+        made = joined([body, {**shared, "base_color": v.scene(base), "base_metalness": 1.0}], metallic)
     return Surface(made, emitted(here), v.clamp(here.number("Alpha", 1.0)))
