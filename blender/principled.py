@@ -19,9 +19,11 @@ import tempfile
 import bpy
 import numpy as np
 
-import steradian as st
-
+# The folder of the extension, beside this file, has the name of the module.
 HERE = pathlib.Path(__file__).resolve().parent
+sys.path[:] = [p for p in sys.path if pathlib.Path(p or ".").resolve() != HERE]
+import steradian as st  # noqa: E402
+
 sys.path.insert(0, str(HERE / "steradian"))
 import nodes  # noqa: E402
 from nodes.context import Context  # noqa: E402
@@ -275,7 +277,8 @@ def description(eye, at, fov, sky, told):
         whole["shapes"][thing.name] = {**shape, "material": name}
     if sky:
         whole["lights"]["sky"] = {"light": "environment", "radiance": (0.8 * sky, 0.9 * sky, 1.0 * sky)}
-    place = [{"scale": [-1, 1, 1]}, {"look_at": list(at), "from": list(eye), "up": [0, 0, 1]}]
+    up = [0, 1, 0] if eye[:2] == at[:2] else [0, 0, 1]
+    place = [{"scale": [-1, 1, 1]}, {"look_at": list(at), "from": list(eye), "up": up}]
     whole["camera"] = {"camera": "perspective", "fov": fov, "to_world": place}
     return whole
 

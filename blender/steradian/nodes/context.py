@@ -44,12 +44,27 @@ class Context:
         if not image.has_data and not len(image.pixels):
             return None
         self._folder = self._folder or tempfile.TemporaryDirectory(prefix="steradian-")
-        extension, kind = (".exr", "OPEN_EXR") if image.is_float else (".png", "PNG")
-        path = os.path.join(self._folder.name, f"{image.session_uid}{extension}")
-        copy = image.copy()
+        path = os.path.join(self._folder.name, f"{image.session_uid}{'.exr' if image.is_float else '.png'}")
+        if image.is_float:
+            _write_floats(image, path)
+            return path
+        # A copy of an image has not what was painted into it.
+        before, image.file_format = image.file_format, "PNG"
         try:
-            copy.file_format = kind
-            copy.save(filepath=path, save_copy=True)
+            image.save(filepath=path, save_copy=True)
         finally:
-            bpy.data.images.remove(copy)
+            image.file_format = before
         return path
+
+
+def _write_floats(image, path):
+    """Pixels as they are: Blender's own writer would encode some."""
+    import numpy as np
+    import steradian as st
+
+    width, height = image.size
+    pixels = np.empty(width * height * image.channels, np.float32)
+    image.pixels.foreach_get(pixels)
+    rows = pixels.reshape(height, width, image.channels)[::-1]
+    planes = {name: np.ascontiguousarray(rows[..., i]) for i, name in enumerate("RGBA"[:image.channels])}
+    st.Image(planes).save(path, half=False, overwrite=True)

@@ -89,7 +89,7 @@ def checker(here, out):
     cells = [v.apply(math.floor, v.multiply(v.add(p, 0.000001), 0.999999), "floor({a})") for p in point]
     total = v.add(v.add(cells[0], cells[1]), cells[2])
     odd = v.apply(lambda x: x % 2.0, total, "({a}-2*floor({a}/2))")
-    return v.subtract(1.0, odd) if out == "Fac" else _between(here, "Color2", "Color1", v.subtract(1.0, odd))
+    return odd if out == "Fac" else _between(here, "Color2", "Color1", odd)
 
 
 @evaluates("ShaderNodeTexGradient")
@@ -164,16 +164,18 @@ def magic(here, out):
     negative = lambda a: v.subtract(0.0, a)
     less = lambda a, *rest: less(v.subtract(a, rest[0]), *rest[1:]) if rest else a
     x = sin(v.multiply(_sum(px, py, pz), 5.0))
-    y = cos(v.multiply(v.add(less(py, px), pz), 5.0))
+    y = cos(v.multiply(less(py, px, pz), 5.0))
     z = negative(cos(v.multiply(v.add(less(0.0, px, py), pz), 5.0)))
     depth = here.node.turbulence_depth
-    if depth > 2:
-        here.tell(f"turbulence of depth {depth}: the first two steps are taken")
+    if depth > 3:
+        here.tell(f"turbulence of depth {depth}: the first three steps are taken")
     if depth > 0:
         x, y, z = (v.multiply(c, distortion) for c in (x, y, z))
         y = v.multiply(negative(cos(v.add(less(x, y), z))), distortion)
     if depth > 1:
         x = v.multiply(cos(less(x, y, z)), distortion)
+    if depth > 2:
+        z = v.multiply(sin(less(0.0, x, y, z)), distortion)
     if distortion:
         x, y, z = (v.multiply(c, 0.5 / distortion) if depth else v.multiply(c, 0.5) for c in (x, y, z))
     found = v.combine_colour(*(v.subtract(0.5, c) for c in (x, y, z)))
