@@ -84,7 +84,7 @@ class SteradianEngine(bpy.types.RenderEngine):
         if (crop := border(scene, size)) is not None:
             frame["crop"] = crop
         behind = background(exported, frame)
-        options = settings.options(scene, is_preview=self.is_preview, groups=groups, hides_lamps=exported.hides_lamps) | frame | {
+        options = settings.options(scene, is_preview=self.is_preview, groups=groups, **exported.how) | frame | {
             "transparent": transparent,
             "layers": passes.layers(wanted, alpha=transparent or behind is not None, denoise=denoiser is not None),
         }

@@ -68,12 +68,12 @@ class SteradianSettings(bpy.types.PropertyGroup):
     threads: IntProperty(name="Threads", description="Threads that render; 0 for all processors", default=0, min=0, max=1024)
 
 
-def options(scene: bpy.types.Scene, *, is_preview: bool = False, groups: bool = False, hides_lamps: bool = False) -> dict[str, Any]:
-    """Settings of a scene as arguments of `Scene.render`, without size, layers and progress."""
+def options(scene: bpy.types.Scene, *, is_preview: bool = False, **how: bool) -> dict[str, Any]:
+    """Settings of a scene as arguments of `Scene.render`, without size, layers and progress; `how` is for `method`."""
     own = scene.steradian
     found: dict[str, Any] = {
-        "spp": own.preview_samples if is_preview else own.samples, "max_depth": own.max_depth,
-        "integrator": method(scene, groups=groups, hides_lamps=hides_lamps), "seed": own.seed + (scene.frame_current if own.animate_seed else 0), "threads": own.threads,
+        "spp": own.preview_samples if is_preview else own.samples, "max_depth": own.max_depth, "integrator": method(scene, **how),
+        "seed": own.seed + (scene.frame_current if own.animate_seed else 0), "threads": own.threads,
         "color": "spectral" if own.spectral else "rgb",
     }
     if own.method == "raster":
@@ -87,15 +87,15 @@ def options(scene: bpy.types.Scene, *, is_preview: bool = False, groups: bool = 
     return found
 
 
-def method(scene: bpy.types.Scene, *, groups: bool = False, hides_lamps: bool = False) -> str:
+def method(scene: bpy.types.Scene, *, groups: bool = False, hides_lamps: bool = False, media: bool = False) -> str:
     """Integrator with its parameters; light groups need plain paths."""
     own = scene.steradian
-    given = []
+    name, given = ("volpath" if media and own.method == "path" else own.method), []
     if own.method == "path":
         given += ["reuse=1", "effort=even"] if groups else [f"caustics={own.caustics}"]
     if hides_lamps and own.method != "ao":
         given.append("hide_emitters=true")
-    return ":".join([own.method, ",".join(given)]) if given else str(own.method)
+    return f"{name}:{','.join(given)}" if given else str(name)
 
 
 def register() -> None:

@@ -36,7 +36,7 @@ class Session:
         self._scene: Any = None
         self._view: dict[str, Any] | None = None
         self._size = (0, 0)
-        self._options: dict[str, Any] = {}
+        self._choices: dict[bool, dict[str, Any]] = {}
         self._denoise = False
         self._transparent = False
         self._lock = threading.Condition()
@@ -56,7 +56,7 @@ class Session:
             exported = self._exporter.export(depsgraph, self._size if all(self._size) else None, view=view)
             self._take(exported)
             scene = depsgraph.scene
-            self._options = settings.options(scene, is_preview=True, hides_lamps=exported.hides_lamps)
+            self._choices = {hides: settings.options(scene, is_preview=True, **exported.how | {"hides_lamps": hides}) for hides in (True, False)}
             self._denoise = scene.steradian.preview_denoise
             self._transparent = scene.render.film_transparent
 
@@ -73,9 +73,7 @@ class Session:
             if self._exported is not None:
                 description = {**self._exported.description, "cameras": {"view": entry}}
                 description["film"] = {**description["film"], "width": size[0], "height": size[1]}
-                behind = self._exported.background
-                around = behind and {**behind, "cameras": {"view": entry}}
-                self._take(replace(self._exported, description=description, background=around))
+                self._take(replace(self._exported, description=description))
 
     def picture(self) -> tuple[NDArray[np.float32], int] | None:
         """The picture that there is, rows from the bottom, height × width × 4, and its samples per pixel (0: a coarse one).
@@ -133,7 +131,7 @@ class Session:
     def _take(self, exported: Any) -> None:
         """Makes the compiled scene that of a description, by edits where they do."""
         old, self._exported = self._exported, exported
-        if self._scene is not None and old is not None and old.hides_lamps == exported.hides_lamps:
+        if self._scene is not None and old is not None:
             before = {**old.description, "film": None}
             after = {**exported.description, "film": None}
             changes = edit.edits(before, after)
@@ -167,7 +165,7 @@ class Session:
 
     def _round(self, epoch: int) -> None:
         """Renders the scene of an epoch, in steps that double the samples."""
-        size, options = self._size, dict(self._options)
+        size, options = self._size, dict(self._choices[self._exported.hides_lamps])
         total, seed = options.pop("spp", None), options.pop("seed")
         coarse = tuple(max(n // COARSE, 1) for n in size)
         behind = engine.background(self._exported, {"size": size})

@@ -7,6 +7,7 @@ from typing import Any
 import bpy
 
 from .image import Images
+from .lamps import Lamp
 from .names import Names
 from .report import Report
 
@@ -27,7 +28,7 @@ class Context:
         self.sun_distance = 1e4
         self.clear: str | None = None
         self.surfaces: dict[Any, dict[str, Any]] = {}
-        self.hidden_lamps: list[str] = []
+        self.lamps: list[Lamp] = []
         self.emitters: list[str] = []
 
     def add(self, section: str, name: str, entry: dict[str, Any]) -> str:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from . import matrix
 from .context import Context
+from .lamps import Lamp
 
 try:
     from .. import nodes
@@ -129,4 +130,10 @@ def _emitter(context: Context, name: str, thing: bpy.types.Object, shape: dict[s
         context.clear = context.material("lamp", {"material": "interface"})
     emission = context.add("nodes", name, {"light": "area", "radiance": radiance})
     context.add("shapes", thing.name, {**shape, "material": context.clear, "emission": emission})
-    (context.emitters if thing.visible_camera else context.hidden_lamps).append(thing.name)
+    if thing.visible_camera:
+        context.emitters.append(thing.name)
+        return
+    m = shape["to_world"]
+    is_ball = shape["shape"] == "sphere"
+    radius = shape["radius"] if is_ball else float(np.linalg.norm(m[:3, 0]) + np.linalg.norm(m[:3, 1]))
+    context.lamps.append(Lamp(thing.name, m[:3, 3], radius, None if is_ball else m[:3, 2] / np.linalg.norm(m[:3, 2])))

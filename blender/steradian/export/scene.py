@@ -8,7 +8,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from . import camera, instances, matrix, world
+from . import camera, instances, lamps, matrix, world
 from .context import Context
 from .image import Images
 from .report import Report
@@ -20,13 +20,52 @@ FILTERS = {"BOX": "box", "GAUSSIAN": "gaussian", "BLACKMAN_HARRIS": "blackman_ha
 class Exported:
     """A scene as a dictionary for `steradian.scene`, and how it is to be rendered.
 
-    Lamps that the camera does not see are hidden by an option of methods, which hides the background, too; it is then
-    a scene of its own, whose picture goes behind the other.
+    Lamps that the camera would see, but does not see in Blender, are hidden by an option of methods. It hides the
+    background, too, which is then rendered by itself, to go behind the picture.
     """
 
     description: dict[str, Any]
-    hides_lamps: bool = False
-    background: dict[str, Any] | None = None
+    lamps: list[lamps.Lamp]
+    emitters: list[str]
+    around: dict[str, Any]
+    is_transparent: bool
+
+    @property
+    def camera(self) -> dict[str, Any] | None:
+        """The camera that is looked through."""
+        return next(iter(self.description.get("cameras", {}).values()), None)
+
+    @property
+    def seen_lamps(self) -> list[str]:
+        """Names of lamps that the camera would see."""
+        camera = self.camera
+        return [lamp.name for lamp in self.lamps if camera is not None and lamps.in_view(lamp, camera)]
+
+    @property
+    def kept_by(self) -> str | None:
+        """Why lamps in view cannot be hidden; None where they can."""
+        if self.emitters:
+            return f"'{self.emitters[0]}' shines, too, and is to be seen"
+        if "media" in self.description and self.around and not self.is_transparent:
+            return "there is a background behind media"
+        return None
+
+    @property
+    def hides_lamps(self) -> bool:
+        """True if the method has to hide lamps from the camera."""
+        return bool(self.seen_lamps) and self.kept_by is None
+
+    @property
+    def background(self) -> dict[str, Any] | None:
+        """The scene of what is behind everything, where it has to be rendered by itself."""
+        if not self.around or self.is_transparent or not self.hides_lamps:
+            return None
+        return {"cameras": self.description["cameras"], "lights": self.around, **{k: self.description[k] for k in ("film", "filter")}}
+
+    @property
+    def how(self) -> dict[str, bool]:
+        """What the choice of a method needs to know."""
+        return {"hides_lamps": self.hides_lamps, "media": "media" in self.description}
 
 
 class Exporter:
@@ -63,14 +102,11 @@ class Exporter:
         self.meshes.sweep()
         if frame_set is not None and scene.render.use_motion_blur:
             frame_set(*_moment(self._frame))
-        frame = settings(scene, size)
-        exported = Exported({**context.description(), **frame})
-        if context.hidden_lamps and context.emitters:
-            context.report(context.hidden_lamps[0], f"is seen by the camera, as all lamps are, since '{context.emitters[0]}' shines")
-        elif context.hidden_lamps:
-            exported.hides_lamps = True
-            if around and not scene.render.film_transparent:
-                exported.background = {"cameras": context.sections["cameras"], "lights": around, **frame}
+        description = {**context.description(), **settings(scene, size)}
+        exported = Exported(description, context.lamps, context.emitters, around, scene.render.film_transparent)
+        if view is None and exported.kept_by is not None:
+            for name in exported.seen_lamps:
+                self.report(name, f"is seen by the camera: {exported.kept_by}")
         return exported
 
     def _moved(self, depsgraph: bpy.types.Depsgraph, frame_set: Any) -> tuple[Any, Any]:
