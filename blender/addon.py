@@ -14,7 +14,7 @@ def load(part: str = "") -> ModuleType:
     """The add-on as the package `steradian_blender`, or a module of it, such as `export.scene`."""
     if NAME not in sys.modules:
         here = os.path.dirname(os.path.abspath(__file__))
-        sys.path[:] = [path for path in sys.path if os.path.abspath(path) != here]
+        sys.path[:] = [*(path for path in sys.path if os.path.abspath(path) != here), here]
         folder = os.path.join(here, "steradian")
         spec = importlib.util.spec_from_file_location(NAME, os.path.join(folder, "__init__.py"), submodule_search_locations=[folder])
         if spec is None or spec.loader is None:

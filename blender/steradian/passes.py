@@ -90,8 +90,11 @@ def combined(image: Any, *, transparent: bool, background: NDArray[np.float32] |
     return np.flipud(np.concatenate([colour, alpha[..., None]], axis=-1))
 
 
-def values(image: Any, wanted: Pass) -> NDArray[np.float32]:
-    """Values of a pass, rows from the bottom, height × width × channels; zero where the picture lacks them."""
+def values(image: Any, wanted: Pass, near: float = 0.0) -> NDArray[np.float32]:
+    """Values of a pass, rows from the bottom, height × width × channels; zero where the picture lacks them.
+
+    Depths count from the camera here, and from where its rays begin, at a distance of `near`, in the picture.
+    """
     found = np.zeros((image.height, image.width, len(wanted.planes)), np.float32)
     for k, names in enumerate(wanted.planes):
         for name in names.split("|"):
@@ -102,5 +105,5 @@ def values(image: Any, wanted: Pass) -> NDArray[np.float32]:
                 found[..., k] = image[name]
                 break
     if wanted.name == "Depth":
-        found[~np.isfinite(found)] = FAR
+        found = np.where(np.isfinite(found), found + near, FAR).astype(np.float32)
     return np.flipud(found)
