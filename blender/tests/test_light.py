@@ -33,6 +33,15 @@ def test_a_lamp_lights_a_plane_as_in_cycles(name):
     assert np.allclose(halves[:2], halves[2:], rtol=0.02, atol=0.005 * b.mean())
 
 
+def test_a_spot_with_a_radius_has_soft_shadows():
+    lit_plane((32, 32))
+    common.shape("plane", common.matte("Black", (0, 0, 0)), size=1.2, location=(0.3, 0.3, 1.5))
+    common.lamp("SPOT", 300, (0.5, 0.5, 4), (10, 5, 0), shadow_soft_size=0.4, spot_size=1.2, spot_blend=0.3)
+    a, b = both(64)
+    assert np.isclose(a.mean(), b.mean(), rtol=0.02)
+    assert np.abs(a - b).mean() < 0.04 * b.mean()
+
+
 def test_the_scale_of_an_area_lamp_counts():
     lit_plane()
     common.lamp("AREA", 300, (0.5, 0.5, 3), (20, 10, 0), shape="RECTANGLE", size=1.0, size_y=2.0).scale = (2, 1, 1)

@@ -78,18 +78,33 @@ def _moved(place: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _spot(context: Context, name: str, thing: bpy.types.Object, place: NDArray[np.float64], strength: NDArray[np.float64]) -> None:
     lamp = thing.data
-    if lamp.shadow_soft_size > 0:
-        context.report(thing.name, "shines from a point: its radius is left out")
     scale = np.linalg.norm(place[:3, :3], axis=0)
     if not np.allclose(scale, scale[0], rtol=1e-3):
         context.report(thing.name, "has a round cone: its scale is left out")
-    strength = strength * _whole(lamp)
     half = lamp.spot_size / 2
     inner = min(math.cos(half) + lamp.spot_blend * (1 - math.cos(half)), 1.0)
-    context.add("lights", name, {
-        "light": "spot", "intensity": strength / (4 * math.pi), "cone_angle": math.degrees(half),
-        "falloff_start": math.degrees(math.acos(inner)), "falloff": "smoothstep", "to_world": matrix.rigid(place) @ matrix.FLIP,
-    })
+    at = matrix.rigid(place) @ matrix.FLIP
+    points = _disc(SPOTS) * lamp.shadow_soft_size if lamp.shadow_soft_size > 0 else np.zeros((1, 3))
+    if len(points) > 1:
+        context.report(thing.name, f"is {SPOTS} points on a disc: soft shadows have as many steps")
+    for point in points:
+        moved = at.copy()
+        moved[:3, 3] += at[:3, :3] @ point
+        context.add("lights", name, {
+            "light": "spot", "intensity": strength * _whole(lamp) / (4 * math.pi * len(points)), "cone_angle": math.degrees(half),
+            "falloff_start": math.degrees(math.acos(inner)), "falloff": "smoothstep", "to_world": moved,
+        })
+
+
+# Points that stand for a spot with a radius: one light of ours with a cone has no size.
+SPOTS = 24
+
+
+def _disc(count: int) -> NDArray[np.float64]:
+    """Points evenly over the unit disc across z."""
+    k = np.arange(count) + 0.5
+    radius, turn = np.sqrt(k / count), k * math.pi * (3 - math.sqrt(5))
+    return np.stack([radius * np.cos(turn), radius * np.sin(turn), np.zeros(count)], axis=1)
 
 
 def _sun(context: Context, name: str, thing: bpy.types.Object, place: NDArray[np.float64], strength: NDArray[np.float64]) -> None:
