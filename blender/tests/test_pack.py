@@ -1,10 +1,13 @@
 """The packed extension."""
 
+import importlib.util
 import os
 import tomllib
 import zipfile
 
-import pack
+SPEC = importlib.util.spec_from_file_location("pack", os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "pack.py"))
+pack = importlib.util.module_from_spec(SPEC)
+SPEC.loader.exec_module(pack)
 
 
 def wheel(folder):

@@ -114,17 +114,33 @@ def _mapping(context: Context, node: bpy.types.Node) -> Any:
     return np.linalg.inv(turn) if mapping.vector_type == "TEXTURE" else turn
 
 
+# Blender's single and multiple scattering in terms of ours: radiance per band, and the optical depth and albedo of its aerosols.
+AIR, AEROSOL, AEROSOL_ALBEDO = 93.0, 0.05, 0.6
+# Preetham's sky in terms of the one of Hosek and Wilkie.
+PREETHAM = 6.8
+
+
 def _sky(context: Context, name: str, node: bpy.types.Node, strength: float) -> None:
-    context.report(node.name, f"the sky {node.sky_type.lower()} is approximated by the sky of Hosek and Wilkie")
-    if node.sky_type in {"SINGLE_SCATTERING", "MULTIPLE_SCATTERING"}:
-        height, turn = node.sun_elevation, node.sun_rotation
-        way = [math.sin(turn) * math.cos(height), math.cos(turn) * math.cos(height), math.sin(height)]
-        turbidity, ground, sun = 1 + 2 * node.air_density, 0.3, node.sun_intensity if node.sun_disc else 0.0
-        aperture = math.degrees(node.sun_size)
-    else:
-        way, turbidity, ground, sun, aperture = list(node.sun_direction), node.turbidity, node.ground_albedo, 0.0, 0.5358
-    entry: dict[str, Any] = {
-        "light": "sky", "sun_direction": way, "turbidity": min(max(turbidity, 1.0), 10.0), "albedo": ground, "scale": strength,
-        "sun_scale": sun, "sun_aperture": min(max(aperture, 0.01), 89.0),
-    }
-    context.add("lights", name, entry)
+    if _linked(node.inputs["Vector"]) is not None if "Vector" in node.inputs else False:
+        context.report(node.name, "its sky is not turned")
+    if node.sky_type in {"PREETHAM", "HOSEK_WILKIE"}:
+        factor = 1.0
+        context.report(node.name, "is black below the horizon")
+        if node.sky_type == "PREETHAM":
+            context.report(node.name, "the sky of Preetham is approximated by that of Hosek and Wilkie")
+            factor = PREETHAM
+        context.add("lights", name, {
+            "light": "sky", "sun_direction": list(node.sun_direction), "turbidity": min(max(node.turbidity, 1.0), 10.0),
+            "albedo": node.ground_albedo, "scale": strength * factor, "sun_scale": 0.0,
+        })
+        return
+    context.report(node.name, "its air is simulated anew: its light is within a tenth of Cycles'")
+    height, turn = node.sun_elevation, node.sun_rotation
+    dust = getattr(node, "aerosol_density", getattr(node, "dust_density", 1.0))
+    context.add("lights", name, {
+        "light": "atmosphere", "sun_direction": [math.sin(turn) * math.cos(height), math.cos(turn) * math.cos(height), math.sin(height)],
+        "altitude": min(max(node.altitude, 0.0), 50000.0), "pressure": min(1013.25 * node.air_density, 5000.0),
+        "ozone": min(300.0 * node.ozone_density, 2000.0), "aerosol": min(AEROSOL * dust, 5.0), "aerosol_albedo": AEROSOL_ALBEDO,
+        "scattering": "single" if node.sky_type in {"SINGLE_SCATTERING", "NISHITA"} else "multiple", "scale": AIR * strength,
+        "sun_scale": node.sun_intensity if node.sun_disc else 0.0, "sun_aperture": min(max(math.degrees(node.sun_size), 0.01), 89.0),
+    })
