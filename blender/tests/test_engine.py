@@ -100,6 +100,32 @@ def test_what_moves_is_blurred_as_in_cycles():
     assert np.allclose(*blocks, rtol=0.06)
 
 
+def test_a_mesh_that_is_deformed_while_it_is_blurred_is_told():
+    current = common.empty()
+    thing = common.shape("cube")
+    thing.modifiers.new("Bend", "ARMATURE")
+    common.camera((0, -5, 0), (0, 0, 0))
+    current.render.use_motion_blur = True
+    _, lines = exported(frame_set=lambda frame, part: current.frame_set(frame, subframe=part))
+    assert len([line for line in lines if line.startswith("Cube: moves as a whole")]) == 1
+
+
+def test_the_operator_writes_a_scene_that_the_renderer_reads(tmp_path):
+    lit_plane()
+    common.lamp("POINT", 300, (0.5, 0.5, 5), shadow_soft_size=0.0)
+    path = tmp_path / "plane.steradian"
+    assert bpy.ops.steradian.open(filepath=str(path), show=False) == {"FINISHED"}
+    image = steradian.load(path).render(spp=4, integrator="path")
+    assert image.shape == (24, 24, 3) and np.asarray(image)[..., :3].mean() > 0.05
+
+
+def test_a_material_override_counts():
+    lit_plane()
+    common.lamp("POINT", 300, (0.5, 0.5, 5), shadow_soft_size=0.0)
+    bpy.context.view_layer.material_override = common.matte("Black", (0, 0, 0))
+    assert rendered("STERADIAN", 2).max() == 0
+
+
 class Fake:
     """An engine without Blender's window, which is cancelled after a number of questions."""
 

@@ -81,6 +81,20 @@ def test_a_lamp_beside_the_view_needs_no_hiding():
     assert current is not None
 
 
+def test_a_picture_is_found_behind_other_nodes_which_are_told():
+    common.empty((8, 8))
+    made = common.world(picture="studio")
+    nodes, links = made.node_tree.nodes, made.node_tree.links
+    picture = next(n for n in nodes if n.type == "TEX_ENVIRONMENT")
+    background = next(n for n in nodes if n.type == "BACKGROUND")
+    invert = nodes.new("ShaderNodeInvert")
+    links.new(picture.outputs["Color"], invert.inputs["Color"])
+    links.new(invert.outputs["Color"], background.inputs["Color"])
+    found, lines = exported()
+    (light,) = found.description["lights"].values()
+    assert light["file"]["file"].endswith("studio.exr") and any("left out" in line for line in lines)
+
+
 def sky(kind):
     """The world's sky texture."""
     nodes = common.world(strength=0.1).node_tree.nodes

@@ -13,11 +13,12 @@ from . import matrix
 from .context import Context
 
 
-def export(context: Context, thing: bpy.types.Object, size: tuple[int, int], moved: NDArray[np.float64] | None = None) -> None:
-    """Adds the camera of a scene for pictures of a size; `moved` is its place at the end of the exposure."""
+def export(context: Context, thing: bpy.types.Object, size: tuple[int, int], moved: tuple[Any, Any] | None = None) -> None:
+    """Adds the camera of a scene for pictures of a size; `moved` are its places at both ends of the exposure."""
     render = context.depsgraph.scene.render
     camera = thing.data
-    place = matrix.rigid(thing.matrix_world) @ matrix.FLIP
+    begin, end = moved or (thing.matrix_world, thing.matrix_world)
+    place = matrix.rigid(begin) @ matrix.FLIP
     if camera.type == "PANO":
         entry = _panorama(context, thing, place)
     else:
@@ -28,9 +29,8 @@ def export(context: Context, thing: bpy.types.Object, size: tuple[int, int], mov
         entry["to_world"] = place
         if camera.dof.use_dof:
             entry |= _lens(context, thing)
-    if moved is not None and not np.allclose(moved, thing.matrix_world, atol=1e-7):
-        end = matrix.rigid(moved) @ matrix.FLIP
-        entry |= {"to_world_end": end @ np.linalg.inv(matrix.rigid(thing.matrix_world) @ matrix.FLIP) @ entry["to_world"], "motion_times": [0.0, 1.0]}
+    if not np.allclose(begin, end, atol=1e-7):
+        entry |= {"to_world_end": matrix.rigid(end) @ np.linalg.inv(matrix.rigid(begin)) @ entry["to_world"], "motion_times": [0.0, 1.0]}
     context.add("cameras", thing.name, entry)
 
 

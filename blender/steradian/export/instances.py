@@ -60,8 +60,11 @@ def _place(found: bpy.types.DepsgraphObjectInstance) -> Any:
     return (found.parent.name_full if found.parent else "", found.object.name_full, tuple(found.persistent_id))
 
 
-def export(context: Context, meshes: Meshes, moved: dict[Any, NDArray[np.float64]] | None = None) -> None:
-    """Adds all objects that are seen; `moved` has their places at the end of the exposure."""
+Moved = dict[Any, tuple[NDArray[np.float64], NDArray[np.float64]]]
+
+
+def export(context: Context, meshes: Meshes, moved: Moved | None = None) -> None:
+    """Adds all objects that are seen; `moved` has their places at both ends of the exposure."""
     models: dict[Any, Model] = {}
     for found in context.depsgraph.object_instances:
         thing = found.object
@@ -143,21 +146,38 @@ def _tell_visibility(context: Context, thing: bpy.types.Object) -> None:
         context.report(thing.name, "is no holdout, but drawn")
 
 
-def _add(context: Context, model: Model, moved: dict[Any, NDArray[np.float64]]) -> None:
-    """A model that is placed once is a shape by itself; others are a group with instances."""
-    motions = [moved.get(key) for key, _ in model.places]
-    moving = [end is not None and matrix.usable(end) and not np.allclose(end, place, atol=1e-7) for end, (_, place) in zip(motions, model.places)]
-    if len(model.places) == 1 and not any(moving):
+# Modifiers that change a shape in time.
+DEFORMING = {
+    "ARMATURE", "CLOTH", "CURVE", "HOOK", "LATTICE", "MESH_CACHE", "MESH_DEFORM", "MESH_SEQUENCE_CACHE", "OCEAN", "SHRINKWRAP", "SOFT_BODY",
+    "SURFACE_DEFORM", "WAVE",
+}
+
+
+def _tell_deformation(context: Context, thing: bpy.types.Object) -> None:
+    keys = getattr(thing.data, "shape_keys", None)
+    if any(m.type in DEFORMING for m in thing.modifiers) or (keys is not None and keys.animation_data is not None):
+        context.report(thing.name, "moves as a whole while the shutter is open: its shape is that of the middle of the exposure")
+
+
+def _add(context: Context, model: Model, moved: Moved) -> None:
+    """A model that is placed once and stands still is a shape by itself; others are a group with instances."""
+    if moved:
+        _tell_deformation(context, model.object)
+    ways = []
+    for key, place in model.places:
+        begin, end = moved.get(key, (place, place))
+        moves = matrix.usable(begin) and matrix.usable(end) and not np.allclose(begin, end, atol=1e-7)
+        ways.append((begin, end) if moves else (place, None))
+    if len(ways) == 1 and ways[0][1] is None:
         for part in model.parts:
-            context.add("shapes", model.name, {**part, "to_world": model.places[0][1]})
+            context.add("shapes", model.name, {**part, "to_world": ways[0][0]})
         return
     if not model.parts:
         return
-    group = {context.name(model.name): part for part in model.parts}
     name = f"{model.name}/{len(context.sections['groups'])}"
-    context.sections["groups"][name] = group
-    for (_, place), end, moves in zip(model.places, motions, moving):
-        instance = {"group": name, "to_world": place}
-        if moves:
+    context.sections["groups"][name] = {context.name(model.name): part for part in model.parts}
+    for begin, end in ways:
+        instance = {"group": name, "to_world": begin}
+        if end is not None:
             instance |= {"to_world_end": end, "motion_times": [0.0, 1.0]}
         context.instances.append(instance)

@@ -87,9 +87,8 @@ class Exporter:
         """
         scene = depsgraph.scene_eval
         size = size or frame_size(scene)
-        moved, eye = None, None
-        if frame_set is not None and scene.render.use_motion_blur:
-            moved, eye = self._moved(depsgraph, frame_set)
+        is_blurred = frame_set is not None and scene.render.use_motion_blur
+        moved, eye, now = self._moved(depsgraph, frame_set) if is_blurred else (None, None, 0.0)
         context = Context(depsgraph, self.report, self.images)
         context.sun_distance = _sun_distance(depsgraph)
         if view is not None:
@@ -100,8 +99,8 @@ class Exporter:
         around = dict(context.sections["lights"])
         instances.export(context, self.meshes, moved)
         self.meshes.sweep()
-        if frame_set is not None and scene.render.use_motion_blur:
-            frame_set(*_moment(self._frame))
+        if is_blurred:
+            frame_set(*_moment(now))
         description = {**context.description(), **settings(scene, size)}
         exported = Exported(description, context.lamps, context.emitters, around, scene.render.film_transparent)
         if view is None and exported.kept_by is not None:
@@ -109,17 +108,20 @@ class Exporter:
                 self.report(name, f"is seen by the camera: {exported.kept_by}")
         return exported
 
-    def _moved(self, depsgraph: bpy.types.Depsgraph, frame_set: Any) -> tuple[Any, Any]:
-        """Places of objects and of the camera as the shutter closes; the graph is left as it opens."""
+    def _moved(self, depsgraph: bpy.types.Depsgraph, frame_set: Any) -> tuple[Any, Any, float]:
+        """Places of objects and of the camera as the shutter opens and as it closes, and the frame; the graph is left in between."""
         scene = depsgraph.scene
-        self._frame = now = scene.frame_current + scene.frame_subframe
+        now = scene.frame_current + scene.frame_subframe
         shutter = scene.render.motion_blur_shutter
         begin = now - {"START": 0.0, "CENTER": 0.5, "END": 1.0}[scene.render.motion_blur_position] * shutter
-        frame_set(*_moment(begin + shutter))
-        moved = instances.places(depsgraph)
-        eye = matrix.array(scene.camera.evaluated_get(depsgraph).matrix_world) if scene.camera else None
-        frame_set(*_moment(begin))
-        return moved, eye
+        places, eyes = [], []
+        for time in (begin, begin + shutter):
+            frame_set(*_moment(time))
+            places.append(instances.places(depsgraph))
+            eyes.append(matrix.array(scene.camera.evaluated_get(depsgraph).matrix_world) if scene.camera else np.eye(4))
+        frame_set(*_moment(begin + shutter / 2))
+        both = {key: (place, places[1][key]) for key, place in places[0].items() if key in places[1]}
+        return both, tuple(eyes), now
 
 
 def _moment(time: float) -> tuple[int, float]:

@@ -21,6 +21,7 @@ def of_slot(context: Context, thing: bpy.types.Object, slot: int) -> dict[str, A
     """What the shape of a material slot has beside its geometry."""
     slots = thing.material_slots
     material = slots[min(slot, len(slots) - 1)].material if slots else None
+    material = context.depsgraph.view_layer.material_override or material
     group = thing.lightgroup
     known = context.surfaces
     alone = nodes is not None and material is not None and nodes.depends_on_object(material.node_tree)

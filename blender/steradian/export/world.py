@@ -11,6 +11,11 @@ import numpy as np
 from .context import Context
 from .matrix import array
 
+try:
+    from .. import nodes
+except ImportError:
+    nodes = None
+
 # From a latlong whose up is +y, as the scene language has it, to Blender's, whose up is +z and whose middle is at +x.
 LATLONG = np.array([[0.0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
 
@@ -30,21 +35,35 @@ def export(context: Context, world: bpy.types.World | None) -> None:
     surface = _linked(output.inputs["Surface"])
     if surface is None:
         return
+    found = _picture_or_sky(surface, set())
+    strength = _number(context, surface.inputs["Strength"]) if surface.type == "BACKGROUND" else 1.0
+    if found is None:
+        _constant(context, name, _whole_colour(context, world, surface))
+    elif strength > 0:
+        if surface.type != "BACKGROUND" or _linked(surface.inputs["Color"]) != found:
+            context.report(world.name, f"what is between '{found.name}' and the output is left out")
+        (_sky if found.type == "TEX_SKY" else _picture)(context, name, found, strength)
+
+
+def _picture_or_sky(node: bpy.types.Node | None, seen: set[str]) -> bpy.types.Node | None:
+    """The first picture or sky that a node gets its colour from."""
+    if node is None or node.name in seen:
+        return None
+    seen.add(node.name)
+    if node.type in {"TEX_ENVIRONMENT", "TEX_SKY"}:
+        return node
+    found = (_picture_or_sky(_linked(socket), seen) for socket in node.inputs if socket.is_linked)
+    return next((each for each in found if each is not None), None)
+
+
+def _whole_colour(context: Context, world: bpy.types.World, surface: bpy.types.Node) -> list[float]:
+    """The colour of a background without pictures."""
+    if nodes is not None:
+        return list(nodes.world_colour(world, context))
     if surface.type != "BACKGROUND":
         context.report(world.name, f"the node '{surface.name}' is not read; the world's colour is taken")
-        _constant(context, name, list(world.color))
-        return
-    strength = _number(context, surface.inputs["Strength"])
-    colour = surface.inputs["Color"]
-    source = _linked(colour)
-    if strength <= 0:
-        return
-    if source is None or source.type not in {"TEX_ENVIRONMENT", "TEX_SKY"}:
-        _constant(context, name, [c * strength for c in _colour(context, colour)])
-    elif source.type == "TEX_SKY":
-        _sky(context, name, source, strength)
-    else:
-        _picture(context, name, source, strength)
+        return list(world.color)
+    return [c * _number(context, surface.inputs["Strength"]) for c in _colour(context, surface.inputs["Color"])]
 
 
 def _linked(socket: bpy.types.NodeSocket) -> bpy.types.Node | None:
