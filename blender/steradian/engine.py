@@ -143,6 +143,8 @@ class SteradianEngine(bpy.types.RenderEngine):
         from . import viewport_draw
 
         viewport_draw.forget(id(self))
+        if (inherited := getattr(super(), "__del__", None)) is not None:
+            inherited()
 
     def view_update(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
         """Takes over changes of the scene into the viewport."""

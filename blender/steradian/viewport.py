@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
@@ -25,13 +25,12 @@ COARSE = 4
 class Session:
     """A scene with a thread that renders it: first a coarse picture, then one of more and more samples.
 
-    `changed` is called, in that thread, when there is a new picture. `edited` counts updates that were edits of the
-    compiled scene, `made` those that made it anew.
+    `count` grows with each new picture, and error. `edited` counts updates that were edits of the compiled scene, `made`
+    those that made it anew.
     """
 
-    def __init__(self, report: Report | None = None, changed: Callable[[], None] = lambda: None):
+    def __init__(self, report: Report | None = None):
         self._exporter = Exporter(report)
-        self._changed = changed
         self._exported: Any = None
         self._scene: Any = None
         self._view: dict[str, Any] | None = None
@@ -44,7 +43,7 @@ class Session:
         self._epoch, self._finished, self._held, self._ends = 0, -1, 0, False
         self._picture: tuple[NDArray[np.float32], int, int] | None = None
         self.error: str | None = None
-        self.made = self.edited = 0
+        self.made = self.edited = self.count = 0
         self._thread = threading.Thread(target=self._run, name="Steradian viewport", daemon=True)
         self._thread.start()
 
@@ -156,9 +155,8 @@ class Session:
                     self.error = str(error)
             with self._lock:
                 self._finished = epoch
+                self.count += self.error is not None
                 self._lock.notify_all()
-            if self.error is not None:
-                self._changed()
 
     def _is_due(self) -> bool:
         return self._scene is not None and all(self._size) and not self._held and self._finished != self._epoch
@@ -169,32 +167,28 @@ class Session:
         total, seed = options.pop("spp", None), options.pop("seed")
         coarse = tuple(max(n // COARSE, 1) for n in size)
         behind = engine.background(self._exported, {"size": size})
-        alpha = self._transparent or behind is not None
-        first = self._image(epoch, coarse, options | {"spp": 1, "seed": seed} if total else options | {"seed": seed}, alpha)
+        layers = passes.layers([], alpha=self._transparent or behind is not None, denoise=self._denoise and total is not None)
+        first = self._image(epoch, coarse, layers, options | ({"spp": 1} if total else {}) | {"seed": seed})
         if first is None:
             return
-        small = behind if behind is None else behind[::COARSE, ::COARSE][: coarse[1], : coarse[0]]
-        if small is not None and small.shape[:2] != (coarse[1], coarse[0]):
-            small = None
-        self._show(passes.combined(first, transparent=self._transparent, background=small), 0, epoch)
-        sum_, count, part = None, 0, 1
+        self._show(passes.combined(first, transparent=self._transparent, background=_coarse(behind, coarse)), 0, epoch)
+        sums, count, part = Sums(), 0, 1
         while total is None or count < total:
-            image = self._image(epoch, size, options | ({"spp": part} if total else {}) | {"seed": seed + count}, alpha)
+            image = self._image(epoch, size, layers, options | ({"spp": part} if total else {}) | {"seed": seed + count})
             if image is None:
                 return
-            if self._denoise and total is not None and count + part >= total and count == 0:
-                image = image.denoise("atrous")
-            found = passes.combined(image, transparent=self._transparent, background=behind)
-            sum_ = found * part if sum_ is None else sum_ + found * part
+            sums.add(image, part)
             count += part
-            self._show(sum_ / count, count, epoch)
+            whole = sums.image()
+            if self._denoise and total is not None:
+                whole = whole.denoise("atrous")
+            self._show(passes.combined(whole, transparent=self._transparent, background=behind), count, epoch)
             if total is None:
                 return
             part = min(count, total - count)
 
-    def _image(self, epoch: int, size: Any, options: dict[str, Any], alpha: bool) -> Any:
+    def _image(self, epoch: int, size: Any, layers: list[str], options: dict[str, Any]) -> Any:
         """A picture; None where the scene has changed meanwhile."""
-        layers = ["alpha"] if alpha else []
         shown = {"size": size, "layers": layers, "transparent": self._transparent}
         try:
             image = self._scene.render(progress=lambda _: self._epoch == epoch, **shown, **options)
@@ -208,8 +202,37 @@ class Session:
         with self._lock:
             if self._epoch == epoch:
                 self._picture = (picture, spp, epoch)
+                self.count += 1
             self._lock.notify_all()
-        self._changed()
+
+
+class Sums:
+    """Pictures of one view with seeds of their own, summed by their samples."""
+
+    def __init__(self) -> None:
+        self._planes: dict[str, NDArray[np.float32]] = {}
+        self._count = 0
+
+    def add(self, image: Any, spp: int) -> None:
+        """Adds a picture of so many samples."""
+        self._count += spp
+        for name in image.channels:
+            weighted = image[name] * (spp * spp if name.startswith("variance") else spp)
+            self._planes[name] = self._planes[name] + weighted if name in self._planes else weighted
+
+    def image(self) -> Any:
+        """The mean; its variance is that of a mean of independent pictures."""
+        count = self._count
+        mean = {name: plane / (count * count if name.startswith("variance") else count) for name, plane in self._planes.items()}
+        return engine.library().Image(mean)
+
+
+def _coarse(picture: NDArray[np.float32] | None, size: tuple[int, int]) -> NDArray[np.float32] | None:
+    """A picture at a smaller size, by its nearest pixels."""
+    if picture is None:
+        return None
+    rows, columns = (np.arange(n) * whole // n for n, whole in zip(reversed(size), picture.shape))
+    return picture[rows[:, None], columns]
 
 
 def clips(window: NDArray[np.float64]) -> tuple[float, float]:

@@ -11,20 +11,39 @@ from .export.report import Report
 from .viewport import Session
 
 
+INTERVAL = 0.04
+_sessions: dict[int, Session] = {}
+_drawn: dict[int, int] = {}
+
+
 def session(owner: bpy.types.RenderEngine) -> Session:
-    """The session of an engine, which Blender keeps as long as the viewport shows it."""
+    """The session of an engine, which lasts until the engine goes."""
     found = _sessions.get(id(owner))
     if found is None:
-        found = _sessions[id(owner)] = Session(Report(), owner.tag_redraw)
+        found = _sessions[id(owner)] = Session(Report())
+        if not bpy.app.timers.is_registered(_tick):
+            bpy.app.timers.register(_tick, first_interval=INTERVAL)
     return found
 
 
-_sessions: dict[int, Session] = {}
+def _tick() -> float | None:
+    """Asks for a redraw where a session has a new picture; Blender calls it in its main thread, as long as there are sessions."""
+    is_new = False
+    for key, each in _sessions.items():
+        is_new |= _drawn.get(key) != each.count
+        _drawn[key] = each.count
+    if is_new:
+        for window in bpy.context.window_manager.windows:
+            for area in window.screen.areas:
+                if area.type == "VIEW_3D":
+                    area.tag_redraw()
+    return INTERVAL if _sessions else None
 
 
 def forget(owner: int) -> None:
     """Ends the session of an engine, by its id."""
     found = _sessions.pop(owner, None)
+    _drawn.pop(owner, None)
     if found is not None:
         found.close()
 

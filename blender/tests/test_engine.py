@@ -212,6 +212,27 @@ def test_the_viewport_follows_edits_without_making_the_scene_anew():
         common.shape("cube", common.matte("Black", (0, 0, 0)), size=3, location=(-1, 0, 0))
         darker, _ = mean()
         assert session.made > 1 and darker < 0.9 * smaller
+        current.steradian.preview_denoise = True
+        thing.data.energy = 500
+        _, smooth = mean()
+        current.steradian.preview_denoise = False
+        thing.data.energy = 501
+        _, noisy = mean()
+        roughness = [np.abs(np.diff(p[2:8, :, 0], axis=1)).mean() for p in (smooth, noisy)]
+        assert roughness[0] <= roughness[1]
+        assert session.count > 10
     finally:
         bpy.app.handlers.depsgraph_update_post.remove(follow)
         session.close()
+
+
+def test_sums_are_those_of_one_render_of_all_samples():
+    compiled = steradian.load("builtin:cornell-box")
+    parts = [compiled.render(spp=n, size=(24, 24), seed=n, layers=["variance", "depth"], integrator="path:reuse=1,effort=even") for n in (16, 48)]
+    sums = viewport.Sums()
+    for part, n in zip(parts, (16, 48)):
+        sums.add(part, n)
+    whole = compiled.render(spp=64, size=(24, 24), seed=9, layers=["variance"], integrator="path:reuse=1,effort=even")
+    found = sums.image()
+    assert np.isclose(found["R"].mean(), (parts[0]["R"].mean() + 3 * parts[1]["R"].mean()) / 4, rtol=1e-5)
+    assert np.isclose(found["variance.G"].mean(), whole["variance.G"].mean(), rtol=0.3)
