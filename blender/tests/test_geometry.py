@@ -3,7 +3,7 @@
 import bpy
 import common
 import numpy as np
-from blend import exported, rendered
+from blend import both, exported, rendered
 
 
 def meshes(description):
@@ -124,17 +124,52 @@ def test_a_mesh_turned_inside_out_by_its_scale_looks_the_same():
     assert np.allclose(*(picture.mean((0, 1)) for picture in pictures), rtol=0.003)
 
 
-def test_hair_is_strands_and_points_are_spheres():
+def test_strands_are_tubes_around_their_points():
     import hair
 
     hair.build(50, 4)
-    found, _ = exported()
-    strands = [shape for shape in found.description["shapes"].values() if shape["shape"] == "curve"]
+    (fur,) = [shape for shape in exported()[0].description["shapes"].values() if shape["material"] == "Hair"]
+    tubes = fur["mesh"]
+    rings = tubes["positions"].reshape(50, 10, 6, 3)
+    points = np.array([[point.position for point in curve.points] for curve in bpy.data.objects["Fur"].data.curves])
+    assert np.allclose(rings.mean(axis=2)[:, ::3], points, atol=1e-5)
+    faces = tubes["positions"][tubes["triangles"]]
+    geometric = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
+    assert ((geometric * tubes["normals"][tubes["triangles"]].sum(axis=1)).sum(axis=1) > 0).all()
+
+
+def test_strands_of_a_hair_material_are_curves():
+    import hair
+
+    hair.build(50, 4)
+    fur = bpy.data.objects["Fur"]
+    fur.data.materials[0] = material = bpy.data.materials.new("Strands")
+    nodes = common.tree(material).nodes
+    nodes.clear()
+    node, out = nodes.new("ShaderNodeBsdfHairPrincipled"), nodes.new("ShaderNodeOutputMaterial")
+    material.node_tree.links.new(node.outputs[0], out.inputs["Surface"])
+    strands = [shape for shape in exported()[0].description["shapes"].values() if shape["shape"] == "curve"]
     assert len(strands) == 50 and all(len(strand["points"]) == 3 * (3 * 3 + 1) for strand in strands)
     assert np.isclose(strands[0]["width0"], 0.018) and np.isclose(strands[0]["width1"], 0.002)
-    fur = bpy.data.objects["Fur"]
     at = np.array([strand["points"][:3] for strand in strands])
-    assert np.allclose(at, [list(fur.data.curves[k].points[0].position) for k in range(50)], atol=1e-6)
+    assert np.allclose(at, [list(curve.points[0].position) for curve in fur.data.curves], atol=1e-6)
+
+
+def test_a_strand_is_lit_as_in_cycles():
+    common.empty((24, 8))
+    common.lamp("SUN", 3, rotation=(90, 0, 60), angle=0.0)
+    data = bpy.data.hair_curves.new("Strand")
+    data.add_curves([4])
+    data.position_data.foreach_set("vector", np.array([[0, 0, z] for z in (-3, -1, 1, 3)], np.float32).ravel())
+    radius = data.attributes.get("radius") or data.attributes.new("radius", "FLOAT", "POINT")
+    radius.data.foreach_set("value", np.full(4, 0.5, np.float32))
+    data.materials.append(common.matte("White", (0.8, 0.8, 0.8)))
+    common.put("Strand", data)
+    eye = common.camera((0, -5, 0), (0, 0, 0))
+    eye.data.type, eye.data.ortho_scale = "ORTHO", 1.2
+    a, b = both(32)
+    assert np.isclose(a.mean(), b.mean(), rtol=0.05)
+    assert np.abs(a - b).mean() < 0.12 * b.mean()
 
 
 def test_particle_hair_is_strands_in_the_world():
@@ -143,12 +178,9 @@ def test_particle_hair_is_strands_in_the_world():
     thing.modifiers.new("Hair", "PARTICLE_SYSTEM")
     how = thing.particle_systems[0].settings
     how.type, how.count, how.hair_length = "HAIR", 20, 0.5
-    found, _ = exported()
-    group = next(shapes for shapes in found.description["groups"].values() if any(s["shape"] == "curve" for s in shapes.values()))
-    assert len(group) == 20
-    for strand in group.values():
-        points = strand["points"].reshape(-1, 3) - (3, 0, 0)
-        assert np.isclose(np.linalg.norm(points[0]), 1, atol=0.02) and np.linalg.norm(points[-1]) > 1.3
+    (strands,) = [shape["mesh"] for shape in exported()[0].description["shapes"].values() if isinstance(shape["mesh"], dict)]
+    far = np.linalg.norm(strands["positions"] - (3, 0, 0), axis=1)
+    assert np.isclose(far.min(), 1, atol=0.05) and far.max() > 1.3
 
 
 def test_what_is_left_out_is_told_once_by_name():
