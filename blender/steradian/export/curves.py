@@ -17,7 +17,7 @@ from .context import Context
 from .mesh import column
 
 # Sides of a tube, pieces of each segment of a strand, and most triangles of an object's tubes.
-SIDES, PIECES, MOST = 6, 3, 8_000_000
+SIDES, PIECES, MOST = 12, 2, 12_000_000
 
 Strand = tuple[NDArray[np.float64], NDArray[np.float64]]
 
