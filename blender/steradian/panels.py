@@ -7,10 +7,16 @@ from typing import Any
 import bpy
 
 ENGINE = "STERADIAN"
-# Panels that say so for Blender's own renderers, but mean nothing here.
-EXCLUDED = {
-    "VIEWLAYER_PT_filter", "RENDER_PT_simplify", "RENDER_PT_gpencil", "RENDER_PT_freestyle", "DATA_PT_light", "DATA_PT_EEVEE_light",
-    "RENDER_PT_color_management_working_space",
+# Panels that say so for Blender's own renderers, but mean nothing here, by the beginnings of their names.
+EXCLUDED = (
+    "NODE_", "VIEWLAYER_PT_filter", "VIEWLAYER_PT_freestyle", "RENDER_PT_simplify_greasepencil", "RENDER_PT_grease_pencil", "RENDER_PT_freestyle",
+    "DATA_PT_light", "DATA_PT_EEVEE_light", "DATA_PT_spot", "DATA_PT_area",
+)
+# Panels that are useful here, but do not say so.
+INCLUDED = {
+    "VIEWLAYER_PT_layer_passes", "VIEWLAYER_PT_layer_passes_cryptomatte", "VIEWLAYER_PT_layer_passes_lightgroups", "VIEWLAYER_PT_override",
+    "EEVEE_MATERIAL_PT_context_material", "MATERIAL_PT_preview", "DATA_PT_camera_dof", "DATA_PT_camera_dof_aperture", "DATA_PT_light_animation",
+    "PARTICLE_PT_hair_shape", "CURVES_PT_shape",
 }
 
 
@@ -60,7 +66,7 @@ class STERADIAN_PT_denoising(_Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the panel."""
-        self._rows(context.scene.steradian, "denoiser", "preview_denoise", "store_guides")
+        self._rows(context.scene.steradian, "denoiser", "preview_denoise")
 
 
 class STERADIAN_PT_film(_Panel):
@@ -100,6 +106,19 @@ class STERADIAN_PT_performance(_Panel):
         """Draws the panel."""
         self._rows(context.scene.steradian, "threads")
         self.layout.operator("steradian.open")
+
+
+class STERADIAN_PT_passes(_Panel):
+    """Passes of a view layer."""
+
+    bl_label = "Data"
+    bl_context = "view_layer"
+    bl_parent_id = "VIEWLAYER_PT_layer_passes"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draws the panel."""
+        self._rows(context.view_layer, "use_pass_z", "use_pass_position", "use_pass_normal", "use_pass_uv", "use_pass_diffuse_color")
+        self._rows(context.scene.steradian, "store_guides")
 
 
 class STERADIAN_PT_lamp(_Panel):
@@ -173,15 +192,16 @@ def _node(layout: bpy.types.UILayout, owner: Any, kind: str, socket: str) -> Non
 
 CLASSES = (
     STERADIAN_PT_sampling, STERADIAN_PT_light, STERADIAN_PT_denoising, STERADIAN_PT_film, STERADIAN_PT_motion, STERADIAN_PT_performance,
-    STERADIAN_PT_lamp, STERADIAN_PT_material, STERADIAN_PT_world,
+    STERADIAN_PT_passes, STERADIAN_PT_lamp, STERADIAN_PT_material, STERADIAN_PT_world,
 )
 
 
 def _shared() -> list[Any]:
-    """Blender's own panels that are drawn for other renderers, too."""
+    """Blender's own panels that are drawn for this renderer, too."""
+    panels = [panel for panel in bpy.types.Panel.__subclasses__() if hasattr(panel, "COMPAT_ENGINES")]
     return [
-        panel for panel in bpy.types.Panel.__subclasses__()
-        if "BLENDER_RENDER" in getattr(panel, "COMPAT_ENGINES", ()) and panel.__name__ not in EXCLUDED
+        panel for panel in panels
+        if panel.__name__ in INCLUDED or ("BLENDER_RENDER" in panel.COMPAT_ENGINES and not panel.__name__.startswith(EXCLUDED))
     ]
 
 
@@ -193,5 +213,5 @@ def register() -> None:
 
 def unregister() -> None:
     """Hides them again."""
-    for panel in _shared():
-        panel.COMPAT_ENGINES.discard(ENGINE)
+    for panel in bpy.types.Panel.__subclasses__():
+        getattr(panel, "COMPAT_ENGINES", set()).discard(ENGINE)

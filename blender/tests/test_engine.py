@@ -6,7 +6,7 @@ import common
 import numpy as np
 import pytest
 import steradian
-from blend import exported, lit_plane, rendered
+from blend import ADDON, exported, lit_plane, rendered
 
 engine = addon.load("engine")
 viewport = addon.load("viewport")
@@ -124,6 +124,19 @@ def test_a_material_override_counts():
     common.lamp("POINT", 300, (0.5, 0.5, 5), shadow_soft_size=0.0)
     bpy.context.view_layer.material_override = common.matte("Black", (0, 0, 0))
     assert rendered("STERADIAN", 2).max() == 0
+
+
+def test_panels_come_and_go_with_the_extension():
+    named = {panel.__name__: panel for panel in bpy.types.Panel.__subclasses__()}
+    shown = {name for name, panel in named.items() if "STERADIAN" in getattr(panel, "COMPAT_ENGINES", ())}
+    assert {"DATA_PT_lens", "RENDER_PT_format", "WORLD_PT_context_world", "VIEWLAYER_PT_layer_passes", "DATA_PT_camera_dof"} <= shown
+    assert "DATA_PT_light" not in shown and hasattr(bpy.types, "STERADIAN_PT_sampling")
+    ADDON.unregister()
+    try:
+        assert not [name for name, panel in named.items() if "STERADIAN" in getattr(panel, "COMPAT_ENGINES", ())]
+        assert not hasattr(bpy.types.Scene, "steradian") and not hasattr(bpy.types, "STERADIAN_PT_sampling")
+    finally:
+        ADDON.register()
 
 
 class Fake:
