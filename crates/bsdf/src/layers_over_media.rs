@@ -25,6 +25,8 @@ fn shares(bsdf: &Bsdf<'_>, cos: f32, n: u32) -> [[f64; 4]; 2] {
 fn base(roughness: f32) -> PbrParams {
     let facets = |r: f32| Microfacet::ggx(r * r, r * r);
     PbrParams {
+        diffuse_roughness: 0.0,
+        coat_darkening: 0.0,
         base_color: Spectrum::ONE,
         metallic: 0.0,
         facets: facets(roughness),

@@ -147,6 +147,19 @@ impl Scatter for OrenNayar {
     }
 }
 
+/// Energy-preserving reflection over that of a Lambertian surface of the same albedo `rho`, at roughness `r` in [0, 1].
+/// Directions on one side.
+#[inline]
+pub(super) fn over_lambert(rho: Spectrum, r: f32, wo: Vec3, wi: Vec3) -> Spectrum {
+    let scale = 1.0 / (1.0 + C1 * r);
+    let mean = scale * (1.0 + C2 * r);
+    let (s, highest) = (wo.x * wi.x + wo.y * wi.y, wo.z.abs().max(wi.z.abs()));
+    let fujii = scale * (1.0 + r * s / if s > 0.0 { highest } else { 1.0 });
+    let albedo = |w: Vec3| scale * (1.0 + r * FRAC_1_PI * excess(w.z.abs()));
+    let lost = ((1.0 - albedo(wo)) * (1.0 - albedo(wi))).max(0.0) / (1.0 - mean).max(1e-7);
+    rho.map(|rho| fujii + rho * mean / (1.0 - rho * (1.0 - mean)) * lost)
+}
+
 /// `G(θ) = sinθ (θ − sinθ cosθ) + ⅔ (tanθ (1 − sin³θ) − sinθ)` of EON's albedo, without the tangent's pole.
 fn excess(cos: f32) -> f32 {
     let cos = cos.clamp(0.0, 1.0);

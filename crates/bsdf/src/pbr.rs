@@ -26,6 +26,7 @@
 
 use super::{
     Bsdf, BsdfEval, BsdfSample, Lobe, Microfacet, ThinFilm, TransportMode, albedo_table, fresnel,
+    oren_nayar::over_lambert,
     packed::Unit4,
     packed_normal::Unit3,
     principled::schlick_weight,
@@ -54,11 +55,33 @@ impl Unit {
     }
 }
 
+/// Roughness of the diffuse base in 127 steps, and whether the surface is a thin wall.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Grain(u8);
+
+impl Grain {
+    fn new(roughness: f32, is_thin: bool) -> Self {
+        Self((unit(roughness) * 127.0 + 0.5) as u8 | u8::from(is_thin) << 7)
+    }
+
+    #[inline]
+    fn roughness(self) -> f32 {
+        f32::from(self.0 & 127) * (1.0 / 127.0)
+    }
+
+    #[inline]
+    fn is_thin(self) -> bool {
+        self.0 > 127
+    }
+}
+
 /// Parameters of the surface. Colours and weights in [0, 1] (clamped).
 #[derive(Clone, Copy, Debug)]
 pub struct PbrParams {
     /// Colour of metal, of diffuse reflection, and of what is refracted.
     pub base_color: Spectrum,
+    /// Roughness of the diffuse reflection, in [0, 1]; zero is Lambertian.
+    pub diffuse_roughness: f32,
     /// Weight of the metal.
     pub metallic: f32,
     /// Facets of the base.
@@ -91,6 +114,8 @@ pub struct PbrParams {
     pub coat_eta: f32,
     /// Transmittance of the coat for light that passes it in and out at normal incidence.
     pub coat_color: Spectrum,
+    /// Strength of the darkening of the base by light that the coat sends back to it (OpenPBR 1.1, 3.5.3).
+    pub coat_darkening: f32,
     /// True if specular_color tints metal at the edge (OpenPBR) rather than the dielectric alone (glTF).
     pub tints_metal_edge: bool,
     /// A film between base and coat.
@@ -115,7 +140,8 @@ pub struct Pbr {
     coat_color: Unit4,
     film: ThinFilm,
     facets: Microfacet,
-    coat_alpha: f32,
+    /// α of the coat along and across.
+    coat_alpha: [Unit; 2],
     eta: f32,
     film_weight: Unit,
     /// The f0 with which Schlick's reflectance is nowhere below the dielectric's, film and all lanes included.
@@ -127,7 +153,7 @@ pub struct Pbr {
     coat_f0: Unit,
     /// Normal of the coat in the frame of the base.
     coat_normal: Unit3,
-    thin: bool,
+    grain: Grain,
     /// Part of that light that goes below the surface instead of through, of 255.
     below: u8,
 }
@@ -185,7 +211,7 @@ impl Pbr {
             coat_color: Unit4::new(p.coat_color),
             film: p.film,
             facets: p.facets,
-            coat_alpha: p.coat_facets.mean_alpha().min(1.0),
+            coat_alpha: p.coat_facets.alpha().to_array().map(Unit::new),
             // Refraction between equal media has no half-vector.
             eta: if eta < 1.001 { 1.001 } else { eta },
             film_weight: Unit::new(p.film_weight),
@@ -196,13 +222,29 @@ impl Pbr {
             coat: Unit::new(p.coat),
             coat_f0: Unit::new(fresnel::f0_from_eta(coat_eta)),
             coat_normal: Unit3::Z,
-            thin: p.thin,
+            grain: Grain::new(p.diffuse_roughness, p.thin),
             below: if is_below { share } else { 0 },
         };
         if surface.film_weight.0 > 0 {
             surface.bound = Unit::new(surface.least_f0_above());
         }
+        if p.coat_darkening > 0.0 && surface.coat.0 > 0 {
+            surface.coat_color = Unit4::new(p.coat_color * surface.darkening(coat_eta, unit(p.coat_darkening)));
+        }
         surface
+    }
+
+    /// Factor on light that leaves the base through a coat of an index, which sends part of it back to the base:
+    /// `(1 − K)/(1 − E K)` with the base's albedo E (OpenPBR 1.1, 3.5.3). K is between that of mirror-like bases, of
+    /// which light leaves as it came, and `1 − (1 − Ē)/η²` of diffuse ones. The factor is part of the coat's colour.
+    fn darkening(&self, eta: f32, strength: f32) -> Spectrum {
+        let diffuse = 1.0 - (1.0 - fresnel::dielectric_diffuse_fit(eta)) / (eta * eta);
+        let metallic = self.metallic.get();
+        let rough = 1.0 - metallic * (1.0 - self.facets.mean_alpha().sqrt());
+        let back = fresnel::f0_from_eta(eta) * (1.0 - rough) + diffuse * rough;
+        let bare = Self { coat: Unit(0), coat_color: Unit4::ONE, ..*self };
+        let albedo = bare.albedo_estimate(Vec3::Z);
+        albedo.map(|e| 1.0 + ((1.0 - back) / (1.0 - e * back) - 1.0) * strength)
     }
 
     /// The least f0 of a Schlick reflectance that is nowhere below the dielectric's.
@@ -218,7 +260,12 @@ impl Pbr {
 
     #[inline]
     fn coat_facets(&self) -> Microfacet {
-        Microfacet::isotropic(self.coat_alpha)
+        match self.coat_alpha.map(Unit::get) {
+            [x, y] if x == y => Microfacet::isotropic(x),
+            // A coat with a normal of its own has no direction along.
+            [x, y] if self.is_coat_tilted() => Microfacet::isotropic((x * y).sqrt()),
+            [x, y] => Microfacet::ggx(x, y),
+        }
     }
 
     /// Gives the coat a normal of its own, in the frame of the base.
@@ -250,7 +297,7 @@ impl Pbr {
     }
 
     fn refracts(&self) -> bool {
-        !self.thin && !self.refracted.is_black()
+        !self.grain.is_thin() && !self.refracted.is_black()
     }
 
     /// Index below relative to above, as light meets it.
@@ -326,7 +373,7 @@ impl Pbr {
         if self.coat.0 == 0 {
             return 0.0;
         }
-        let [a, b] = albedo_table::ggx(albedo_table::row(self.coat_alpha), cos);
+        let [a, b] = albedo_table::ggx(albedo_table::row(self.coat_facets().mean_alpha()), cos);
         self.coat.get() * (self.coat_f0.get() * a + b)
     }
 
@@ -446,7 +493,11 @@ impl Pbr {
                 e.pdf = c.facets * self.reflecting_part(f) * facet.pdf;
             }
             if !self.diffuse.is_black() {
-                e.value += self.diffuse.get() * self.lambert(c, wi);
+                let mut diffuse = self.diffuse.get();
+                if self.grain.roughness() > 0.0 {
+                    diffuse *= over_lambert(self.metal.get(), self.grain.roughness(), wo, wi);
+                }
+                e.value += diffuse * self.lambert(c, wi);
             }
             e.pdf += c.diffuse * (1.0 - self.through_part()) * FRAC_1_PI * wi.z;
             if !self.sheen.is_black() {
@@ -552,7 +603,7 @@ impl Pbr {
     fn passed(&self, wo: Vec3, c: &Seen, mode: TransportMode) -> Option<BsdfSample> {
         let (value, passing) = self.transmitted(wo.z);
         let (pdf, lobe) = (c.facets * passing, Lobe::TRANSMISSION.with(Lobe::SPECULAR));
-        if self.thin {
+        if self.grain.is_thin() {
             let weight = value * self.layers(wo, -wo) / pdf;
             return Some(BsdfSample { wi: -wo, weight, pdf, lobe, eta: 1.0 });
         }
@@ -625,7 +676,7 @@ impl Scatter for Pbr {
             let n = self.facets.draw(seen, u2);
             if u < self.reflecting_part(self.reflectance_from(n.cos_o())) {
                 (n.mirrored(seen), Lobe::GLOSSY)
-            } else if self.thin {
+            } else if self.grain.is_thin() {
                 let w = n.mirrored(seen);
                 (Vec3::new(w.x, w.y, -w.z), Lobe::GLOSSY.with(Lobe::TRANSMISSION))
             } else {
@@ -686,6 +737,7 @@ impl Scatter for Pbr {
 fn plain() -> PbrParams {
     PbrParams {
         base_color: GREY,
+        diffuse_roughness: 0.0,
         metallic: 0.0,
         facets: Microfacet::ggx(0.3, 0.3),
         eta: 1.5,
@@ -702,6 +754,7 @@ fn plain() -> PbrParams {
         coat_facets: Microfacet::ggx(0.1, 0.1),
         coat_eta: 1.5,
         coat_color: Spectrum::ONE,
+        coat_darkening: 0.0,
         tints_metal_edge: false,
         film: ThinFilm::new(1.3, 0.0, None),
         film_weight: 0.0,
@@ -752,6 +805,13 @@ fn cases(visit: &mut Visitor<'_>) {
     case(
         "lacquered cloudy glass",
         PbrParams { transmission: 0.6, transmission_color: Spectrum::ONE, thin: false, eta: 1.3, ..lacquer },
+    );
+    case("clay", PbrParams { diffuse_roughness: 1.0, ..white });
+    case("dark clay without gloss", PbrParams { diffuse_roughness: 0.6, specular: 0.0, ..p });
+    case("brushed lacquer", PbrParams { coat_facets: Microfacet::ggx(0.4, 0.1), ..lacquer });
+    case(
+        "wet clay",
+        PbrParams { coat_darkening: 1.0, diffuse_roughness: 1.0, coat_facets: Microfacet::SMOOTH, ..lacquer },
     );
     case("leaf", PbrParams { diffuse_transmission: 0.6, diffuse_transmission_color: Spectrum::ONE, ..white });
     let medium = SubsurfacePart { weight: 1.0, color: Spectrum::ONE, is_followed: true, g: 0.3 };

@@ -10,6 +10,7 @@
 mod assets;
 mod bands;
 mod bezier;
+mod carried;
 mod coats;
 mod cube;
 mod description_checks;
@@ -213,9 +214,12 @@ fn compiled(desc: &SceneDesc, options: &Options, mut kept: Option<&mut Kept>) ->
         _ if has_bands => ColorMode::Spectral,
         _ => ColorMode::Rgb,
     });
+    let carried = carried::carried(desc);
+    let (desc, told) = carried.as_ref().map_or((desc, [].as_slice()), |(desc, told)| (desc, told.as_slice()));
     let recentred = recentre::recentred(desc);
     let (origin, desc) = recentred.as_ref().map_or((DVec3::ZERO, desc), |(origin, desc)| (*origin, desc));
     let mut c = Compiler { origin, ..Compiler::new(desc, mode, options) };
+    told.iter().for_each(|(id, what)| c.approximated(c.node(*id).span, what.clone()));
     if let Some(kept) = kept.as_deref_mut() {
         kept.refresh(desc, options);
         if let Some(compiled) = kept.for_another_view(&c) {

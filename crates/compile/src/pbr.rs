@@ -23,6 +23,7 @@ impl Compiler<'_> {
         Model::Pbr(Box::new(PbrMaterial {
             base_color: self.spectrum(node, "base_color", Role::Albedo),
             base_weight: FloatTexture::Constant(1.0),
+            diffuse_roughness: FloatTexture::Constant(0.0),
             metallic: self.float_texture(node, "metallic"),
             roughness: self.float_texture(node, "roughness"),
             anisotropy: self.float_texture(node, "anisotropy"),
@@ -40,6 +41,8 @@ impl Compiler<'_> {
             sheen_roughness: self.float_texture(node, "sheen_roughness"),
             coat: self.float_texture(node, "clearcoat"),
             coat_roughness: self.float_texture(node, "clearcoat_roughness"),
+            coat_anisotropy: FloatTexture::Constant(0.0),
+            coat_darkening: FloatTexture::Constant(0.0),
             coat_eta: FloatTexture::Constant(1.5),
             coat_color: SpectrumTexture::Constant(Color::constant(1.0)),
             film,
@@ -49,25 +52,24 @@ impl Compiler<'_> {
 
     /// OpenPBR 1.1's surface, by its own parameter names.
     pub(super) fn openpbr(&mut self, node: &Node) -> Model {
-        self.name_losses(
-            node,
-            &[
-                ("base_diffuse_roughness", "the diffuse base is Lambertian"),
-                (
-                    "transmission_depth",
-                    "the colour of transmission acts at the surface; absorption needs an interior medium",
-                ),
-                ("transmission_scatter", "scattering inside needs an interior medium"),
-                ("coat_roughness_anisotropy", "the coat is isotropic"),
-                ("emission_luminance", "emission belongs to the shape's light"),
-            ],
-        );
         let film = self.film_on_base(node, ["thin_film_weight", "thin_film_thickness", "thin_film_ior"]);
-        let transmission_color = self.spectrum(node, "transmission_color", Role::Albedo);
+        // Light and media belong to shapes, which have them by now (`carried`); here their values are checked.
+        self.float(node, "transmission_scatter_anisotropy");
+        self.float(node, "emission_luminance");
+        for name in ["transmission_scatter", "emission_color"] {
+            self.spectrum(node, name, Role::Unbounded);
+        }
+        // The colour of a medium is not that of its boundary.
+        let has_medium = self.float(node, "transmission_depth") > 0.0 && !self.bool(node, "geometry_thin_walled");
+        let transmission_color = match has_medium {
+            true => SpectrumTexture::Constant(Color::constant(1.0)),
+            false => self.spectrum(node, "transmission_color", Role::Albedo),
+        };
         let subsurface = self.openpbr_subsurface(node);
         Model::Pbr(Box::new(PbrMaterial {
             base_color: self.spectrum(node, "base_color", Role::Albedo),
             base_weight: self.float_texture(node, "base_weight"),
+            diffuse_roughness: self.float_texture(node, "base_diffuse_roughness"),
             metallic: self.float_texture(node, "base_metalness"),
             roughness: self.float_texture(node, "specular_roughness"),
             anisotropy: self.float_texture(node, "specular_roughness_anisotropy"),
@@ -85,6 +87,8 @@ impl Compiler<'_> {
             sheen_roughness: self.float_texture(node, "fuzz_roughness"),
             coat: self.float_texture(node, "coat_weight"),
             coat_roughness: self.float_texture(node, "coat_roughness"),
+            coat_anisotropy: self.float_texture(node, "coat_roughness_anisotropy"),
+            coat_darkening: self.float_texture(node, "coat_darkening"),
             coat_eta: self.float_texture(node, "coat_ior"),
             coat_color: self.spectrum(node, "coat_color", Role::Albedo),
             film,
@@ -120,6 +124,7 @@ impl Compiler<'_> {
         Model::Pbr(Box::new(PbrMaterial {
             base_color: self.spectrum(node, "reflectance", Role::Albedo),
             base_weight: FloatTexture::Constant(1.0),
+            diffuse_roughness: FloatTexture::Constant(0.0),
             metallic: zero,
             roughness: FloatTexture::Constant(1.0),
             anisotropy: zero,
@@ -137,6 +142,8 @@ impl Compiler<'_> {
             sheen_roughness: self.float_texture(node, "sheen_roughness"),
             coat: zero,
             coat_roughness: zero,
+            coat_anisotropy: FloatTexture::Constant(0.0),
+            coat_darkening: FloatTexture::Constant(0.0),
             coat_eta: FloatTexture::Constant(1.5),
             coat_color: SpectrumTexture::Constant(Color::constant(1.0)),
             film: None,
@@ -150,22 +157,15 @@ impl Compiler<'_> {
         (!matches!(film[0], FloatTexture::Constant(w) if w <= 0.0)).then_some(film)
     }
 
-    /// Reports what parameters that are set do not do.
-    fn name_losses(&mut self, node: &Node, losses: &[(&str, &str)]) {
-        for (name, what) in losses {
-            if let Some(p) = node.param(name)
-                && node.float(name) != Some(0.0)
-            {
-                self.approximated(p.span.or(node.span), format!("'{name}' of '{}': {what}", node.kind));
-            }
-        }
-    }
-
     /// An index that grows towards blue by Cauchy's formula where `dispersion` (20 over the Abbe number,
     /// KHR_materials_dispersion) is above zero.
     fn dispersive_eta(&mut self, node: &Node, name: &str, dispersion: &str) -> Eta {
         let eta = self.eta_named(node, name);
-        let strength = self.float(node, dispersion);
+        let mut strength = self.float(node, dispersion);
+        if node.kind == "openpbr" {
+            let abbe = self.float(node, "transmission_dispersion_abbe_number");
+            strength += 20.0 * self.float(node, "transmission_dispersion_scale") / abbe;
+        }
         match eta {
             Eta::Constant(n) if strength > 0.0 && self.mode == ColorMode::Spectral => {
                 let square = |line: f32| 1.0 / (line * line);

@@ -17,6 +17,22 @@ pub enum Stretch {
     OpenPbr,
 }
 
+impl Stretch {
+    /// α along and across of a roughness and an anisotropy.
+    fn alphas(self, roughness: f32, anisotropy: f32) -> (f32, f32) {
+        let (r, a) = (roughness.clamp(0.0, 1.0), anisotropy.clamp(0.0, 1.0));
+        let alpha = r * r;
+        match self {
+            _ if a == 0.0 => (alpha, alpha),
+            Stretch::Gltf => (alpha + (1.0 - alpha) * a * a, alpha),
+            Stretch::OpenPbr => {
+                let x = alpha * (2.0 / (1.0 + (1.0 - a) * (1.0 - a))).sqrt();
+                (x, (1.0 - a) * x)
+            }
+        }
+    }
+}
+
 /// Parameters of the surface; colours and weights in [0, 1].
 #[derive(Clone, Debug)]
 pub struct PbrMaterial {
@@ -24,6 +40,8 @@ pub struct PbrMaterial {
     pub base_color: SpectrumTexture,
     /// Factor on the base colour.
     pub base_weight: FloatTexture,
+    /// Roughness of the diffuse base.
+    pub diffuse_roughness: FloatTexture,
     /// Weight of the metal.
     pub metallic: FloatTexture,
     /// Roughness; α is its square.
@@ -58,6 +76,10 @@ pub struct PbrMaterial {
     pub coat: FloatTexture,
     /// Its roughness; α is its square.
     pub coat_roughness: FloatTexture,
+    /// Strength of its anisotropy.
+    pub coat_anisotropy: FloatTexture,
+    /// Strength of the darkening below it.
+    pub coat_darkening: FloatTexture,
     /// Its index of refraction.
     pub coat_eta: FloatTexture,
     /// Transmittance of the coat.
@@ -70,16 +92,7 @@ pub struct PbrMaterial {
 
 impl PbrMaterial {
     fn facets(&self, p: &Point<'_>) -> Microfacet {
-        let r = p.float(&self.roughness).clamp(0.0, 1.0);
-        let (alpha, a) = (r * r, p.float(&self.anisotropy).clamp(0.0, 1.0));
-        let (x, y) = match self.stretch {
-            _ if a == 0.0 => (alpha, alpha),
-            Stretch::Gltf => (alpha + (1.0 - alpha) * a * a, alpha),
-            Stretch::OpenPbr => {
-                let x = alpha * (2.0 / (1.0 + (1.0 - a) * (1.0 - a))).sqrt();
-                (x, (1.0 - a) * x)
-            }
-        };
+        let (x, y) = self.stretch.alphas(p.float(&self.roughness), p.float(&self.anisotropy));
         let (x, y) = p.at.roughened(x, y);
         Microfacet::ggx(x, y)
     }
@@ -100,8 +113,8 @@ impl PbrMaterial {
         };
         let p = Point { textures, at, lambda };
         let base_color = p.albedo(&self.base_color) * p.float(&self.base_weight).clamp(0.0, 1.0);
-        let coat_alpha = p.float(&self.coat_roughness).clamp(0.0, 1.0).powi(2);
-        let (coat_x, coat_y) = coat_at.roughened(coat_alpha, coat_alpha);
+        let (coat_x, coat_y) = self.stretch.alphas(p.float(&self.coat_roughness), p.float(&self.coat_anisotropy));
+        let (coat_x, coat_y) = coat_at.roughened(coat_x, coat_y);
         let sheen: Spectrum = albedo(p.albedo(&self.sheen_color) * p.float(&self.sheen_weight));
         let lanes = (textures.mode() == ColorMode::Spectral).then_some(lambda.lambda);
         let [film_weight, thickness, film_eta] =
@@ -110,6 +123,7 @@ impl PbrMaterial {
             film: ThinFilm::new(film_eta, thickness, lanes),
             film_weight,
             base_color,
+            diffuse_roughness: p.float(&self.diffuse_roughness),
             metallic: p.float(&self.metallic),
             facets: self.facets(&p),
             eta,
@@ -126,6 +140,7 @@ impl PbrMaterial {
             coat_facets: Microfacet::ggx(coat_x, coat_y),
             coat_eta: p.float(&self.coat_eta),
             coat_color: p.albedo(&self.coat_color),
+            coat_darkening: p.float(&self.coat_darkening),
             tints_metal_edge: self.stretch == Stretch::OpenPbr,
             subsurface: self.subsurface.as_ref().map_or(SubsurfacePart::NONE, |s| s.part(&p)),
         }))

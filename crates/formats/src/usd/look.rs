@@ -1,7 +1,7 @@
 //! Materials: UsdShade networks of UsdPreviewSurface.
 
 use super::{
-    Loss, Reader,
+    Loss, Reader, materialx,
     stage::Prim,
     texture::{Holds, Source},
     value::Value as Field,
@@ -84,19 +84,26 @@ impl Reader<'_> {
 
     /// The surface of a material; `None`, told, where there is none that is read.
     fn material(&mut self, material: &Rc<Prim>, is_two_sided: bool) -> Option<Look> {
-        let names = ["outputs:surface", "outputs:mtlx:surface"];
+        // What MaterialX says is the whole surface; what is beside it is a preview.
+        let names = ["outputs:mtlx:surface", "outputs:surface"];
         let outputs: Vec<Output> = names.iter().filter_map(|name| self.output(material, name)).collect();
         let mut ids = Vec::new();
         for output in &outputs {
             let id = self.word(&output.shader, "info:id").unwrap_or_default();
-            if id == "UsdPreviewSurface" {
+            if matches!(id.as_str(), "UsdPreviewSurface" | "ND_UsdPreviewSurface_surfaceshader") {
                 return Some(self.preview(material, &output.shader, is_two_sided));
+            }
+            if materialx::is_surface(&id) {
+                return Some(self.materialx(material, &output.shader, &id, is_two_sided));
             }
             ids.push(id);
         }
         let what = match ids.first() {
             Some(id) => {
-                format!("its shader '{id}' is not read (UsdPreviewSurface is): the surface has its display colour")
+                format!(
+                    "its shader '{id}' is not read (UsdPreviewSurface, OpenPBR and the standard surface are): the \
+                     surface has its display colour"
+                )
             }
             None => "it has no surface: what it is bound to has its display colour".into(),
         };

@@ -15,6 +15,7 @@ mod layer;
 mod lights;
 mod look;
 mod lz4;
+mod materialx;
 mod mesh;
 mod nodes;
 mod solids;
@@ -61,6 +62,7 @@ pub fn import_bytes(path: &Path, bytes: Vec<u8>, options: &Options) -> Import {
         uses_lights: false,
         prims: 0,
         instancers: 0,
+        graph_nodes: 0,
     };
     reader.stage.import.desc.format = Format::Model;
     reader.stage.import.desc.path = Some(path.into());
@@ -92,6 +94,8 @@ struct Reader<'a> {
     prims: usize,
     /// Instancers that are open.
     instancers: usize,
+    /// Nodes of the graph that is being read.
+    graph_nodes: usize,
 }
 
 /// A loss that many prims may share, told once.

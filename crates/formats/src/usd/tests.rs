@@ -490,3 +490,119 @@ fn movements_that_are_not_read_are_told() {
     }
     assert_eq!(shapes(&found.desc).len(), 2, "{told}");
 }
+
+/// A stage with a sphere that has a surface of MaterialX, by its inputs and the nodes of its graph.
+fn materialx(id: &str, inputs: &str, graph: &str) -> Import {
+    import(format!(
+        "#usda 1.0\ndef Sphere \"S\" {{\n rel material:binding = </M>\n}}\ndef Material \"M\" {{\n\
+         token outputs:mtlx:surface.connect = </M/P.outputs:out>\n\
+         token outputs:surface.connect = </M/Preview.outputs:surface>\n\
+         def Shader \"Preview\" {{\n uniform token info:id = \"UsdPreviewSurface\"\n token outputs:surface\n }}\n\
+         def Shader \"P\" {{\n uniform token info:id = \"{id}\"\n{inputs}\n token outputs:out\n }}\n{graph}\n}}\n"
+    ))
+}
+
+#[test]
+fn networks_of_materialx_are_surfaces() {
+    let open = "ND_open_pbr_surface_surfaceshader";
+    // The network counts, not the preview beside it; films are given in micrometres.
+    let inputs = "color3f inputs:base_color = (0.125, 0.25, 0.5)\nfloat inputs:specular_roughness = 0.25\n\
+                  float inputs:coat_darkening\nfloat inputs:thin_film_thickness = 0.5\n\
+                  float inputs:emission_luminance = 3\nfloat inputs:geometry_opacity = 0.5\n\
+                  bool inputs:geometry_thin_walled = 1";
+    let desc = materialx(open, inputs, "").desc;
+    let mask = desc.node(desc.shapes[0].material.unwrap());
+    assert_eq!((mask.kind.as_str(), mask.float("opacity")), ("mask", Some(0.5)));
+    let node = desc.node(mask.node("material").unwrap());
+    assert_eq!(node.kind, "openpbr");
+    assert_eq!(
+        node.get("base_color"),
+        Some(&Param::Spectrum(SpectrumValue::Rgb([0.125, 0.25, 0.5], steradian_scene::ColorSpace::Srgb)))
+    );
+    let numbers = ["specular_roughness", "thin_film_thickness", "emission_luminance"].map(|n| node.float(n));
+    assert_eq!((numbers, node.float("coat_darkening")), ([Some(0.25), Some(500.0), Some(0.0)], None));
+    assert_eq!(node.bool("geometry_thin_walled"), Some(true));
+    assert_eq!(desc.node(desc.shapes[0].emission.unwrap()).float("scale"), Some(3.0));
+    // Constants are computed, the rest becomes textures.
+    let graph = "def NodeGraph \"G\" {\n float outputs:r.connect = </M/G/A.outputs:out>\n\
+         def Shader \"A\" {\n uniform token info:id = \"ND_multiply_float\"\n\
+         float inputs:in1.connect = </M/G/B.outputs:out>\n\
+         float inputs:in2 = 0.5\n float outputs:out\n }\n\
+         def Shader \"B\" {\n uniform token info:id = \"ND_remap_float\"\n float inputs:in = 5\n\
+         float inputs:inhigh = 10\n\
+         float inputs:outlow = 0.2\n float inputs:outhigh = 0.6\n float outputs:out\n }\n\
+         def Shader \"C\" {\n uniform token info:id = \"ND_invert_color3\"\n\
+         color3f inputs:in.connect = </M/G/D.outputs:out>\n color3f outputs:out\n }\n\
+         def Shader \"D\" {\n uniform token info:id = \"ND_geompropvalue_color3\"\n\
+         string inputs:geomprop = \"displayColor\"\n color3f outputs:out\n }\n\
+         def Shader \"E\" {\n uniform token info:id = \"ND_quantum_foam_float\"\n float outputs:out\n }\n}\n";
+    let inputs = "float inputs:base_metalness.connect = </M/G.outputs:r>\n\
+         color3f inputs:base_color.connect = </M/G/C.outputs:out>\n\
+         float inputs:coat_weight.connect = </M/G/E.outputs:out>";
+    let found = materialx(open, inputs, graph);
+    let desc = &found.desc;
+    let node = desc.node(desc.shapes[0].material.unwrap());
+    assert!((node.float("base_metalness").unwrap() - 0.2).abs() < 1e-7);
+    let sum = desc.node(node.node("base_color").unwrap());
+    let product = desc.node(sum.node("b").unwrap());
+    assert_eq!((sum.kind.as_str(), sum.float("a"), product.float("scale")), ("add", Some(1.0), Some(-1.0)));
+    assert_eq!(desc.node(product.node("texture").unwrap()).kind, "mesh_attribute");
+    assert_eq!(node.get("coat_weight"), None);
+    assert!(said(&found).contains("the node 'quantum_foam' is not read"), "{}", said(&found));
+    // The standard surface has defaults of its own.
+    let desc = materialx("ND_standard_surface_surfaceshader", "float inputs:metalness = 1", "").desc;
+    let node = desc.node(desc.shapes[0].material.unwrap());
+    let numbers = ["base_metalness", "specular_roughness", "coat_darkening"].map(|n| node.float(n));
+    assert_eq!(numbers, [Some(1.0), Some(0.2), Some(0.0)]);
+}
+
+#[test]
+fn graphs_that_never_end_are_told() {
+    let graph = "def Shader \"A\" {\n uniform token info:id = \"ND_add_float\"\n\
+         float inputs:in1.connect = </M/A.outputs:out>\n float inputs:in2.connect = </M/A.outputs:out>\n\
+         float outputs:out\n }";
+    let input = "float inputs:base_metalness.connect = </M/A.outputs:out>";
+    let found = materialx("ND_open_pbr_surface_surfaceshader", input, graph);
+    assert!(said(&found).contains("is not followed"), "{}", said(&found));
+}
+
+#[test]
+fn pictures_of_networks_have_their_place_and_space() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("p.png"), b"").unwrap();
+    let path = folder.path().join("s.usda");
+    std::fs::write(
+        &path,
+        "#usda 1.0\ndef Sphere \"S\" {\n rel material:binding = </M>\n}\ndef Material \"M\" {\n\
+         token outputs:mtlx:surface.connect = </M/P.outputs:out>\n\
+         def Shader \"P\" {\n uniform token info:id = \"ND_open_pbr_surface_surfaceshader\"\n\
+         color3f inputs:base_color.connect = </M/I.outputs:out>\n\
+         float3 inputs:geometry_normal.connect = </M/N.outputs:out>\n\
+         float inputs:geometry_opacity.connect = </M/X.outputs:out>\n token outputs:out\n }\n\
+         def Shader \"I\" {\n uniform token info:id = \"ND_image_color4\"\n\
+         asset inputs:file = @p.png@ (colorSpace = \"srgb_texture\")\n string inputs:uaddressmode = \"mirror\"\n\
+         float2 inputs:texcoord.connect = </M/T.outputs:out>\n color4f outputs:out\n }\n\
+         def Shader \"T\" {\n uniform token info:id = \"ND_place2d_vector2\"\n float2 inputs:scale = (0.5, 0.25)\n\
+         float2 inputs:offset = (1, 2)\n float2 outputs:out\n }\n\
+         def Shader \"X\" {\n uniform token info:id = \"ND_separate4_color4\"\n\
+         color4f inputs:in.connect = </M/I.outputs:out>\n float outputs:outa\n float outputs:out\n }\n\
+         def Shader \"N\" {\n uniform token info:id = \"ND_normalmap_float\"\n float inputs:scale = 0.5\n\
+         float3 inputs:in.connect = </M/V.outputs:out>\n float3 outputs:out\n }\n\
+         def Shader \"V\" {\n uniform token info:id = \"ND_image_vector3\"\n asset inputs:file = @p.png@\n\
+         float3 outputs:out\n }\n}\n"
+            .replace("</M/X.outputs:out>", "</M/X.outputs:outa>"),
+    )
+    .unwrap();
+    let found = super::import(&path, &Options::default());
+    let desc = &found.desc;
+    let mask = desc.node(desc.shapes[0].material.unwrap());
+    let opacity = desc.node(mask.node("opacity").unwrap());
+    assert_eq!(opacity.string("channel"), Some("a"));
+    let node = desc.node(mask.node("material").unwrap());
+    let picture = desc.node(node.node("base_color").unwrap());
+    assert_eq!((picture.string("encoding"), picture.string("wrap_u")), (Some("srgb"), Some("mirror")));
+    let Some(Param::Transform(map)) = picture.get("to_uv") else { panic!("{picture:?}") };
+    assert!(is_near(map.matrix.transform_point3(DVec3::new(0.5, 0.5, 0.0)), [0.0, 0.0, 0.0]));
+    assert_eq!(node.float("normal_map_strength"), Some(0.5));
+    assert_eq!(desc.node(node.node("normal_map").unwrap()).bool("raw"), Some(true));
+}

@@ -21,6 +21,7 @@ mod image_light;
 mod media_plugins;
 mod meter;
 mod motion;
+mod openpbr;
 mod own_language;
 mod own_methods;
 mod own_models;
