@@ -20,7 +20,7 @@ def build():
     bevel.width, bevel.segments = 0.06, 3
     shape("uv_sphere", principled("Glazed", base_color=(0.1, 0.3, 0.6), roughness=0.15), smooth=True, radius=0.3, location=(0.4, 1.1, 1.1))
     shape("cone", principled("Brass", base_color=(0.85, 0.6, 0.25), metallic=1.0, roughness=0.3), radius1=0.25, depth=0.6, location=(1.1, 1.3, 1.1))
-    lamp("AREA", 60, (-2.95, 0.9, 1.7), (0, -90, 0), shape="RECTANGLE", size=1.3, size_y=1.9, color=(1.0, 0.95, 0.85))
+    lamp("AREA", 60, (-2.93, 1.0, 1.7), (0, -90, 0), shape="RECTANGLE", size=1.3, size_y=1.8, color=(1.0, 0.95, 0.85))
     lamp("POINT", 25, (1.8, 2.0, 2.2), shadow_soft_size=0.12, color=(1.0, 0.75, 0.5))
     camera((-1.2, -5.5, 1.7), (0.3, 1.0, 1.1), 30)
     return scene

@@ -61,6 +61,8 @@ class SteradianEngine(bpy.types.RenderEngine):
         report = self._report()
         for name in passes.missing(view_layer):
             report(view_layer.name, f"there is no pass {name}")
+        if scene.render.use_multiview:
+            report(scene.name, "is rendered by one eye: there are no views of stereoscopy")
         self.update_stats("Steradian", "Reading the scene")
         exporter = Exporter(report)
         size = frame_size(scene)

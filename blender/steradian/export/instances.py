@@ -71,6 +71,8 @@ def export(context: Context, meshes: Meshes, moved: Moved | None = None) -> None
         if thing.type == "LIGHT" and (found.is_instance or found.show_self):
             light.export(context, thing, found.matrix_world)
         if thing.type not in GEOMETRY:
+            if thing.type in {"GREASEPENCIL", "GPENCIL"}:
+                context.report(thing.name, "is a drawing of Grease Pencil, which is left out")
             continue
         place = matrix.array(found.matrix_world)
         if not matrix.usable(place):

@@ -95,7 +95,7 @@ class Exporter:
             context.add("cameras", "view", view)
         elif scene.camera is not None:
             camera.export(context, scene.camera.evaluated_get(depsgraph), size, eye)
-        world.export(context, scene.world)
+        world.export(context, getattr(depsgraph.view_layer_eval, "world_override", None) or scene.world)
         around = dict(context.sections["lights"])
         instances.export(context, self.meshes, moved)
         self.meshes.sweep()
