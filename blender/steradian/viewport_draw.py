@@ -10,7 +10,6 @@ import numpy as np
 from .export.report import Report
 from .viewport import Session
 
-
 INTERVAL = 0.04
 _sessions: dict[int, Session] = {}
 _drawn: dict[int, int] = {}

@@ -9,6 +9,7 @@ import numpy as np
 
 from .names import FAMILIES, resolved
 
+
 def same(a: Any, b: Any) -> bool:
     """True if two values of descriptions are equal, arrays number by number."""
     if a is b:

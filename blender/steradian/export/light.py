@@ -9,14 +9,10 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import nodes
 from . import matrix
 from .context import Context
 from .lamps import Lamp
-
-try:
-    from .. import nodes
-except ImportError:
-    nodes = None
 
 
 def export(context: Context, thing: bpy.types.Object, world: Any) -> None:
@@ -40,15 +36,7 @@ def _colour(context: Context, lamp: bpy.types.Light) -> NDArray[np.float64]:
         colour *= np.array(lamp.temperature_color)[:3]
     if not lamp.use_nodes or lamp.node_tree is None:
         return colour
-    if hasattr(nodes, "light_colour"):
-        return colour * np.array(nodes.light_colour(lamp, context), np.float64)
-    emitting = next((node for node in lamp.node_tree.nodes if node.type == "EMISSION"), None)
-    if emitting is None:
-        return colour
-    for socket in emitting.inputs:
-        if socket.is_linked:
-            context.report(lamp.name, f"the link to '{socket.name}' is not followed")
-    return colour * np.array(emitting.inputs["Color"].default_value[:3]) * emitting.inputs["Strength"].default_value
+    return colour * np.array(nodes.light_colour(lamp, context), np.float64)
 
 
 def _point(context: Context, name: str, thing: bpy.types.Object, place: NDArray[np.float64], strength: NDArray[np.float64]) -> None:

@@ -8,13 +8,9 @@ from typing import Any
 import bpy
 import numpy as np
 
+from .. import nodes
 from .context import Context
 from .matrix import array
-
-try:
-    from .. import nodes
-except ImportError:
-    nodes = None
 
 # From a latlong whose up is +y, as the scene language has it, to Blender's, whose up is +z and whose middle is at +x.
 LATLONG = np.array([[0.0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
@@ -38,7 +34,7 @@ def export(context: Context, world: bpy.types.World | None) -> None:
     found = _picture_or_sky(surface, set())
     strength = _number(context, surface.inputs["Strength"]) if surface.type == "BACKGROUND" else 1.0
     if found is None:
-        _constant(context, name, _whole_colour(context, world, surface))
+        _constant(context, name, list(nodes.world_colour(world, context)))
     elif strength > 0:
         if surface.type != "BACKGROUND" or _linked(surface.inputs["Color"]) != found:
             context.report(world.name, f"what is between '{found.name}' and the output is left out")
@@ -54,16 +50,6 @@ def _picture_or_sky(node: bpy.types.Node | None, seen: set[str]) -> bpy.types.No
         return node
     found = (_picture_or_sky(_linked(socket), seen) for socket in node.inputs if socket.is_linked)
     return next((each for each in found if each is not None), None)
-
-
-def _whole_colour(context: Context, world: bpy.types.World, surface: bpy.types.Node) -> list[float]:
-    """The colour of a background without pictures."""
-    if nodes is not None:
-        return list(nodes.world_colour(world, context))
-    if surface.type != "BACKGROUND":
-        context.report(world.name, f"the node '{surface.name}' is not read; the world's colour is taken")
-        return list(world.color)
-    return [c * _number(context, surface.inputs["Strength"]) for c in _colour(context, surface.inputs["Color"])]
 
 
 def _linked(socket: bpy.types.NodeSocket) -> bpy.types.Node | None:
@@ -83,15 +69,6 @@ def _number(context: Context, socket: bpy.types.NodeSocket) -> float:
     if node is not None:
         context.report(node.name, f"the link to '{socket.name}' is not followed")
     return float(socket.default_value)
-
-
-def _colour(context: Context, socket: bpy.types.NodeSocket) -> list[float]:
-    node = _linked(socket)
-    if node is not None and node.type == "RGB":
-        return list(node.outputs[0].default_value[:3])
-    if node is not None:
-        context.report(node.name, f"the link to '{socket.name}' is not followed")
-    return list(socket.default_value[:3])
 
 
 def _constant(context: Context, name: str, colour: list[float]) -> None:
