@@ -16,7 +16,9 @@ def load(part: str = "") -> ModuleType:
         here = os.path.dirname(os.path.abspath(__file__))
         sys.path[:] = [*(path for path in sys.path if os.path.abspath(path) != here), here]
         folder = os.path.join(here, "steradian")
-        spec = importlib.util.spec_from_file_location(NAME, os.path.join(folder, "__init__.py"), submodule_search_locations=[folder])
+        spec = importlib.util.spec_from_file_location(
+            NAME, os.path.join(folder, "__init__.py"), submodule_search_locations=[folder]
+        )
         if spec is None or spec.loader is None:
             raise ImportError(f"{folder}: no add-on there")
         module = importlib.util.module_from_spec(spec)

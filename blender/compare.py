@@ -35,7 +35,7 @@ def built(path: str) -> Any:
 
 
 def rendered(engine: str, samples: int, seed: int, folder: str) -> tuple[np.ndarray, float]:
-    """A picture by an engine, height × width × 3, and the seconds that it took."""
+    """A picture by an engine, height × width × 3, and the processor seconds that it took."""
     import bpy
     import steradian
 
@@ -51,9 +51,9 @@ def rendered(engine: str, samples: int, seed: int, folder: str) -> tuple[np.ndar
     scene.render.filepath = os.path.join(folder, f"{engine}-{seed}.exr")
     scene.render.image_settings.file_format = "OPEN_EXR"
     scene.render.image_settings.color_depth = "32"
-    begin = time.perf_counter()
+    begin = time.process_time()
     bpy.ops.render.render(write_still=True)
-    seconds = time.perf_counter() - begin
+    seconds = time.process_time() - begin
     image = steradian.read_image(scene.render.filepath)
     os.remove(scene.render.filepath)
     return np.stack([image[c] for c in "RGB"], axis=-1), seconds
@@ -68,7 +68,10 @@ def regions(picture: np.ndarray) -> np.ndarray:
 def compared(path: str, samples: int, seeds: int, folder: str) -> dict[str, Any]:
     """Renders a scene with several seeds by both, and gives the figures."""
     built(path)
-    runs = {engine: [rendered(engine, samples, seed, folder) for seed in range(1, seeds + 1)] for engine in ("CYCLES", "STERADIAN")}
+    runs = {
+        engine: [rendered(engine, samples, seed, folder) for seed in range(1, seeds + 1)]
+        for engine in ("CYCLES", "STERADIAN")
+    }
     found: dict[str, Any] = {"scene": os.path.splitext(os.path.basename(path))[0]}
     mean, error = {}, {}
     for engine, pictures in runs.items():
@@ -97,7 +100,7 @@ def side_by_side(found: dict[str, Any], path: str) -> None:
     steradian.Image({c: np.ascontiguousarray(pair[..., k]) for k, c in enumerate("RGB")}).save(path)
 
 
-HEAD = """| scene | ratio of means | worst region of 16 | largest z | Cycles, s | Steradian, s | Cycles, noise | Steradian, noise |
+HEAD = """| scene | ratio of means | worst region of 16 | largest z | Cycles, CPU s | Steradian, CPU s | Cycles, noise | Steradian, noise |
 |---|---|---|---|---|---|---|---|"""
 
 
@@ -119,7 +122,9 @@ def main() -> None:
     parser.add_argument("--out", default="compared", help="folder of the pictures and the table")
     given = parser.parse_args()
     folder = os.path.join(HERE, "scenes")
-    scenes = given.scenes or sorted(os.path.join(folder, n) for n in os.listdir(folder) if n.endswith(".py") and n != "common.py")
+    scenes = given.scenes or sorted(
+        os.path.join(folder, n) for n in os.listdir(folder) if n.endswith(".py") and n != "common.py"
+    )
     addon.load().register()
     os.makedirs(given.out, exist_ok=True)
     lines = [HEAD]

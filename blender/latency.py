@@ -43,7 +43,9 @@ def main() -> None:
 
     def look() -> None:
         bpy.context.view_layer.update()
-        session.camera(eye.matrix_world.inverted(), eye.calc_matrix_camera(depsgraph, x=width, y=height), (width, height))
+        session.camera(
+            eye.matrix_world.inverted(), eye.calc_matrix_camera(depsgraph, x=width, y=height), (width, height)
+        )
 
     def sculpt() -> None:
         for vertex in ball.data.vertices:

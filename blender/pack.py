@@ -57,6 +57,7 @@ def pack(wheel: str, out: str) -> str:
     path = os.path.join(out, f"steradian-{version[1]}.zip")
     os.makedirs(out, exist_ok=True)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+
         def write(name: str, data: bytes, how: int = zipfile.ZIP_DEFLATED) -> None:
             info = zipfile.ZipInfo(name, (2020, 1, 1, 0, 0, 0))
             info.compress_type, info.external_attr = how, 0o644 << 16
@@ -80,7 +81,9 @@ def pack(wheel: str, out: str) -> str:
 def main() -> None:
     """Reads the command line."""
     parser = argparse.ArgumentParser(description="Makes the extension for Blender.")
-    parser.add_argument("--wheel", required=True, help="a wheel of the renderer, or a folder of wheels, one for each platform")
+    parser.add_argument(
+        "--wheel", required=True, help="a wheel of the renderer, or a folder of wheels, one for each platform"
+    )
     parser.add_argument("-o", "--out", default=".", help="folder of the archive")
     given = parser.parse_args()
     print(pack(given.wheel, given.out), file=sys.stdout)

@@ -65,7 +65,9 @@ def principled(name, **values):
         material.node_tree.links.new(node.outputs[0], out.inputs["Surface"])
     for key, value in values.items():
         socket = next(s for s in node.inputs if s.name.lower().replace(" ", "_") == key)
-        socket.default_value = (*value, 1.0) if isinstance(value, tuple) and len(value) == 3 and socket.type == "RGBA" else value
+        socket.default_value = (
+            (*value, 1.0) if isinstance(value, tuple) and len(value) == 3 and socket.type == "RGBA" else value
+        )
     return material
 
 
@@ -93,7 +95,9 @@ def world(colour=(0.05, 0.05, 0.05), strength=1.0, picture=None):
     background.inputs["Strength"].default_value = strength
     if picture:
         node = nodes.new("ShaderNodeTexEnvironment")
-        node.image = bpy.data.images.load(f"{bpy.utils.resource_path('LOCAL')}/datafiles/studiolights/world/{picture}.exr")
+        node.image = bpy.data.images.load(
+            f"{bpy.utils.resource_path('LOCAL')}/datafiles/studiolights/world/{picture}.exr"
+        )
         made.node_tree.links.new(node.outputs[0], background.inputs["Color"])
     return made
 

@@ -12,14 +12,19 @@ import bpy
 
 def cloud(path, size=48):
     """Writes a ball of noise as an OpenVDB file."""
-    sys.path.append(f"{bpy.utils.resource_path('LOCAL')}/python/lib/python{sys.version_info[0]}.{sys.version_info[1]}/site-packages")
+    sys.path.append(
+        f"{bpy.utils.resource_path('LOCAL')}/python/lib/python{sys.version_info[0]}.{sys.version_info[1]}/site-packages"
+    )
     try:
         import openvdb
     except ImportError:
         import pyopenvdb as openvdb
     random = np.random.default_rng(3)
     x = np.stack(np.meshgrid(*[np.linspace(-1, 1, size)] * 3, indexing="ij"))
-    noise = sum(np.sin((x * f * random.normal(size=(3, 1, 1, 1)) * 3).sum(0) + random.uniform(0, 6)) / f for f in (1, 2, 3, 4, 6))
+    noise = sum(
+        np.sin((x * f * random.normal(size=(3, 1, 1, 1)) * 3).sum(0) + random.uniform(0, 6)) / f
+        for f in (1, 2, 3, 4, 6)
+    )
     density = np.clip(1.2 - np.sqrt((x**2).sum(0)) * 1.6 + 0.25 * noise, 0, 1).astype(np.float32)
     grid = openvdb.FloatGrid()
     grid.copyFromArray(density)

@@ -43,7 +43,9 @@ class SteradianEngine(bpy.types.RenderEngine):
 
         return Report(tell)
 
-    def update_render_passes(self, scene: bpy.types.Scene | None = None, renderlayer: bpy.types.ViewLayer | None = None) -> None:
+    def update_render_passes(
+        self, scene: bpy.types.Scene | None = None, renderlayer: bpy.types.ViewLayer | None = None
+    ) -> None:
         """Tells Blender which passes there are."""
         self.register_pass(scene, renderlayer, "Combined", 4, "RGBA", "COLOR")
         for each in passes.wanted(renderlayer, scene):
@@ -76,7 +78,9 @@ class SteradianEngine(bpy.types.RenderEngine):
         self._frame(compiled, exported, scene, view_layer, size, report)
         tell(compiled, report)
 
-    def _frame(self, compiled: Any, exported: Exported, scene: Any, view_layer: Any, size: tuple[int, int], report: Report) -> None:
+    def _frame(
+        self, compiled: Any, exported: Exported, scene: Any, view_layer: Any, size: tuple[int, int], report: Report
+    ) -> None:
         """Renders in steps of growing numbers of samples, each of which Blender shows."""
         wanted = [] if self.is_preview else passes.wanted(view_layer, scene)
         own, transparent = scene.steradian, scene.render.film_transparent
@@ -86,10 +90,14 @@ class SteradianEngine(bpy.types.RenderEngine):
         if (crop := border(scene, size)) is not None:
             frame["crop"] = crop
         behind = background(exported, frame)
-        options = settings.options(scene, is_preview=self.is_preview, groups=groups, **exported.how) | frame | {
-            "transparent": transparent,
-            "layers": passes.layers(wanted, alpha=transparent or behind is not None, denoise=denoiser is not None),
-        }
+        options = (
+            settings.options(scene, is_preview=self.is_preview, groups=groups, **exported.how)
+            | frame
+            | {
+                "transparent": transparent,
+                "layers": passes.layers(wanted, alpha=transparent or behind is not None, denoise=denoiser is not None),
+            }
+        )
         for each in wanted:
             self.add_pass(each.name, len(each.channels), each.channels, layer=view_layer.name)
 

@@ -22,7 +22,9 @@ class STERADIAN_OT_open(bpy.types.Operator):
     bl_idname = "steradian.open"
     bl_label = "Open in Steradian"
 
-    filepath: StringProperty(name="File", description="Scene file to write; a temporary one if it is empty", subtype="FILE_PATH")
+    filepath: StringProperty(
+        name="File", description="Scene file to write; a temporary one if it is empty", subtype="FILE_PATH"
+    )
     show: BoolProperty(name="Show", description="Start the viewer", default=True)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -30,7 +32,9 @@ class STERADIAN_OT_open(bpy.types.Operator):
         report = Report(lambda line: self.report({"WARNING"}, line))
         depsgraph = context.evaluated_depsgraph_get()
         exporter = Exporter(report)
-        path = bpy.path.abspath(self.filepath) or os.path.join(tempfile.mkdtemp(prefix="steradian-"), f"{context.scene.name}.steradian")
+        path = bpy.path.abspath(self.filepath) or os.path.join(
+            tempfile.mkdtemp(prefix="steradian-"), f"{context.scene.name}.steradian"
+        )
         try:
             compiled = library().scene(exporter.export(depsgraph).description)
             compiled.save(path, overwrite=True)

@@ -9,14 +9,30 @@ import bpy
 ENGINE = "STERADIAN"
 # Panels that say so for Blender's own renderers, but mean nothing here, by the beginnings of their names.
 EXCLUDED = (
-    "NODE_", "VIEWLAYER_PT_filter", "VIEWLAYER_PT_freestyle", "RENDER_PT_simplify_greasepencil", "RENDER_PT_grease_pencil", "RENDER_PT_freestyle",
-    "DATA_PT_light", "DATA_PT_EEVEE_light", "DATA_PT_spot", "DATA_PT_area",
+    "NODE_",
+    "VIEWLAYER_PT_filter",
+    "VIEWLAYER_PT_freestyle",
+    "RENDER_PT_simplify_greasepencil",
+    "RENDER_PT_grease_pencil",
+    "RENDER_PT_freestyle",
+    "DATA_PT_light",
+    "DATA_PT_EEVEE_light",
+    "DATA_PT_spot",
+    "DATA_PT_area",
 )
 # Panels that are useful here, but do not say so.
 INCLUDED = {
-    "VIEWLAYER_PT_layer_passes", "VIEWLAYER_PT_layer_passes_cryptomatte", "VIEWLAYER_PT_layer_passes_lightgroups", "VIEWLAYER_PT_override",
-    "EEVEE_MATERIAL_PT_context_material", "MATERIAL_PT_preview", "DATA_PT_camera_dof", "DATA_PT_camera_dof_aperture", "DATA_PT_light_animation",
-    "PARTICLE_PT_hair_shape", "CURVES_PT_shape",
+    "VIEWLAYER_PT_layer_passes",
+    "VIEWLAYER_PT_layer_passes_cryptomatte",
+    "VIEWLAYER_PT_layer_passes_lightgroups",
+    "VIEWLAYER_PT_override",
+    "EEVEE_MATERIAL_PT_context_material",
+    "MATERIAL_PT_preview",
+    "DATA_PT_camera_dof",
+    "DATA_PT_camera_dof_aperture",
+    "DATA_PT_light_animation",
+    "PARTICLE_PT_hair_shape",
+    "CURVES_PT_shape",
 }
 
 
@@ -45,7 +61,9 @@ class STERADIAN_PT_sampling(_Panel):
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the panel."""
         own = context.scene.steradian
-        self._rows(own, "method", "samples", "preview_samples", "time_limit", "error", "adaptive", "seed", "animate_seed")
+        self._rows(
+            own, "method", "samples", "preview_samples", "time_limit", "error", "adaptive", "seed", "animate_seed"
+        )
 
 
 class STERADIAN_PT_light(_Panel):
@@ -117,7 +135,14 @@ class STERADIAN_PT_passes(_Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the panel."""
-        self._rows(context.view_layer, "use_pass_z", "use_pass_position", "use_pass_normal", "use_pass_uv", "use_pass_diffuse_color")
+        self._rows(
+            context.view_layer,
+            "use_pass_z",
+            "use_pass_position",
+            "use_pass_normal",
+            "use_pass_uv",
+            "use_pass_diffuse_color",
+        )
         self._rows(context.scene.steradian, "store_guides")
 
 
@@ -191,8 +216,16 @@ def _node(layout: bpy.types.UILayout, owner: Any, kind: str, socket: str) -> Non
 
 
 CLASSES = (
-    STERADIAN_PT_sampling, STERADIAN_PT_light, STERADIAN_PT_denoising, STERADIAN_PT_film, STERADIAN_PT_motion, STERADIAN_PT_performance,
-    STERADIAN_PT_passes, STERADIAN_PT_lamp, STERADIAN_PT_material, STERADIAN_PT_world,
+    STERADIAN_PT_sampling,
+    STERADIAN_PT_light,
+    STERADIAN_PT_denoising,
+    STERADIAN_PT_film,
+    STERADIAN_PT_motion,
+    STERADIAN_PT_performance,
+    STERADIAN_PT_passes,
+    STERADIAN_PT_lamp,
+    STERADIAN_PT_material,
+    STERADIAN_PT_world,
 )
 
 
@@ -200,8 +233,10 @@ def _shared() -> list[Any]:
     """Blender's own panels that are drawn for this renderer, too."""
     panels = [panel for panel in bpy.types.Panel.__subclasses__() if hasattr(panel, "COMPAT_ENGINES")]
     return [
-        panel for panel in panels
-        if panel.__name__ in INCLUDED or ("BLENDER_RENDER" in panel.COMPAT_ENGINES and not panel.__name__.startswith(EXCLUDED))
+        panel
+        for panel in panels
+        if panel.__name__ in INCLUDED
+        or ("BLENDER_RENDER" in panel.COMPAT_ENGINES and not panel.__name__.startswith(EXCLUDED))
     ]
 
 

@@ -43,7 +43,9 @@ def wanted(view_layer: bpy.types.ViewLayer, scene: bpy.types.Scene) -> list[Pass
                 found.append(Pass(f"Crypto{short}{level:02}", "RGBA", "COLOR", "cryptomatte", planes))
     if scene.steradian.store_guides:
         found.append(Pass("Denoising Albedo", "RGB", "COLOR", "denoise_albedo", _rgb("denoise_albedo")))
-        found.append(Pass("Denoising Normal", "XYZ", "VECTOR", "denoise_normal", tuple(f"denoise_normal.{c}" for c in "XYZ")))
+        found.append(
+            Pass("Denoising Normal", "XYZ", "VECTOR", "denoise_normal", tuple(f"denoise_normal.{c}" for c in "XYZ"))
+        )
         found.append(Pass("Noisy Image", "RGBA", "COLOR", "", ("raw.R|R", "raw.G|G", "raw.B|B", "A|=1")))
     for group in view_layer.lightgroups:
         found.append(Pass(f"Combined_{group.name}", "RGB", "COLOR", "light_groups", _rgb(f"RGBA_{group.name}")))
@@ -55,12 +57,23 @@ def _rgb(name: str) -> tuple[str, ...]:
 
 
 MISSING = {
-    "use_pass_vector": "Vector", "use_pass_mist": "Mist", "use_pass_object_index": "Object Index", "use_pass_material_index": "Material Index",
-    "use_pass_shadow": "Shadow", "use_pass_ambient_occlusion": "Ambient Occlusion", "use_pass_emit": "Emission",
-    "use_pass_environment": "Environment", "use_pass_diffuse_direct": "Diffuse Direct", "use_pass_diffuse_indirect": "Diffuse Indirect",
-    "use_pass_glossy_direct": "Glossy Direct", "use_pass_glossy_indirect": "Glossy Indirect", "use_pass_glossy_color": "Glossy Color",
-    "use_pass_transmission_direct": "Transmission Direct", "use_pass_transmission_indirect": "Transmission Indirect",
-    "use_pass_transmission_color": "Transmission Color", "use_pass_cryptomatte_asset": "Cryptomatte Asset",
+    "use_pass_vector": "Vector",
+    "use_pass_mist": "Mist",
+    "use_pass_object_index": "Object Index",
+    "use_pass_material_index": "Material Index",
+    "use_pass_shadow": "Shadow",
+    "use_pass_ambient_occlusion": "Ambient Occlusion",
+    "use_pass_emit": "Emission",
+    "use_pass_environment": "Environment",
+    "use_pass_diffuse_direct": "Diffuse Direct",
+    "use_pass_diffuse_indirect": "Diffuse Indirect",
+    "use_pass_glossy_direct": "Glossy Direct",
+    "use_pass_glossy_indirect": "Glossy Indirect",
+    "use_pass_glossy_color": "Glossy Color",
+    "use_pass_transmission_direct": "Transmission Direct",
+    "use_pass_transmission_indirect": "Transmission Indirect",
+    "use_pass_transmission_color": "Transmission Color",
+    "use_pass_cryptomatte_asset": "Cryptomatte Asset",
 }
 
 

@@ -55,7 +55,10 @@ class Session:
             exported = self._exporter.export(depsgraph, self._size if all(self._size) else None, view=view)
             self._take(exported)
             scene = depsgraph.scene
-            self._choices = {hides: settings.options(scene, is_preview=True, **exported.how | {"hides_lamps": hides}) for hides in (True, False)}
+            self._choices = {
+                hides: settings.options(scene, is_preview=True, **exported.how | {"hides_lamps": hides})
+                for hides in (True, False)
+            }
             self._denoise = scene.steradian.preview_denoise
             self._transparent = scene.render.film_transparent
 
@@ -91,8 +94,11 @@ class Session:
 
     def wait(self, spp: int = 0, timeout: float = 60.0) -> tuple[NDArray[np.float32], int] | None:
         """Waits for a picture of so many samples; None where there is none in time, or an error."""
+
         def is_there() -> bool:
-            return self.error is not None or (self._picture is not None and self._picture[2] == self._epoch and self._picture[1] >= spp)
+            return self.error is not None or (
+                self._picture is not None and self._picture[2] == self._epoch and self._picture[1] >= spp
+            )
 
         with self._lock:
             self._lock.wait_for(is_there, timeout)
@@ -167,14 +173,18 @@ class Session:
         total, seed = options.pop("spp", None), options.pop("seed")
         coarse = tuple(max(n // COARSE, 1) for n in size)
         behind = engine.background(self._exported, {"size": size})
-        layers = passes.layers([], alpha=self._transparent or behind is not None, denoise=self._denoise and total is not None)
+        layers = passes.layers(
+            [], alpha=self._transparent or behind is not None, denoise=self._denoise and total is not None
+        )
         first = self._image(epoch, coarse, layers, options | ({"spp": 1} if total else {}) | {"seed": seed})
         if first is None:
             return
         self._show(passes.combined(first, transparent=self._transparent, background=_coarse(behind, coarse)), 0, epoch)
         sums, count, part = Sums(), 0, 1
         while total is None or count < total:
-            image = self._image(epoch, size, layers, options | ({"spp": part} if total else {}) | {"seed": seed + count})
+            image = self._image(
+                epoch, size, layers, options | ({"spp": part} if total else {}) | {"seed": seed + count}
+            )
             if image is None:
                 return
             sums.add(image, part)
@@ -223,7 +233,10 @@ class Sums:
     def image(self) -> Any:
         """The mean; its variance is that of a mean of independent pictures."""
         count = self._count
-        mean = {name: plane / (count * count if name.startswith("variance") else count) for name, plane in self._planes.items()}
+        mean = {
+            name: plane / (count * count if name.startswith("variance") else count)
+            for name, plane in self._planes.items()
+        }
         return engine.library().Image(mean)
 
 

@@ -1,6 +1,6 @@
 """Tests of the add-on, by Blender as a Python module (`pip install bpy`); they are skipped, and say so, where it is not there.
 
-    PYTHONPATH=… python -m pytest blender/tests
+PYTHONPATH=… python -m pytest blender/tests
 """
 
 import importlib.util
@@ -19,5 +19,7 @@ def pytest_terminal_summary(terminalreporter):
     """Tells loudly what is not tested."""
     if ABSENT:
         terminalreporter.write_sep("#", "WARNING", yellow=True)
-        terminalreporter.write_line(f"NO TEST OF THE ADD-ON FOR BLENDER HAS RUN: no module {' and no module '.join(ABSENT)}")
+        terminalreporter.write_line(
+            f"NO TEST OF THE ADD-ON FOR BLENDER HAS RUN: no module {' and no module '.join(ABSENT)}"
+        )
         terminalreporter.write_sep("#", yellow=True)

@@ -22,7 +22,9 @@ def marked(size=(64, 36)):
     current = common.empty(size)
     common.world((1, 1, 1), 0.2)
     for place, colour in MARKS.items():
-        common.shape("ico_sphere", common.matte(str(colour), colour), smooth=True, subdivisions=4, radius=0.35, location=place)
+        common.shape(
+            "ico_sphere", common.matte(str(colour), colour), smooth=True, subdivisions=4, radius=0.35, location=place
+        )
     eye = common.camera((0.5, -6, 1), (0.2, 0, 0.3))
     eye.rotation_euler.rotate_axis("Z", 0.1)
     return current
@@ -36,7 +38,9 @@ def alike():
         weights = np.abs(picture - np.median(picture, axis=(0, 1)))
         weights = np.maximum(weights - 0.3 * weights.max(axis=(0, 1)), 0)
         y, x = np.mgrid[: picture.shape[0], : picture.shape[1]]
-        centres.append([[(weights[..., k] * at).sum() / max(weights[..., k].sum(), 1e-6) for at in (x, y)] for k in range(3)])
+        centres.append(
+            [[(weights[..., k] * at).sum() / max(weights[..., k].sum(), 1e-6) for at in (x, y)] for k in range(3)]
+        )
     assert np.abs(np.subtract(*centres)).max() < 0.6, centres
     assert np.abs(a - b).mean() < 0.015 * b.mean()
 
@@ -69,7 +73,13 @@ def test_depth_of_field_by_an_object_in_focus():
 def test_a_border_is_rendered_alone_and_in_its_place():
     current = marked()
     render = current.render
-    render.use_border, render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = True, 0.25, 0.8, 0.3, 0.9
+    render.use_border, render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = (
+        True,
+        0.25,
+        0.8,
+        0.3,
+        0.9,
+    )
     alike()
     render.use_crop_to_border = True
     a, b = both(4)

@@ -96,7 +96,10 @@ def test_what_moves_is_blurred_as_in_cycles():
     assert current.frame_current == 5 and current.frame_subframe == 0
     a, b = rendered("STERADIAN", 32), rendered("CYCLES", 32)
     assert np.isclose(a.mean(), b.mean(), rtol=0.01)
-    blocks = [np.array([[part.mean() for part in np.array_split(row, 8, axis=1)] for row in np.array_split(p, 6, axis=0)]) for p in (a, b)]
+    blocks = [
+        np.array([[part.mean() for part in np.array_split(row, 8, axis=1)] for row in np.array_split(p, 6, axis=0)])
+        for p in (a, b)
+    ]
     assert np.allclose(*blocks, rtol=0.06)
 
 
@@ -129,7 +132,13 @@ def test_a_material_override_counts():
 def test_panels_come_and_go_with_the_extension():
     named = {panel.__name__: panel for panel in bpy.types.Panel.__subclasses__()}
     shown = {name for name, panel in named.items() if "STERADIAN" in getattr(panel, "COMPAT_ENGINES", ())}
-    assert {"DATA_PT_lens", "RENDER_PT_format", "WORLD_PT_context_world", "VIEWLAYER_PT_layer_passes", "DATA_PT_camera_dof"} <= shown
+    assert {
+        "DATA_PT_lens",
+        "RENDER_PT_format",
+        "WORLD_PT_context_world",
+        "VIEWLAYER_PT_layer_passes",
+        "DATA_PT_camera_dof",
+    } <= shown
     assert "DATA_PT_light" not in shown and hasattr(bpy.types, "STERADIAN_PT_sampling")
     ADDON.unregister()
     try:
@@ -241,7 +250,12 @@ def test_the_viewport_follows_edits_without_making_the_scene_anew():
 
 def test_sums_are_those_of_one_render_of_all_samples():
     compiled = steradian.load("builtin:cornell-box")
-    parts = [compiled.render(spp=n, size=(24, 24), seed=n, layers=["variance", "depth"], integrator="path:reuse=1,effort=even") for n in (16, 48)]
+    parts = [
+        compiled.render(
+            spp=n, size=(24, 24), seed=n, layers=["variance", "depth"], integrator="path:reuse=1,effort=even"
+        )
+        for n in (16, 48)
+    ]
     sums = viewport.Sums()
     for part, n in zip(parts, (16, 48)):
         sums.add(part, n)

@@ -178,7 +178,9 @@ def test_particle_hair_is_strands_in_the_world():
     thing.modifiers.new("Hair", "PARTICLE_SYSTEM")
     how = thing.particle_systems[0].settings
     how.type, how.count, how.hair_length = "HAIR", 20, 0.5
-    (strands,) = [shape["mesh"] for shape in exported()[0].description["shapes"].values() if isinstance(shape["mesh"], dict)]
+    (strands,) = [
+        shape["mesh"] for shape in exported()[0].description["shapes"].values() if isinstance(shape["mesh"], dict)
+    ]
     far = np.linalg.norm(strands["positions"] - (3, 0, 0), axis=1)
     assert np.isclose(far.min(), 1, atol=0.05) and far.max() > 1.3
 

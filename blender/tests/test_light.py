@@ -9,7 +9,11 @@ LAMPS = {
     "point": ("POINT", 300, {"shadow_soft_size": 0.0}),
     "ball": ("POINT", 300, {"shadow_soft_size": 0.5, "use_soft_falloff": False}),
     "ball by its area": ("POINT", 100, {"shadow_soft_size": 0.5, "use_soft_falloff": False, "normalize": False}),
-    "warm": ("POINT", 300, {"shadow_soft_size": 0.0, "use_temperature": True, "temperature": 3000.0, "color": (1.0, 0.8, 0.6)}),
+    "warm": (
+        "POINT",
+        300,
+        {"shadow_soft_size": 0.0, "use_temperature": True, "temperature": 3000.0, "color": (1.0, 0.8, 0.6)},
+    ),
     "spot": ("SPOT", 300, {"shadow_soft_size": 0.0, "spot_size": 1.2, "spot_blend": 0.5}),
     "sharp spot": ("SPOT", 300, {"shadow_soft_size": 0.0, "spot_size": 1.0, "spot_blend": 0.0}),
     "sun": ("SUN", 3, {"angle": 0.0}),
@@ -122,7 +126,10 @@ def test_the_sun_of_a_sky_stands_as_in_cycles():
     common.shape("uv_sphere", common.matte("Grey", (0.5, 0.5, 0.5)), smooth=True)
     common.camera((0, 0, 6), (0, 0.001, 0), 60)
     a, b = both(32)
-    slopes = [[np.diff([part.mean() for part in np.array_split(p, 2, axis=axis)])[0] / p.mean() for axis in (0, 1)] for p in (a, b)]
+    slopes = [
+        [np.diff([part.mean() for part in np.array_split(p, 2, axis=axis)])[0] / p.mean() for axis in (0, 1)]
+        for p in (a, b)
+    ]
     assert np.allclose(*slopes, atol=0.1) and np.abs(slopes).min() > 0.1
 
 
@@ -142,6 +149,9 @@ def test_a_picture_around_stands_as_in_cycles(turn):
     common.camera((1, -5, 1), (0, 0, 0), 25)
     a, b = both(32)
     assert np.allclose(a.mean((0, 1)), b.mean((0, 1)), rtol=0.01)
-    blocks = [np.array([[part.mean() for part in np.array_split(row, 6, axis=1)] for row in np.array_split(p, 3, axis=0)]) for p in (a, b)]
+    blocks = [
+        np.array([[part.mean() for part in np.array_split(row, 6, axis=1)] for row in np.array_split(p, 3, axis=0)])
+        for p in (a, b)
+    ]
     assert np.allclose(*blocks, rtol=0.05, atol=0.02 * b.mean())
     assert bpy.context.scene is current

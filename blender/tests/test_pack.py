@@ -5,7 +5,9 @@ import os
 import tomllib
 import zipfile
 
-SPEC = importlib.util.spec_from_file_location("pack", os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "pack.py"))
+SPEC = importlib.util.spec_from_file_location(
+    "pack", os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "pack.py")
+)
 pack = importlib.util.module_from_spec(SPEC)
 SPEC.loader.exec_module(pack)
 
@@ -33,5 +35,7 @@ def test_the_archive_has_manifest_modules_licences_and_wheel(tmp_path):
         assert archive.read(f"wheels/{name}") == b"stands for a wheel"
     assert manifest["wheels"] == [f"./wheels/{name}"] and manifest["schema_version"] == "1.0.0"
     assert manifest["license"] == ["SPDX:MIT", "SPDX:Apache-2.0"] and "network" not in manifest["permissions"]
-    assert {"__init__.py", "engine.py", "export/mesh.py", "nodes/__init__.py", "LICENSE-MIT", "LICENSE-APACHE"} <= set(names)
+    assert {"__init__.py", "engine.py", "export/mesh.py", "nodes/__init__.py", "LICENSE-MIT", "LICENSE-APACHE"} <= set(
+        names
+    )
     assert not [each for each in names if "__pycache__" in each]

@@ -13,7 +13,9 @@ from . import matrix
 from .context import Context
 
 
-def export(context: Context, thing: bpy.types.Object, size: tuple[int, int], moved: tuple[Any, Any] | None = None) -> None:
+def export(
+    context: Context, thing: bpy.types.Object, size: tuple[int, int], moved: tuple[Any, Any] | None = None
+) -> None:
     """Adds the camera of a scene for pictures of a size; `moved` are its places at both ends of the exposure."""
     render = context.depsgraph.scene.render
     camera = thing.data
@@ -22,15 +24,24 @@ def export(context: Context, thing: bpy.types.Object, size: tuple[int, int], mov
     if camera.type == "PANO":
         entry = _panorama(context, thing, place)
     else:
-        window = matrix.array(thing.calc_matrix_camera(
-            context.depsgraph, x=size[0], y=size[1], scale_x=render.pixel_aspect_x, scale_y=render.pixel_aspect_y,
-        ))
+        window = matrix.array(
+            thing.calc_matrix_camera(
+                context.depsgraph,
+                x=size[0],
+                y=size[1],
+                scale_x=render.pixel_aspect_x,
+                scale_y=render.pixel_aspect_y,
+            )
+        )
         entry = projection(window, camera.clip_start, camera.clip_end)
         entry["to_world"] = place
         if camera.dof.use_dof:
             entry |= _lens(context, thing)
     if not np.allclose(begin, end, atol=1e-7):
-        entry |= {"to_world_end": matrix.rigid(end) @ np.linalg.inv(matrix.rigid(begin)) @ entry["to_world"], "motion_times": [0.0, 1.0]}
+        entry |= {
+            "to_world_end": matrix.rigid(end) @ np.linalg.inv(matrix.rigid(begin)) @ entry["to_world"],
+            "motion_times": [0.0, 1.0],
+        }
     context.add("cameras", thing.name, entry)
 
 
@@ -42,7 +53,8 @@ def projection(window: NDArray[np.float64], near: float, far: float) -> dict[str
     entry: dict[str, Any] = {
         "camera": "perspective" if is_perspective else "orthographic",
         "screen_window": [low[0], high[0], low[1], high[1]],
-        "near": max(near, 0.0), "far": far,
+        "near": max(near, 0.0),
+        "far": far,
     }
     return entry | {"fov": 90.0} if is_perspective else entry
 

@@ -18,7 +18,8 @@ class Context:
     def __init__(self, depsgraph: bpy.types.Depsgraph, report: Report, images: Images):
         self.depsgraph, self.report, self.images = depsgraph, report, images
         self.sections: dict[str, dict[str, Any]] = {
-            name: {} for name in ("nodes", "textures", "materials", "media", "cameras", "lights", "meshes", "groups", "shapes")
+            name: {}
+            for name in ("nodes", "textures", "materials", "media", "cameras", "lights", "meshes", "groups", "shapes")
         }
         self.instances: list[dict[str, Any]] = []
         self.name = Names()

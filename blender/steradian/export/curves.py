@@ -40,12 +40,21 @@ def shapes(context: Context, name: str, strands: list[Strand], of: dict[str, Any
         return [{"shape": "mesh", "mesh": tubes(strands), **of}] if strands else []
     if not is_hair:
         context.report(name, "has too many strands for tubes: they are curves, shaded as if from inside")
-    if any(not np.allclose(radii, np.linspace(radii[0], radii[-1], len(radii)), rtol=0.05, atol=1e-6) for _, radii in strands):
+    if any(
+        not np.allclose(radii, np.linspace(radii[0], radii[-1], len(radii)), rtol=0.05, atol=1e-6)
+        for _, radii in strands
+    ):
         context.report(name, "its strands have the radii of root and tip, linear in between")
     return [
         {
-            "shape": "curve", "degree": 3, "basis": "bezier", "type": "cylinder", "points": bezier(points).ravel(),
-            "width0": 2 * radii[0], "width1": 2 * radii[-1], **of,
+            "shape": "curve",
+            "degree": 3,
+            "basis": "bezier",
+            "type": "cylinder",
+            "points": bezier(points).ravel(),
+            "width0": 2 * radii[0],
+            "width1": 2 * radii[-1],
+            **of,
         }
         for points, radii in strands
     ]
@@ -63,7 +72,11 @@ def tubes(strands: list[Strand]) -> dict[str, Any]:
         normals.append(n)
         triangles.append(t + first)
         first += len(p)
-    return {"positions": np.concatenate(positions), "normals": np.concatenate(normals), "triangles": np.concatenate(triangles)}
+    return {
+        "positions": np.concatenate(positions),
+        "normals": np.concatenate(normals),
+        "triangles": np.concatenate(triangles),
+    }
 
 
 def _tubes(points: NDArray[np.float64], radii: NDArray[np.float64]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:

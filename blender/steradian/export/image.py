@@ -38,7 +38,9 @@ class Images:
         if is_file and not image.packed_file and os.path.isfile(path):
             return path
         if is_file and image.packed_file:
-            return self._kept((image.session_uid, "packed", image.packed_file.size), extension, bytes(image.packed_file.data))
+            return self._kept(
+                (image.session_uid, "packed", image.packed_file.size), extension, bytes(image.packed_file.data)
+            )
         if not len(image.pixels):
             report(image.name, f"the file '{image.filepath_raw}' is not there, or cannot be read")
             return None
@@ -64,7 +66,9 @@ class Images:
             import steradian
 
             self._known[key] = os.path.join(self._folder.name, f"{len(self._known):04}.exr")
-            names: list[Any] = ["R", "G", "B", "A"][: image.channels] if image.channels >= 3 else ["Y", "A"][: image.channels]
+            names: list[Any] = (
+                ["R", "G", "B", "A"][: image.channels] if image.channels >= 3 else ["Y", "A"][: image.channels]
+            )
             planes = {name: np.ascontiguousarray(rows[..., k]) for k, name in enumerate(names)}
             if image.channels < 3:
                 planes = {name: planes["Y"] for name in "RGB"}
@@ -81,4 +85,9 @@ def png(rows: NDArray[np.uint8]) -> bytes:
 
     head = struct.pack(">IIBBBBB", width, height, 8, {1: 0, 2: 4, 3: 2, 4: 6}[channels], 0, 0, 0)
     lines = np.concatenate([np.zeros((height, 1), np.uint8), rows.reshape(height, -1)], axis=1)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(lines.tobytes(), 1)) + chunk(b"IEND", b"")
+    return (
+        b"\x89PNG\r\n\x1a\n"
+        + chunk(b"IHDR", head)
+        + chunk(b"IDAT", zlib.compress(lines.tobytes(), 1))
+        + chunk(b"IEND", b"")
+    )

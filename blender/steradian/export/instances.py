@@ -51,7 +51,11 @@ class Meshes:
 
 def places(depsgraph: bpy.types.Depsgraph) -> dict[Any, NDArray[np.float64]]:
     """Matrices of all that is placed, by keys that stay the same from frame to frame."""
-    return {_place(found): matrix.array(found.matrix_world) for found in depsgraph.object_instances if found.object.type in GEOMETRY}
+    return {
+        _place(found): matrix.array(found.matrix_world)
+        for found in depsgraph.object_instances
+        if found.object.type in GEOMETRY
+    }
 
 
 def _place(found: bpy.types.DepsgraphObjectInstance) -> Any:
@@ -86,7 +90,9 @@ def export(context: Context, meshes: Meshes, moved: Moved | None = None) -> None
         _add(context, model, moved or {})
 
 
-def _placed(context: Context, meshes: Meshes, models: dict[Any, Model], found: Any, thing: bpy.types.Object, place: Any) -> None:
+def _placed(
+    context: Context, meshes: Meshes, models: dict[Any, Model], found: Any, thing: bpy.types.Object, place: Any
+) -> None:
     materials = tuple(slot.material.name_full if slot.material else "" for slot in thing.material_slots)
     data = thing.data
     key = (thing.type, data.as_pointer() if data else thing.name_full, materials, _visibility(thing))
@@ -118,7 +124,11 @@ def _parts(context: Context, meshes: Meshes, thing: bpy.types.Object) -> list[di
 
 
 def _mesh_key(thing: bpy.types.Object) -> Any:
-    return (thing.data.name_full if thing.data else "", thing.name_full if thing.modifiers or thing.type != "MESH" else "", thing.data.as_pointer())
+    return (
+        thing.data.name_full if thing.data else "",
+        thing.name_full if thing.modifiers or thing.type != "MESH" else "",
+        thing.data.as_pointer(),
+    )
 
 
 def _triangles(thing: bpy.types.Object) -> Any:
@@ -141,7 +151,11 @@ def _mesh(context: Context, thing: bpy.types.Object, slot: int, arrays: dict[str
 
 
 def _tell_visibility(context: Context, thing: bpy.types.Object) -> None:
-    hidden = [what for what in ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow") if not getattr(thing, f"visible_{what}")]
+    hidden = [
+        what
+        for what in ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
+        if not getattr(thing, f"visible_{what}")
+    ]
     if hidden:
         context.report(thing.name, f"is seen by all rays, those of {', '.join(hidden)} too")
     if thing.is_holdout:
@@ -150,15 +164,28 @@ def _tell_visibility(context: Context, thing: bpy.types.Object) -> None:
 
 # Modifiers that change a shape in time.
 DEFORMING = {
-    "ARMATURE", "CLOTH", "CURVE", "HOOK", "LATTICE", "MESH_CACHE", "MESH_DEFORM", "MESH_SEQUENCE_CACHE", "OCEAN", "SHRINKWRAP", "SOFT_BODY",
-    "SURFACE_DEFORM", "WAVE",
+    "ARMATURE",
+    "CLOTH",
+    "CURVE",
+    "HOOK",
+    "LATTICE",
+    "MESH_CACHE",
+    "MESH_DEFORM",
+    "MESH_SEQUENCE_CACHE",
+    "OCEAN",
+    "SHRINKWRAP",
+    "SOFT_BODY",
+    "SURFACE_DEFORM",
+    "WAVE",
 }
 
 
 def _tell_deformation(context: Context, thing: bpy.types.Object) -> None:
     keys = getattr(thing.data, "shape_keys", None)
     if any(m.type in DEFORMING for m in thing.modifiers) or (keys is not None and keys.animation_data is not None):
-        context.report(thing.name, "moves as a whole while the shutter is open: its shape is that of the middle of the exposure")
+        context.report(
+            thing.name, "moves as a whole while the shutter is open: its shape is that of the middle of the exposure"
+        )
 
 
 def _add(context: Context, model: Model, moved: Moved) -> None:

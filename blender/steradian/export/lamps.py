@@ -24,7 +24,9 @@ def in_view(lamp: Lamp, camera: Mapping[str, Any]) -> bool:
     """True if a camera may see a lamp that nothing hides; never false where it does."""
     if camera["camera"] != "perspective":
         return True
-    return any(_from(lamp, camera, np.asarray(camera[place])) for place in ("to_world", "to_world_end") if place in camera)
+    return any(
+        _from(lamp, camera, np.asarray(camera[place])) for place in ("to_world", "to_world_end") if place in camera
+    )
 
 
 def _from(lamp: Lamp, camera: Mapping[str, Any], place: NDArray[np.float64]) -> bool:

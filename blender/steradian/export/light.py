@@ -39,7 +39,9 @@ def _colour(context: Context, lamp: bpy.types.Light) -> NDArray[np.float64]:
     return colour * np.array(nodes.light_colour(lamp, context), np.float64)
 
 
-def _point(context: Context, name: str, thing: bpy.types.Object, place: NDArray[np.float64], strength: NDArray[np.float64]) -> None:
+def _point(
+    context: Context, name: str, thing: bpy.types.Object, place: NDArray[np.float64], strength: NDArray[np.float64]
+) -> None:
     radius = thing.data.shadow_soft_size
     strength = strength * _whole(thing.data)
     if radius > 0:
@@ -64,7 +66,9 @@ def _moved(place: NDArray[np.float64]) -> NDArray[np.float64]:
     return m
 
 
-def _spot(context: Context, name: str, thing: bpy.types.Object, place: NDArray[np.float64], strength: NDArray[np.float64]) -> None:
+def _spot(
+    context: Context, name: str, thing: bpy.types.Object, place: NDArray[np.float64], strength: NDArray[np.float64]
+) -> None:
     lamp = thing.data
     scale = np.linalg.norm(place[:3, :3], axis=0)
     if not np.allclose(scale, scale[0], rtol=1e-3):
@@ -78,10 +82,18 @@ def _spot(context: Context, name: str, thing: bpy.types.Object, place: NDArray[n
     for point in points:
         moved = at.copy()
         moved[:3, 3] += at[:3, :3] @ point
-        context.add("lights", name, {
-            "light": "spot", "intensity": strength * _whole(lamp) / (4 * math.pi * len(points)), "cone_angle": math.degrees(half),
-            "falloff_start": math.degrees(math.acos(inner)), "falloff": "smoothstep", "to_world": moved,
-        })
+        context.add(
+            "lights",
+            name,
+            {
+                "light": "spot",
+                "intensity": strength * _whole(lamp) / (4 * math.pi * len(points)),
+                "cone_angle": math.degrees(half),
+                "falloff_start": math.degrees(math.acos(inner)),
+                "falloff": "smoothstep",
+                "to_world": moved,
+            },
+        )
 
 
 # Points that stand for a spot with a radius: one light of ours with a cone has no size.
@@ -95,7 +107,9 @@ def _disc(count: int) -> NDArray[np.float64]:
     return np.stack([radius * np.cos(turn), radius * np.sin(turn), np.zeros(count)], axis=1)
 
 
-def _sun(context: Context, name: str, thing: bpy.types.Object, place: NDArray[np.float64], strength: NDArray[np.float64]) -> None:
+def _sun(
+    context: Context, name: str, thing: bpy.types.Object, place: NDArray[np.float64], strength: NDArray[np.float64]
+) -> None:
     axes = matrix.rigid(place)
     way, size = -axes[:3, 2], math.tan(thing.data.angle / 2)
     if size < 1e-4:
@@ -106,10 +120,18 @@ def _sun(context: Context, name: str, thing: bpy.types.Object, place: NDArray[np
     disc = np.eye(4)
     disc[:3, :3] = (axes @ matrix.FLIP)[:3, :3] * distance * size
     disc[:3, 3] = -way * distance
-    _emitter(context, name, thing, {"shape": "disk", "to_world": disc}, strength / (math.pi * math.sin(thing.data.angle / 2) ** 2))
+    _emitter(
+        context,
+        name,
+        thing,
+        {"shape": "disk", "to_world": disc},
+        strength / (math.pi * math.sin(thing.data.angle / 2) ** 2),
+    )
 
 
-def _area(context: Context, name: str, thing: bpy.types.Object, place: NDArray[np.float64], strength: NDArray[np.float64]) -> None:
+def _area(
+    context: Context, name: str, thing: bpy.types.Object, place: NDArray[np.float64], strength: NDArray[np.float64]
+) -> None:
     lamp = thing.data
     if lamp.spread < math.pi - 1e-3:
         context.report(thing.name, "shines to all sides of its face: its spread is left out")
@@ -127,7 +149,9 @@ def _area(context: Context, name: str, thing: bpy.types.Object, place: NDArray[n
     _emitter(context, name, thing, {**shape, "to_world": m}, radiance)
 
 
-def _emitter(context: Context, name: str, thing: bpy.types.Object, shape: dict[str, Any], radiance: NDArray[np.float64]) -> None:
+def _emitter(
+    context: Context, name: str, thing: bpy.types.Object, shape: dict[str, Any], radiance: NDArray[np.float64]
+) -> None:
     """A shape that emits, and that light passes: lamps throw no shadows."""
     if context.clear is None:
         context.clear = context.material("lamp", {"material": "interface"})

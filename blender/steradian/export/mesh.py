@@ -11,8 +11,14 @@ from numpy.typing import NDArray
 # Attributes of Blender's own bookkeeping, which no material reads.
 INTERNAL = {"position", "material_index", "sharp_face", "sharp_edge", "custom_normal", "crease_edge", "crease_vert"}
 COLUMNS = {
-    "FLOAT": ("value", 1), "INT": ("value", 1), "INT8": ("value", 1), "BOOLEAN": ("value", 1), "FLOAT2": ("vector", 2),
-    "FLOAT_VECTOR": ("vector", 3), "FLOAT_COLOR": ("color", 4), "BYTE_COLOR": ("color", 4),
+    "FLOAT": ("value", 1),
+    "INT": ("value", 1),
+    "INT8": ("value", 1),
+    "BOOLEAN": ("value", 1),
+    "FLOAT2": ("vector", 2),
+    "FLOAT_VECTOR": ("vector", 3),
+    "FLOAT_COLOR": ("color", 4),
+    "BYTE_COLOR": ("color", 4),
 }
 
 
@@ -64,7 +70,9 @@ def arrays(mesh: bpy.types.Mesh) -> list[tuple[int, dict[str, Any]]]:
         own, renumbered = np.unique(triangles[chosen], return_inverse=True)
         part = {key: value[own] for key, value in whole.items() if key != "attributes"}
         part["triangles"] = renumbered.reshape(-1, 3).astype(np.uint32)
-        part["attributes"] = _with_faces({name: value[own] for name, value in attributes.items()}, per_face, faces_of[chosen])
+        part["attributes"] = _with_faces(
+            {name: value[own] for name, value in attributes.items()}, per_face, faces_of[chosen]
+        )
         parts.append((int(slot), part))
     return parts
 
@@ -88,7 +96,9 @@ def _slots(mesh: bpy.types.Mesh) -> NDArray[np.int32] | None:
     return slots if slots.any() else None
 
 
-def _attributes(mesh: bpy.types.Mesh, vertex_of: NDArray[Any]) -> tuple[list[str], list[NDArray[Any]], dict[str, NDArray[Any]]]:
+def _attributes(
+    mesh: bpy.types.Mesh, vertex_of: NDArray[Any]
+) -> tuple[list[str], list[NDArray[Any]], dict[str, NDArray[Any]]]:
     """Names and values at corners of UV maps, colours and other attributes, and values at faces."""
     names, per_corner, per_face = [], [], {}
     for attribute in mesh.attributes:

@@ -7,7 +7,12 @@ from typing import Any
 
 # Sections of a description by the family of their nodes, in the order in which the language numbers them.
 FAMILIES = {
-    "nodes": None, "textures": "texture", "materials": "material", "media": "medium", "cameras": "camera", "lights": "light",
+    "nodes": None,
+    "textures": "texture",
+    "materials": "material",
+    "media": "medium",
+    "cameras": "camera",
+    "lights": "light",
     "shapes": "shape",
 }
 

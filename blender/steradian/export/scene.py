@@ -60,7 +60,11 @@ class Exported:
         """The scene of what is behind everything, where it has to be rendered by itself."""
         if not self.around or self.is_transparent or not self.hides_lamps:
             return None
-        return {"cameras": self.description["cameras"], "lights": self.around, **{k: self.description[k] for k in ("film", "filter")}}
+        return {
+            "cameras": self.description["cameras"],
+            "lights": self.around,
+            **{k: self.description[k] for k in ("film", "filter")},
+        }
 
     @property
     def how(self) -> dict[str, bool]:
@@ -77,7 +81,11 @@ class Exporter:
         self.meshes = instances.Meshes()
 
     def export(
-        self, depsgraph: bpy.types.Depsgraph, size: tuple[int, int] | None = None, *, view: dict[str, Any] | None = None,
+        self,
+        depsgraph: bpy.types.Depsgraph,
+        size: tuple[int, int] | None = None,
+        *,
+        view: dict[str, Any] | None = None,
         frame_set: Any = None,
     ) -> Exported:
         """The scene of a dependency graph; `view` is a camera instead of the scene's own.
@@ -155,6 +163,8 @@ def _sun_distance(depsgraph: bpy.types.Depsgraph) -> float:
     reach = 1.0
     for thing in depsgraph.objects:
         if thing.type in instances.GEOMETRY and len(thing.bound_box):
-            corners = np.array(thing.bound_box) @ np.array(thing.matrix_world.to_3x3()).T + np.array(thing.matrix_world.translation)
+            corners = np.array(thing.bound_box) @ np.array(thing.matrix_world.to_3x3()).T + np.array(
+                thing.matrix_world.translation
+            )
             reach = max(reach, float(np.abs(corners).max()))
     return float(10 ** np.ceil(np.log10(reach * 100)))

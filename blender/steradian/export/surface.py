@@ -10,7 +10,16 @@ from .. import nodes
 from .context import Context
 
 # What an entry of a material may say of the shapes that have it.
-OF_SHAPE = ("emission", "interior", "exterior", "alpha", "displacement", "displacement_scale", "displacement_middle", "displacement_vector")
+OF_SHAPE = (
+    "emission",
+    "interior",
+    "exterior",
+    "alpha",
+    "displacement",
+    "displacement_scale",
+    "displacement_middle",
+    "displacement_vector",
+)
 
 
 def of_slot(context: Context, thing: bpy.types.Object, slot: int) -> dict[str, Any]:

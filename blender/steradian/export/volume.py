@@ -14,7 +14,20 @@ from .matrix import array
 
 # Corners of a box by bits, and its triangles, outwards.
 CORNERS = np.array([[i & 1, i >> 1 & 1, i >> 2 & 1] for i in range(8)], np.float64)
-FACES = [[0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4], [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5]]
+FACES = [
+    [0, 2, 1],
+    [1, 2, 3],
+    [4, 5, 6],
+    [5, 7, 6],
+    [0, 1, 4],
+    [1, 5, 4],
+    [2, 6, 3],
+    [3, 6, 7],
+    [0, 4, 2],
+    [2, 4, 6],
+    [1, 3, 5],
+    [3, 7, 5],
+]
 
 
 def parts(context: Context, thing: bpy.types.Object) -> list[dict[str, Any]]:
@@ -29,9 +42,19 @@ def parts(context: Context, thing: bpy.types.Object) -> list[dict[str, Any]]:
     of = surface.of_slot(context, thing, 0)
     place = array(thing.matrix_world)
     entry = dict(context.sections["media"].get(of.get("interior", ""), {"sigma_s": 0.5, "sigma_a": 0.5}))
-    medium = {key: value for key, value in entry.items() if key in {"sigma_a", "sigma_s", "sigma_t", "albedo", "g", "phase", "Lescale"}}
+    medium = {
+        key: value
+        for key, value in entry.items()
+        if key in {"sigma_a", "sigma_s", "sigma_t", "albedo", "g", "phase", "Lescale"}
+    }
     scale = abs(float(np.linalg.det(place[:3, :3]))) ** (-1 / 3) if data.render.space == "OBJECT" else 1.0
-    medium = {"medium": "vdb", "file": {"file": path}, "to_world": place, "scale": scale * entry.get("scale", 1.0), **medium}
+    medium = {
+        "medium": "vdb",
+        "file": {"file": path},
+        "to_world": place,
+        "scale": scale * entry.get("scale", 1.0),
+        **medium,
+    }
     low, high = np.array(thing.bound_box).min(axis=0), np.array(thing.bound_box).max(axis=0)
     box = {"positions": low + CORNERS * (high - low), "triangles": np.array(FACES)}
     if context.clear is None:

@@ -85,11 +85,16 @@ def _picture(context: Context, name: str, node: bpy.types.Node, strength: float)
         context.report(node.name, f"the projection {node.projection.lower()} is read as equirectangular")
     space = node.image.colorspace_settings.name
     entry: dict[str, Any] = {
-        "light": "environment", "file": {"file": path}, "parametrization": "latlong", "scale": strength,
+        "light": "environment",
+        "file": {"file": path},
+        "parametrization": "latlong",
+        "scale": strength,
         "to_world": np.linalg.inv(_mapping(context, node)) @ LATLONG,
         "encoding": "srgb" if space == "sRGB" else "linear",
     }
-    context.add("lights", name, {key: value for key, value in entry.items() if key != "encoding" or not node.image.is_float})
+    context.add(
+        "lights", name, {key: value for key, value in entry.items() if key != "encoding" or not node.image.is_float}
+    )
 
 
 def _mapping(context: Context, node: bpy.types.Node) -> Any:
@@ -97,13 +102,17 @@ def _mapping(context: Context, node: bpy.types.Node) -> Any:
     mapping = _linked(node.inputs["Vector"])
     if mapping is None or mapping.type == "TEX_COORD":
         return np.eye(4)
-    if mapping.type != "MAPPING" or any(mapping.inputs[k].is_linked for k in ("Rotation", "Scale") if k in mapping.inputs):
+    if mapping.type != "MAPPING" or any(
+        mapping.inputs[k].is_linked for k in ("Rotation", "Scale") if k in mapping.inputs
+    ):
         context.report(mapping.name, "is not read: the picture is not turned")
         return np.eye(4)
     from mathutils import Euler
 
     scale = np.array(mapping.inputs["Scale"].default_value)
-    if not np.allclose(np.abs(scale), abs(scale[0])) or np.any(np.array(mapping.inputs["Location"].default_value) if "Location" in mapping.inputs else 0):
+    if not np.allclose(np.abs(scale), abs(scale[0])) or np.any(
+        np.array(mapping.inputs["Location"].default_value) if "Location" in mapping.inputs else 0
+    ):
         context.report(mapping.name, "of its mapping the rotation is read alone")
     turn = array(Euler(mapping.inputs["Rotation"].default_value).to_matrix().to_4x4())
     turn = turn @ np.diag([*np.sign(scale), 1.0])
@@ -125,18 +134,36 @@ def _sky(context: Context, name: str, node: bpy.types.Node, strength: float) -> 
         if node.sky_type == "PREETHAM":
             context.report(node.name, "the sky of Preetham is approximated by that of Hosek and Wilkie")
             factor = PREETHAM
-        context.add("lights", name, {
-            "light": "sky", "sun_direction": list(node.sun_direction), "turbidity": min(max(node.turbidity, 1.0), 10.0),
-            "albedo": node.ground_albedo, "scale": strength * factor, "sun_scale": 0.0,
-        })
+        context.add(
+            "lights",
+            name,
+            {
+                "light": "sky",
+                "sun_direction": list(node.sun_direction),
+                "turbidity": min(max(node.turbidity, 1.0), 10.0),
+                "albedo": node.ground_albedo,
+                "scale": strength * factor,
+                "sun_scale": 0.0,
+            },
+        )
         return
     context.report(node.name, "its air is simulated anew: its light is within a tenth of Cycles'")
     height, turn = node.sun_elevation, node.sun_rotation
     dust = getattr(node, "aerosol_density", getattr(node, "dust_density", 1.0))
-    context.add("lights", name, {
-        "light": "atmosphere", "sun_direction": [math.sin(turn) * math.cos(height), math.cos(turn) * math.cos(height), math.sin(height)],
-        "altitude": min(max(node.altitude, 0.0), 50000.0), "pressure": min(1013.25 * node.air_density, 5000.0),
-        "ozone": min(300.0 * node.ozone_density, 2000.0), "aerosol": min(AEROSOL * dust, 5.0), "aerosol_albedo": AEROSOL_ALBEDO,
-        "scattering": "single" if node.sky_type in {"SINGLE_SCATTERING", "NISHITA"} else "multiple", "scale": AIR * strength,
-        "sun_scale": node.sun_intensity if node.sun_disc else 0.0, "sun_aperture": min(max(math.degrees(node.sun_size), 0.01), 89.0),
-    })
+    context.add(
+        "lights",
+        name,
+        {
+            "light": "atmosphere",
+            "sun_direction": [math.sin(turn) * math.cos(height), math.cos(turn) * math.cos(height), math.sin(height)],
+            "altitude": min(max(node.altitude, 0.0), 50000.0),
+            "pressure": min(1013.25 * node.air_density, 5000.0),
+            "ozone": min(300.0 * node.ozone_density, 2000.0),
+            "aerosol": min(AEROSOL * dust, 5.0),
+            "aerosol_albedo": AEROSOL_ALBEDO,
+            "scattering": "single" if node.sky_type in {"SINGLE_SCATTERING", "NISHITA"} else "multiple",
+            "scale": AIR * strength,
+            "sun_scale": node.sun_intensity if node.sun_disc else 0.0,
+            "sun_aperture": min(max(math.degrees(node.sun_size), 0.01), 89.0),
+        },
+    )
