@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 # Sections of a description by the family of their nodes, in the order in which the language numbers them.
@@ -31,16 +31,21 @@ class Names:
 
 def resolved(description: Mapping[str, Any], nodes: Mapping[str, tuple[str, str]]) -> dict[tuple[str, str], str]:
     """Names of the nodes of a compiled scene by section and name of its description: what follows a `#` is counted anew there."""
-    free: dict[tuple[str, str], Iterator[str]] = {}
     lists: dict[tuple[str, str], list[str]] = {}
     for name, (family, _) in nodes.items():
         lists.setdefault((family, name.partition("#")[0]), []).append(name)
+    free = {key: iter(names) for key, names in lists.items()}
+
+    def match(family: str, name: str) -> str | None:
+        return next(free.get((family, name.partition("#")[0]), iter(())), None)
+
     found = {}
     for section, family in FAMILIES.items():
+        if section == "shapes":
+            for group in description.get("groups", {}).values():
+                for name in group:
+                    match("shape", name)
         for name, entry in description.get(section, {}).items():
-            of = family or next(iter(entry))
-            key = (of, name.partition("#")[0])
-            at = free.setdefault(key, iter(lists.get(key, [])))
-            if (match := next(at, None)) is not None:
-                found[section, name] = match
+            if (node := match(family or next(iter(entry)), name)) is not None:
+                found[section, name] = node
     return found
