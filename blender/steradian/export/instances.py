@@ -194,9 +194,9 @@ def _add(context: Context, model: Model, moved: Moved) -> None:
         _tell_deformation(context, model.object)
     ways = []
     for key, place in model.places:
-        begin, end = moved.get(key, (place, place))
-        moves = matrix.usable(begin) and matrix.usable(end) and not np.allclose(begin, end, atol=1e-7)
-        ways.append((begin, end) if moves else (place, None))
+        begin, end = moved.get(key, (place, None))
+        moves = end is not None and not np.allclose(begin, end, atol=1e-7)
+        ways.append((begin, end) if moves and matrix.usable(begin) and matrix.usable(end) else (place, None))
     if len(ways) == 1 and ways[0][1] is None:
         for part in model.parts:
             context.add("shapes", model.name, {**part, "to_world": ways[0][0]})
