@@ -147,7 +147,7 @@ def _sky(context: Context, name: str, node: bpy.types.Node, strength: float) -> 
             },
         )
         return
-    context.report(node.name, "its air is simulated anew: its light is within a tenth of Cycles'")
+    context.report(node.name, "its air is simulated anew: its light is near Cycles', not the same")
     height, turn = node.sun_elevation, node.sun_rotation
     dust = getattr(node, "aerosol_density", getattr(node, "dust_density", 1.0))
     context.add(
