@@ -50,7 +50,8 @@ class _Panel(bpy.types.Panel):
         self.layout.use_property_split = True
         self.layout.use_property_decorate = False
         for name in names:
-            self.layout.prop(owner, name)
+            if hasattr(owner, name):
+                self.layout.prop(owner, name)
 
 
 class STERADIAN_PT_sampling(_Panel):
@@ -161,7 +162,7 @@ class STERADIAN_PT_lamp(_Panel):
         """Draws the panel."""
         lamp = context.light
         self.layout.row().prop(lamp, "type", expand=True)
-        self._rows(lamp, "color", "energy", "exposure", "normalize")
+        self._rows(lamp, "use_temperature", "temperature", "color", "energy", "exposure", "normalize")
         if lamp.type == "POINT":
             self._rows(lamp, "shadow_soft_size")
         elif lamp.type == "SPOT":

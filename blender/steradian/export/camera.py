@@ -76,7 +76,10 @@ def _lens(context: Context, thing: bpy.types.Object) -> dict[str, Any]:
 
 
 def _panorama(context: Context, thing: bpy.types.Object, place: NDArray[np.float64]) -> dict[str, Any]:
-    camera = thing.data
+    # Before Blender 5 these were settings of Cycles.
+    camera = thing.data if hasattr(thing.data, "panorama_type") else getattr(thing.data, "cycles", None)
+    if camera is None:
+        return {"camera": "spherical", "mapping": "equirectangular", "to_world": place @ PANORAMA}
     if camera.panorama_type != "EQUIRECTANGULAR":
         context.report(thing.name, f"a panorama {camera.panorama_type.lower()} is rendered as equirectangular")
     ranges = (camera.longitude_min, camera.longitude_max, camera.latitude_min, camera.latitude_max)

@@ -20,7 +20,7 @@ def export(context: Context, thing: bpy.types.Object, world: Any) -> None:
     lamp, place = thing.data, matrix.array(world)
     if not matrix.usable(place):
         return
-    strength = lamp.energy * 2.0**lamp.exposure * _colour(context, lamp)
+    strength = lamp.energy * 2.0 ** getattr(lamp, "exposure", 0.0) * _colour(context, lamp)
     if not strength.any():
         return
     name = thing.lightgroup or thing.name
@@ -32,7 +32,7 @@ def export(context: Context, thing: bpy.types.Object, world: Any) -> None:
 def _colour(context: Context, lamp: bpy.types.Light) -> NDArray[np.float64]:
     """Colour of a light with its temperature and its node tree."""
     colour = np.array(lamp.color, np.float64)
-    if lamp.use_temperature:
+    if getattr(lamp, "use_temperature", False):
         colour *= np.array(lamp.temperature_color)[:3]
     if not lamp.use_nodes or lamp.node_tree is None:
         return colour
@@ -55,7 +55,7 @@ def _point(
 
 def _whole(lamp: bpy.types.Light) -> float:
     """Factor on the power of a point or spot: the area of its sphere where its power is not that of all of it."""
-    if lamp.normalize:
+    if getattr(lamp, "normalize", True):
         return 1.0
     return 4 * math.pi * lamp.shadow_soft_size**2 if lamp.shadow_soft_size > 0 else 4.0
 
@@ -145,7 +145,7 @@ def _area(
         return
     m = matrix.rigid(place) @ matrix.FLIP @ np.diag([size[0], size[1], 1, 1])
     shape = {"shape": "disk"} if is_round else {"shape": "polygon", "points": [-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0]}
-    radiance = strength / (math.pi * (area if lamp.normalize else 1))
+    radiance = strength / (math.pi * (area if getattr(lamp, "normalize", True) else 1))
     _emitter(context, name, thing, {**shape, "to_world": m}, radiance)
 
 

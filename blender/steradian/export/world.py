@@ -21,7 +21,7 @@ def export(context: Context, world: bpy.types.World | None) -> None:
     if world is None:
         return
     name = world.lightgroup or world.name
-    tree = world.node_tree
+    tree = world.node_tree if bpy.app.version >= (5, 0) or world.use_nodes else None
     output = next((n for n in tree.nodes if n.type == "OUTPUT_WORLD" and n.is_active_output), None) if tree else None
     if output is None:
         _constant(context, name, list(world.color))
