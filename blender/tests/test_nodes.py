@@ -230,6 +230,22 @@ def test_mappings_move_pictures_and_patterns_alike(tree):
         assert a[:2] == pytest.approx(expected, abs=0.03) and b[:2] == pytest.approx(expected, abs=0.03), point
 
 
+def test_colours_are_multiplied_by_components(tree):
+    image = bpy.data.images.new("plain", 4, 4, float_buffer=True)
+    image.colorspace_settings.name = "Non-Color"
+    image.pixels.foreach_set(np.tile(np.array([0.8, 0.5, 0.2, 1.0], np.float32), 16))
+    picture = tree.new("TexImage")
+    picture.image = image
+    parts = tree.new("SeparateColor", Color=picture.outputs[0])
+    turned = tree.new("CombineColor", Red=parts.outputs[2], Green=parts.outputs[0], Blue=0.5)
+    for other, factor in ((turned.outputs[0], (0.2, 0.8, 0.5)), ((0.5, 1.0, 0.25, 1.0), (0.5, 1.0, 0.25))):
+        mix = tree.new("Mix")
+        mix.data_type, mix.blend_type = "RGBA", "MULTIPLY"
+        tree.give(mix, Factor_Float=1.0, A_Color=picture.outputs[0], B_Color=other)
+        found = shows(tree, mix.outputs[2], [(0.5, 0.5)])[0]
+        assert found == pytest.approx([0.8 * factor[0], 0.5 * factor[1], 0.2 * factor[2]], abs=1e-3)
+
+
 def test_pictures_stand_upright(tree):
     image = bpy.data.images.new("halves", 8, 8, float_buffer=True)
     image.colorspace_settings.name = "Non-Color"
@@ -323,9 +339,23 @@ def test_patterns_that_are_formulas_look_as_by_cycles(tree, kind):
     assert np.abs(theirs - ours).mean() < 0.015 and abs(theirs.mean() - ours.mean()) < 0.003
 
 
-def both_cards(tree, output):
+def test_bricks_lie_where_those_of_cycles_do(tree):
+    place = tree.new("TexCoord")
+    bricks = tree.new("TexBrick", Vector=place.outputs["UV"], Scale=2.0)
+    theirs, ours = both_cards(tree, bricks.outputs["Fac"])
+    assert np.abs(theirs - ours).mean() < 0.01
+
+
+@pytest.mark.parametrize("kind, output", [("TexNoise", "Color"), ("TexVoronoi", "Color"), ("TexVoronoi", "Distance")])
+def test_patterns_of_other_random_numbers_have_their_mean_and_spread(tree, kind, output):
+    pattern = tree.new(kind, Scale=20.0)
+    theirs, ours = both_cards(tree, pattern.outputs[output])
+    assert ours.mean() == pytest.approx(theirs.mean(), rel=0.06) and ours.std() == pytest.approx(theirs.std(), rel=0.15)
+
+
+def both_cards(tree, output, size=32):
     """A card that shows an output, by both renderers."""
-    scene = compared.set_up_here(32)
+    scene = compared.set_up_here(size)
     glow = tree.new("Emission", Color=output)
     tree.give(tree.end, Surface=glow.outputs[0])
     for thing in list(bpy.data.objects):
@@ -334,7 +364,7 @@ def both_cards(tree, output):
     view = (0, 0, 3), (0, 0, 0), 35.0, 0.0
     compared.look(scene, *view)
     ours = st.scene(compared.description(*view, set()))
-    return compared.by_cycles(scene, 64, 1), np.asarray(ours.render(spp=64, size=(32, 32)))[..., :3]
+    return compared.by_cycles(scene, 64, 1), np.asarray(ours.render(spp=64, size=(size, size)))[..., :3]
 
 
 # Bounds in percent of the mean, for the picture and for a region.

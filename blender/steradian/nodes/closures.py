@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from . import values as v
+from . import sheen, values as v
 from .metal import conductor
 from .normals import maps
 from .principled import mean_free_path
@@ -163,16 +163,15 @@ def toon(here) -> Surface:
 
 
 @scatters("ShaderNodeBsdfSheen", "ShaderNodeBsdfVelvet")
-def sheen(here) -> Surface:
+def sheen_alone(here) -> Surface:
     if getattr(here.node, "distribution", "MICROFIBER") == "ASHIKHMIN":
         here.tell("Ashikhmin's velvet is taken as Charlie sheen of the same roughness")
+    soft = (1.0, here.colour("Color"), v.clamp(here.number("Roughness", 0.5)))
     made = {
         "material": "openpbr",
-        "base_weight": 0.0,
+        "base_color": v.scene(sheen.below((0.0, 0.0, 0.0), *soft)),
         "specular_weight": 0.0,
-        "fuzz_weight": 1.0,
-        "fuzz_color": v.scene(v.clamp(here.colour("Color"))),
-        "fuzz_roughness": v.scene(v.clamp(here.number("Roughness", 0.5))),
+        **sheen.fuzz(*soft),
         **maps(here),
     }
     return Surface(made)
@@ -184,7 +183,7 @@ def subsurface(here) -> Surface:
     falloff = here.node.falloff
     factor = (0.25 / math.pi,) * 3
     if falloff == "RANDOM_WALK":
-        factor = tuple(mean_free_path(c, min(max(ior, 1.0001), 3.8)) for c in v.middle(colour))
+        factor = tuple(mean_free_path(min(c, 0.99), min(max(ior, 1.0001), 3.8)) for c in v.middle(colour))
     made = {
         "material": "openpbr",
         "specular_weight": 0.0,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from . import values as v
+from . import sheen, values as v
 from .metal import conductor
 from .normals import maps
 from .registry import scatters
@@ -95,7 +95,7 @@ def subsurface(here, base) -> dict:
     ior = here.constant("Subsurface IOR", 1.4) if method == "RANDOM_WALK_SKIN" else max(here.constant("IOR", 1.5), 1.0)
     colour = v.middle(base)
     if method == "RANDOM_WALK":
-        factor = tuple(mean_free_path(min(max(c, 0.0), 1.0), min(max(ior, 1.0001), 3.8)) for c in colour)
+        factor = tuple(mean_free_path(min(max(c, 0.0), 0.99), min(max(ior, 1.0001), 3.8)) for c in colour)
     else:
         factor = (0.25 / math.pi,) * 3
     if method == "BURLEY":
@@ -142,16 +142,10 @@ def coat(here) -> dict:
     return made
 
 
-def sheen(here) -> dict:
-    """Sheen."""
-    weight = v.clamp(here.number("Sheen Weight"))
-    if weight == 0.0:
-        return {}
-    return {
-        "fuzz_weight": v.scene(weight),
-        "fuzz_color": v.scene(v.clamp(here.colour("Sheen Tint", WHITE))),
-        "fuzz_roughness": v.scene(v.clamp(here.number("Sheen Roughness", 0.5))),
-    }
+def sheen_of(here) -> tuple:
+    """Weight, tint and roughness of the sheen."""
+    weight, roughness = v.clamp(here.number("Sheen Weight")), v.clamp(here.number("Sheen Roughness", 0.5))
+    return weight, here.colour("Sheen Tint", WHITE), roughness
 
 
 def film(here) -> dict:
@@ -174,7 +168,10 @@ def emitted(here):
 
 def common(here) -> dict:
     """What all parts of the surface have: layers above, and normals."""
-    made = {**coat(here), **sheen(here), **film(here), **maps(here)}
+    made = {**coat(here), **film(here), **maps(here)}
+    soft = sheen_of(here)
+    if soft[0] != 0.0:
+        made.update(sheen.fuzz(*soft))
     tint = here.colour("Specular Tint", WHITE)
     if tint != WHITE:
         made["specular_color"] = v.scene(v.clamp(tint))
@@ -204,7 +201,7 @@ def principled(here) -> Surface:
     base, roughness = v.clamp(here.colour("Base Color", (0.8, 0.8, 0.8))), v.clamp(here.number("Roughness", 0.5))
     metallic, through = v.clamp(here.number("Metallic")), v.clamp(here.number("Transmission Weight"))
     shared = {"material": "openpbr", **anisotropy(here, roughness), **specular(here), **common(here)}
-    opaque = {**shared, "base_color": v.scene(base), **subsurface(here, base)}
+    opaque = {**shared, "base_color": v.scene(sheen.below(base, *sheen_of(here))), **subsurface(here, base)}
     rough = v.clamp(here.number("Diffuse Roughness"))
     if rough != 0.0:
         opaque["base_diffuse_roughness"] = v.scene(rough)

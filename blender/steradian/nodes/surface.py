@@ -83,7 +83,7 @@ def scaled(material: dict, factor: float) -> Optional[dict]:
         if isinstance(value, dict):
             if factor > 1.0:
                 return None
-            out[name] = v.product(value, factor)
+            out[name] = {"texture": "mix", "a": 0.0, "b": value, "amount": factor}
         else:
             parts = [factor * c for c in (value if isinstance(value, list) else [value])]
             if max(parts) > 1.0 + 1e-6:

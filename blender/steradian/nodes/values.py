@@ -76,9 +76,21 @@ def floats(numbers) -> dict:
     return {"floats": [float(x) for x in numbers]}
 
 
-def product(a, b) -> dict:
-    """The product of two textures: dictionaries have no room for the kind `scale`, a parameter of which is `texture`."""
-    return {"texture": "mix", "a": 0.0, "b": a, "amount": b}
+def product(a, b) -> Any:
+    """The product of two values, of which one varies.
+
+    Dictionaries have no room for the kind `scale`, a parameter of which is called as its family, so that a mix stands in:
+    its amount is one number. Colours are multiplied by a diagonal matrix, or component by component.
+    """
+    for x, y in ((a, b), (b, a)):
+        if width(x) == 1:
+            return {"texture": "mix", "a": 0.0, "b": scene(y), "amount": scene(x)}
+    for x, y in ((a, b), (b, a)):
+        if is_constant(x):
+            rows = [c if i == j else 0.0 for i, c in enumerate(x) for j in range(3)]
+            return {"texture": "color_space", "input": scene(y), "matrix": floats(rows)}
+    parts = [Field(1, node=product(x, y)) for x, y in zip(components(a), components(b))]
+    return combine_colour(*parts).texture()
 
 
 def width(v) -> int:
@@ -143,7 +155,7 @@ def combine_colour(r, g, b):
     out = None
     for i, p in enumerate(parts):
         unit = [float(i == k) for k in range(3)]
-        term = product(scene(p), unit)
+        term = product(p, tuple(unit)) if not is_constant(p) else [c * p for c in unit]
         out = term if out is None else {"texture": "add", "a": out, "b": term}
     return Field(3, low, high, out)
 
@@ -184,9 +196,9 @@ def _linear(kind: str, a, b):
     if kind == "add":
         return {"texture": "add", "a": scene(a), "b": scene(b)}
     if kind == "subtract":
-        return {"texture": "add", "a": scene(a), "b": product(scene(b), -1.0)}
+        return {"texture": "add", "a": scene(a), "b": product(b, -1.0)}
     if kind == "multiply":
-        return product(scene(a), scene(b))
+        return product(a, b)
     return None
 
 
@@ -245,7 +257,7 @@ def mix(a, b, t):
     """a(1 − t) + b t."""
     if is_constant(t) and width(t) == 1 and t in (0.0, 1.0):
         return b if t else a
-    if all(is_constant(v) or v.formulas for v in (a, b, t)) or (width(t) == 3 and is_constant(a) and is_constant(b)):
+    if all(is_constant(v) or v.formulas for v in (a, b, t)) or width(t) == 3:
         return add(a, multiply(t, subtract(b, a)))
     if all(is_constant(v) for v in (a, b, t)):
         return add(a, multiply(t, subtract(b, a)))
