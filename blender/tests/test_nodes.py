@@ -303,6 +303,24 @@ def test_bumps_and_normal_maps(tree):
     assert entry["normal_map_strength"] == 0.5 and "bump" in entry and "coat_normal_map" in entry
 
 
+def test_generated_coordinates_are_those_of_the_object(tree):
+    corners = [(0, 0, 1), (4, 0, 1), (4, 2, 1), (0, 2, 1)]
+    card = compared.quad("card", corners, tree.material)
+    card.location = (1, 0, 0)
+    bpy.context.view_layer.update()
+    parts = tree.new("SeparateXYZ", Vector=tree.new("TexCoord").outputs["Generated"])
+    glow = tree.new("Emission", Color=parts.outputs[0])
+    tree.give(tree.end, Surface=glow.outputs[0])
+    for more in ({}, {"thing": card}):
+        entry, told = tree.read(**more)
+        place = np.array(entry["emission"]["radiance"]["texture_from_world"]["matrix"]).reshape(4, 4)
+        assert place @ (1, 0, 1, 1) == pytest.approx((0, 0, 0.5, 1)) and place @ (5, 2, 1, 1) == pytest.approx((1, 1, 0.5, 1))
+        assert not told
+    assert nodes.depends_on_object(tree.tree)
+    compared.placed("twin", card.data, tree.material)
+    assert "card" in tree.read()[1]["tested"] or "twin" in tree.read()[1]["tested"]
+
+
 def test_lights_and_worlds_have_the_colour_of_their_trees():
     lamp = bpy.data.lights.new("lamp", "POINT")
     lamp.use_nodes = True

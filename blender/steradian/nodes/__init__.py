@@ -4,7 +4,8 @@
 light of kind area), `interior` (a medium), `alpha` (opacity), `displacement` and its factors. The context has
 `report(name, text)`, which hears what is approximated or left out by the node's name; `image(image)`, the file of a
 picture; `uv_map`, the name of the active UV map; `attributes`, a set that gets the names of vertex attributes in use;
-and by choice `object`, whose coordinates Generated and Object are (`depends_on_object`).
+and by choice `object`, whose coordinates Generated and Object are; else those are of the first object that has the
+material (`depends_on_object`).
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ def material(material, context) -> dict:
     end = output_node(tree) if tree else None
     if end is None:
         return {"material": "diffuse", "reflectance": list(material.diffuse_color[:3])}
-    reader = Reader(material.name, context)
+    reader = Reader(material.name, context, material)
     here = Here(reader, end)
     found, inside = reader.surface(here, "Surface"), reader.volume(here, "Volume")
     has_surface = here.is_linked("Surface")

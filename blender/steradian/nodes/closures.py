@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 from . import sheen, values as v
-from .metal import conductor
+from .metal import conductor, constant_reflectance
 from .normals import maps
-from .principled import mean_free_path
+from .principled import mean_free_path, stretched
 from .registry import scatters
 from .surface import CLEAR, WHITE, Surface, added, mixed, stained
 
@@ -50,8 +50,8 @@ def facets(here, roughness_key="Roughness") -> dict:
     if amount:
         if here.is_linked("Tangent") or here.number("Rotation") != 0.0:
             here.tell("the highlight is stretched along the tangent of the UV map, without a turn")
-        aspect = math.sqrt(1.0 - 0.9 * min(abs(amount), 1.0))
-        along, across = (1.0 / aspect, aspect) if amount > 0 else (aspect, 1.0 / aspect)
+        narrow = 1.0 - min(abs(amount), 0.99)
+        along, across = (narrow, 1.0 / narrow) if amount > 0 else (1.0 / narrow, narrow)
         made["alpha_u"], made["alpha_v"] = v.scene(v.multiply(alpha, along)), v.scene(v.multiply(alpha, across))
     if kind == "MULTI_GGX" and here.node.bl_idname in ("ShaderNodeBsdfAnisotropic", "ShaderNodeBsdfMetallic"):
         made["compensation"] = "turquin"
@@ -60,8 +60,10 @@ def facets(here, roughness_key="Roughness") -> dict:
 
 @scatters("ShaderNodeBsdfAnisotropic", "ShaderNodeBsdfGlossy")
 def glossy(here) -> Surface:
-    colour = v.clamp(here.colour("Color"))
-    return Surface({"material": "conductor", "specular_reflectance": v.scene(colour), **facets(here), **maps(here)})
+    colour, made = v.clamp(here.colour("Color")), facets(here)
+    if "compensation" in made:
+        colour = constant_reflectance(colour, v.middle(v.clamp(here.number("Roughness"))))
+    return Surface({"material": "conductor", "specular_reflectance": v.scene(colour), **made, **maps(here)})
 
 
 @scatters("ShaderNodeBsdfMetallic")
@@ -91,10 +93,8 @@ def metallic(here) -> Surface:
         **maps(here),
     }
     if amount:
-        from .principled import stretched
-
-        roughness, held = stretched(here, roughness, abs(amount))
-        turn = v.add(v.multiply(here.number("Rotation"), 360.0), 90.0 if amount < 0 else 0.0)
+        roughness, held = stretched(roughness, (1.0 - min(abs(amount), 0.99)) ** 2)
+        turn = v.add(v.multiply(here.number("Rotation"), 360.0), 90.0 if amount > 0 else 0.0)
         made.update(specular_roughness=v.scene(roughness), specular_roughness_anisotropy=held,
                     anisotropy_rotation=v.scene(turn))
     if thickness != 0.0:

@@ -148,8 +148,7 @@ def wavelength(here, out):
 
 @evaluates("ShaderNodeObjectInfo")
 def object_info(here, out):
-    obj = getattr(here.reader.context, "object", None)
-    here.reader.of_object = True
+    obj = here.reader.context_object()
     if obj is None:
         here.tell(f"'{out}' needs the object that is shaded: a middle is taken")
         return (0.5, 0.5, 0.5) if out in ("Location", "Color") else 0.5

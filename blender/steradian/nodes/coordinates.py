@@ -46,7 +46,6 @@ def space_of(here, base: str) -> tuple:
     if obj is None:
         here.tell(f"{base} coordinates need the object that is shaded: those of the world are taken")
         return ()
-    here.reader.of_object = True
     matrix = _object_from_world(obj)
     if base == "generated":
         matrix = _generated_from_object(obj) @ matrix

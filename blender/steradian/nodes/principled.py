@@ -40,15 +40,12 @@ def specular(here) -> dict:
     return {"specular_ior": min(max(n, 0.05), 20.0), "specular_weight": v.scene(v.clamp(v.multiply(level, 2.0)))}
 
 
-def stretched(here, roughness, amount, openpbr=True):
-    """Roughness and anisotropy with Cycles' α: r²/√q along the tangent and r²√q across, q = 1 − 0.9 a.
+def stretched(roughness, q: float):
+    """OpenPBR's roughness and anisotropy for α of r²/√q along the tangent and r²√q across.
 
-    OpenPBR has r'²√(2/(1 + q²)) along, and q times that across.
+    It has r'²√(2/(1 + q²)) along, and q times that across.
     """
-    held = 0.9 * min(max(amount, 0.0), 1.0)
-    q = 1.0 - held
-    factor = ((1.0 + q * q) / (2.0 * q)) ** 0.25
-    return v.clamp(v.multiply(roughness, factor)), held
+    return v.clamp(v.multiply(roughness, ((1.0 + q * q) / (2.0 * q)) ** 0.25)), 1.0 - q
 
 
 def anisotropy(here, roughness) -> dict:
@@ -58,7 +55,7 @@ def anisotropy(here, roughness) -> dict:
         here.tell("the tangent is that of the UV map, not what feeds 'Tangent'")
     if amount <= 0.0:
         return {"specular_roughness": v.scene(roughness)}
-    roughness, held = stretched(here, roughness, amount)
+    roughness, held = stretched(roughness, 1.0 - 0.9 * min(amount, 1.0))
     turn = v.multiply(here.number("Anisotropic Rotation"), 360.0)
     return {
         "specular_roughness": v.scene(roughness),

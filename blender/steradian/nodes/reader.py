@@ -15,8 +15,8 @@ UNKNOWN = 0.5
 class Reader:
     """Evaluates the nodes of one material, world or light."""
 
-    def __init__(self, owner: str, context):
-        self.owner, self.context = owner, context
+    def __init__(self, owner: str, context, material=None):
+        self.owner, self.context, self.material = owner, context, material
         self._known: dict = {}
         self._told: set = set()
 
@@ -67,15 +67,19 @@ class Reader:
             value = value.middle
         return value if math.isfinite(value) else default
 
-    of_object = False
+    def context_object(self, base: str = "object"):
+        """The object that a space belongs to: the one that is named, or shaded, or the first that has the material."""
+        import bpy
 
-    def context_object(self, base: str):
-        """The object that a space belongs to."""
         if base.startswith("object:"):
-            import bpy
-
             return bpy.data.objects.get(base[len("object:"):])
-        return getattr(self.context, "object", None)
+        shaded = getattr(self.context, "object", None)
+        if shaded is not None or self.material is None:
+            return shaded
+        users = [o for o in bpy.data.objects if any(s.material == self.material for s in o.material_slots)]
+        if len(users) > 1:
+            self.tell(None, f"{len(users)} objects share coordinates or numbers of their own: those of '{users[0].name}' count")
+        return users[0] if users else None
 
     def surface(self, here, key):
         """The closure that feeds a shader input."""

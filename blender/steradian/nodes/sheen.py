@@ -1,6 +1,7 @@
 """Cycles' microfiber sheen (Zeltner, Burley, Chiang 2022) by Charlie's, whose roughness is chosen to reflect as much.
 
-Both albedos, means over the hemisphere by the cosine, were measured, Charlie's with its own parameters. It ends at 0.30: what is lacking above is added to the diffuse reflection below.
+Both albedos, means over the hemisphere by the cosine, were measured, Charlie's by `openpbr` with its own parameters. It
+ends at 0.30: what is lacking above is added to the diffuse reflection below.
 """
 
 from __future__ import annotations

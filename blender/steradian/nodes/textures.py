@@ -293,6 +293,12 @@ def _scaled_flat(here, scale, offset=(0.0, 0.0)):
     return {**place, key: {"matrix": [float(x) for x in (by @ own).ravel()]}}
 
 
+def _active_colour(thing) -> str:
+    """Name of the colours that an object's mesh is rendered with."""
+    found = getattr(getattr(thing, "data", None), "color_attributes", None)
+    return found[found.render_color_index].name if found and 0 <= found.render_color_index < len(found) else ""
+
+
 @evaluates("ShaderNodeAttribute", "ShaderNodeVertexColor")
 def attribute(here, out):
     node = here.node
@@ -304,7 +310,7 @@ def attribute(here, out):
     if out == "Alpha":
         here.tell("the alpha of attributes is not known: 1 is taken")
         return 1.0
-    name = name or getattr(here.reader.context, "colour_attribute", None) or ""
+    name = name or _active_colour(here.reader.context_object())
     if not name:
         here.tell("no attribute is named: white is taken")
         return (1.0, 1.0, 1.0)
