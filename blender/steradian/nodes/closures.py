@@ -61,7 +61,7 @@ def facets(here, roughness_key="Roughness") -> dict:
 @scatters("ShaderNodeBsdfAnisotropic", "ShaderNodeBsdfGlossy")
 def glossy(here) -> Surface:
     colour, made = v.clamp(here.colour("Color")), facets(here)
-    if "compensation" in made:
+    if "compensation" in made and "alpha_v" not in made:
         colour = constant_reflectance(colour, v.middle(v.clamp(here.number("Roughness"))))
     return Surface({"material": "conductor", "specular_reflectance": v.scene(colour), **made, **maps(here)})
 

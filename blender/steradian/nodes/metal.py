@@ -74,15 +74,18 @@ def index_of(base, tint):
 
 
 def _factor(mean: float, f0: float, roughness: float) -> float:
-    """From Turquin's compensation, 1 + F₀(1 − E)/E, to Cycles', where F̄E/(1 − F̄(1 − E)) stands for F₀."""
+    """`specular_reflectance` s at which Turquin's compensation, s(1 + s F₀(1 − E)/E), is that of Cycles, where
+    F̄E/(1 − F̄(1 − E)) stands for F₀."""
     e = float(np.interp(roughness, ROUGHNESS, FACETS))
-    again = mean * e / (1.0 - mean * (1.0 - e))
-    return min((1.0 + again * (1.0 - e) / e) / (1.0 + f0 * (1.0 - e) / e), 1.0)
+    lost, again = (1.0 - e) / e, mean * e / (1.0 - mean * (1.0 - e))
+    a, wanted = f0 * lost, 1.0 + again * lost
+    return min(2.0 * wanted / (1.0 + (1.0 + 4.0 * a * wanted) ** 0.5), 1.0)
 
 
 def constant_reflectance(colour, roughness: float):
-    """`specular_reflectance` of a perfect mirror with Turquin's compensation for facets that reflect one colour."""
-    return v.apply(lambda c: c * _factor(c, 1.0, roughness), colour)
+    """`specular_reflectance` of a perfect mirror with Turquin's compensation for facets that reflect one colour, which is
+    its F₀ too."""
+    return v.apply(lambda c: c * _factor(c, c, roughness), colour)
 
 
 def darkening(base, tint, roughness: float):
