@@ -17,6 +17,7 @@ sys.path[:0] = [str(ROOT / "steradian")]
 sys.path.append(str(ROOT))
 import nodes  # noqa: E402
 import principled as compared  # noqa: E402
+from nodes import metal  # noqa: E402
 from nodes.colours import blackbody  # noqa: E402
 from nodes.context import Context  # noqa: E402
 from nodes.principled import ior_of_f0, mean_free_path  # noqa: E402
@@ -341,6 +342,14 @@ def test_lights_and_worlds_have_the_colour_of_their_trees():
 def test_indices_and_mean_free_paths_of_cycles():
     assert ior_of_f0(0.04) == pytest.approx(1.5) and ior_of_f0(0.0) == 1.0
     assert mean_free_path(0.0, 1.4) > mean_free_path(0.5, 1.4) > mean_free_path(0.99, 1.4) > 0
+
+
+def test_conductors_have_the_mean_reflectance_of_f82():
+    for tint, within in ((1.0, 0.02), (0.4, 0.13)):
+        n, k = metal.table(tint)
+        means = metal.reflectance(n[:, None], k[:, None] ** 2, metal.DIRECTIONS).mean(1)
+        assert np.abs(means - metal.mean_f82(metal.BASES, tint)).max() < 2e-3
+        assert np.abs(metal.reflectance(n, k * k, 1.0) - metal.BASES).max() < within
 
 
 PATTERNS = ["TexChecker", "TexWave", "TexGradient", "TexMagic"]

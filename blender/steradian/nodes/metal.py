@@ -52,11 +52,14 @@ def _mean(r, share):
 def table(tint: float):
     """n and k for each of `BASES` under an edge tint."""
     wanted = mean_f82(BASES, tint)
-    r = np.clip(BASES, 1e-5, 0.9995)
+    r = np.clip(BASES, 0.02, 0.9995)
     means = _mean(np.broadcast_to(r[:, None], (len(r), len(SHARES))), np.broadcast_to(SHARES, (len(r), len(SHARES))))
     share = SHARES[np.abs(means - wanted[:, None]).argmin(1)]
-    for _ in range(12):
-        r = np.clip(r + wanted - _mean(r, share), 1e-5, 0.9995)
+    low, high = np.zeros_like(r), np.full_like(r, 0.9995)
+    for _ in range(24):
+        r = 0.5 * (low + high)
+        is_less = _mean(r, share) < wanted
+        low, high = np.where(is_less, r, low), np.where(is_less, high, r)
     n, k2 = _index(r, share)
     return n, np.sqrt(k2)
 

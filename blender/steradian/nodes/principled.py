@@ -123,6 +123,8 @@ def coat(here) -> dict:
         "coat_weight": v.scene(weight),
         "coat_roughness": v.scene(v.clamp(here.number("Coat Roughness", 0.03))),
         "coat_ior": v.scene(v.clamp(here.number("Coat IOR", 1.5), 1.0, 20.0)),
+        # Cycles does not count that a coat sends light back to the base.
+        "coat_darkening": 0.0,
     }
     tint = here.colour("Coat Tint", WHITE)
     if tint != WHITE:

@@ -168,11 +168,17 @@ def _safe(function: Callable, *args) -> float:
         return 0.0
 
 
+def _places(low: float, high: float):
+    """Numbers from low to high, closer near 0 where there is much above 1."""
+    even = np.linspace(0.0, 1.0, CURVE)
+    return high * even**2 if low == 0.0 and high > 2.0 else low + (high - low) * even
+
+
 def apply(function: Callable[[float], float], v, template: Optional[str] = None):
     """A function of each component: exact of constants and formulas (`template` has {a}), else a curve."""
     if not isinstance(v, Field):
         return tuple(_safe(function, c) for c in v) if isinstance(v, tuple) else _safe(function, v)
-    places = np.linspace(v.low, v.high, CURVE)
+    places = _places(v.low, v.high)
     values = [_safe(function, float(x)) for x in places]
     low, high = min(values), max(values)
     if v.formulas and template:
