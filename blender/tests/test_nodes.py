@@ -352,14 +352,19 @@ def test_conductors_have_the_mean_reflectance_of_f82():
         assert np.abs(metal.reflectance(n, k * k, 1.0) - metal.BASES).max() < within
 
 
-PATTERNS = ["TexChecker", "TexWave", "TexGradient", "TexMagic"]
+PATTERNS = ["TexChecker", "TexWave", "TexGradient", "TexMagic", "radial"]
 
 
 @pytest.mark.parametrize("kind", PATTERNS)
 def test_patterns_that_are_formulas_look_as_by_cycles(tree, kind):
+    settings = {}
+    if kind == "radial":
+        kind, settings = "TexGradient", {"gradient_type": "RADIAL"}
     place = tree.new("TexCoord")
     mapping = tree.new("Mapping", Vector=place.outputs["UV"], Rotation=(0, 0, 0.4), Location=(0.1, 0.05, 0.3))
     pattern = tree.new(kind, Vector=mapping.outputs[0])
+    for key, value in settings.items():
+        setattr(pattern, key, value)
     if "Scale" in pattern.inputs:
         pattern.inputs["Scale"].default_value = 2.0
     theirs, ours = both_cards(tree, pattern.outputs["Color"])

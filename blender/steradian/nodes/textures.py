@@ -109,8 +109,8 @@ def gradient(here, out):
     elif kind == "DIAGONAL":
         share = v.multiply(v.add(x, y), 0.5)
     elif kind == "RADIAL":
-        here.tell("the gradient 'radial' is not known: its middle, 0.5, is taken")
-        share = 0.5
+        # Ours begins at +x and Blender's at -x.
+        share = v.Field(node={"texture": "gradient", "type": "angular", **_scaled_flat(here, -1.0, (0.5, 0.5))})
     else:
         held = v.apply(lambda a: max(0.999999 - a, 0.0), length(x, y, z), "max(0.999999-{a},0)")
         share = v.multiply(held, held) if kind == "QUADRATIC_SPHERE" else held
