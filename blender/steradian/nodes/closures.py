@@ -7,7 +7,7 @@ import math
 from . import sheen, values as v
 from .metal import conductor, constant_reflectance
 from .normals import maps
-from .principled import mean_free_path, stretched
+from .principled import LEAST_TINT, mean_free_path, stretched
 from .registry import scatters
 from .surface import CLEAR, WHITE, Surface, added, mixed, stained
 
@@ -83,7 +83,8 @@ def metallic(here) -> Surface:
     roughness, amount = v.clamp(here.number("Roughness")), here.constant("Anisotropy")
     if here.node.distribution == "MULTI_GGX" and v.bounds(roughness)[1] >= 0.25 and thickness == 0.0 and not amount:
         base, edge = v.clamp(here.colour("Base Color")), v.clamp(here.colour("Edge Tint"))
-        return Surface({**conductor(base, edge, roughness), **maps(here)})
+        if v.bounds(v.middle(edge))[0] >= LEAST_TINT:
+            return Surface({**conductor(base, edge, roughness), **maps(here)})
     made = {
         "material": "openpbr",
         "base_color": v.scene(v.clamp(here.colour("Base Color"))),

@@ -11,6 +11,8 @@ from .registry import scatters
 from .surface import Surface
 
 WHITE = (1.0, 1.0, 1.0)
+# An index has no edge that is much darker than Schlick's.
+LEAST_TINT = 0.6
 
 
 def f0_of_ior(n: float) -> float:
@@ -184,6 +186,9 @@ def is_plain_rough_metal(here, roughness) -> bool:
     above = [k for k in ("Coat Weight", "Sheen Weight", "Thin Film Thickness") if here.number(k) != 0.0]
     if above or here.constant("Anisotropic"):
         here.tell("rough metal under a coat, sheen or film, or stretched, loses what its facets reflect to each other")
+        return False
+    if v.bounds(v.middle(here.colour("Specular Tint", WHITE)))[0] < LEAST_TINT:
+        here.tell("rough metal with a dark tint at the edge loses what its facets reflect to each other")
         return False
     return True
 
