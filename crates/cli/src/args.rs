@@ -87,8 +87,8 @@ pub enum Color {
     after_help = "Options of integrators are written --integrator path:max_depth=5,hide_emitters=true. `steradian list` knows all names."
 )]
 pub struct RenderArgs {
-    /// Scene file (.pbrt .pbrt.gz .xml .gltf .glb .usd .usda .usdc .usdz .obj .ply .stl .bpt), - for standard input, or
-    /// builtin:NAME (see `steradian list scenes`)
+    /// Scene file (.pbrt .pbrt.gz .xml .gltf .glb .usd .usda .usdc .usdz .mtlx .obj .ply .stl .bpt), - for standard
+    /// input, or builtin:NAME (see `steradian list scenes`)
     pub scene: Option<PathBuf>,
     /// Output file (.exr .png .hdr .pfm .ppm .jpg .dds .ktx2). Repeatable. Default: SCENE.exr and SCENE.png in the
     /// current folder
@@ -580,7 +580,7 @@ pub struct DenoiseArgs {
                   The address that is printed holds a secret: who knows it may look at the scene, edit it, and save \
                   pictures into its folder. Of options, pictures take --tonemap, --exposure and those of the server.")]
 pub struct ViewArgs {
-    /// Scene file (.pbrt .pbrt.gz .xml .gltf .glb .usd .usda .usdc .usdz .obj .ply .stl .bpt .steradian), or
+    /// Scene file (.pbrt .pbrt.gz .xml .gltf .glb .usd .usda .usdc .usdz .mtlx .obj .ply .stl .bpt .steradian), or
     /// builtin:NAME; default: built-in Cornell box. Or finished pictures (.exr .pfm .hdr .png and others) and folders
     /// of them
     #[arg(value_name = "SCENE|PICTURE|FOLDER")]

@@ -217,7 +217,7 @@ fn scene_options(args: &RenderArgs, path: &Path) -> SceneOptions {
     options.sensor_noise = SensorNoise::OfFrame(args.frame);
     // The ground that models get is part of what is left out behind them.
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    let is_model = ["obj", "ply", "stl", "bpt", "gltf", "glb", "usd", "usda", "usdc", "usdz"]
+    let is_model = ["obj", "ply", "stl", "bpt", "gltf", "glb", "usd", "usda", "usdc", "usdz", "mtlx"]
         .iter()
         .any(|known| extension == *known);
     if args.is_transparent() && is_model && !options.define.iter().any(|d| d.0 == "ground") {

@@ -97,7 +97,7 @@ pub fn is_model(path: &Path) -> bool {
 /// True for names of USD stages.
 fn is_usd(path: &Path) -> bool {
     let is = |known: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(known));
-    ["usd", "usda", "usdc", "usdz"].into_iter().any(is)
+    ["usd", "usda", "usdc", "usdz", "mtlx"].into_iter().any(is)
 }
 
 /// Definitions by which a model comes as its file has it: without a ground, its axes as they are.

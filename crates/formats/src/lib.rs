@@ -26,6 +26,7 @@ pub mod pbrt;
 pub mod readers;
 pub mod usd;
 pub mod write;
+mod xml;
 
 pub use limits::Limits;
 pub use readers::Reader;

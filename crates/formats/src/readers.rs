@@ -78,7 +78,7 @@ pub const READERS: &[Reader] = &[
     Reader {
         extensions: &[("xml", "Mitsuba scene: version 3, 2, or 0.6")],
         definitions: None,
-        looks_like: |b| b.first == b'<',
+        looks_like: |b| b.first == b'<' && !usd::looks_like(b.bytes),
         file: mitsuba::import,
         bytes: |path, bytes, options| mitsuba::import_bytes(bytes, path, options),
     },
@@ -117,6 +117,7 @@ pub const READERS: &[Reader] = &[
             ("usda", "Universal Scene Description in text"),
             ("usdc", "Universal Scene Description in binary form"),
             ("usdz", "Universal Scene Description with its pictures, as an archive"),
+            ("mtlx", "MaterialX document, shown on balls"),
         ],
         definitions: Some(&["at", "azimuth", "background", "elevation", "ground", "sky", "strength", "sun", "turn"]),
         looks_like: |b| usd::looks_like(b.bytes),

@@ -35,7 +35,6 @@ mod told;
 mod transform;
 mod upgrade;
 mod values;
-mod xml;
 
 #[cfg(test)]
 mod tests;

@@ -3,11 +3,12 @@
 use super::{
     graph::{Category, Graph, Object, ObjectId, Prop, Raw},
     parameters::{Fault, Parameters},
-    upgrade, xml,
+    upgrade,
 };
 use crate::{
     Limits, Options,
     files::{self, Included, SearchPath},
+    xml,
 };
 use roxmltree::Node;
 use std::{

@@ -1,6 +1,6 @@
 //! Layers: what one file says about prims and their properties.
 
-use super::{binary, text, value::Value};
+use super::{binary, mtlx, text, value::Value};
 use std::collections::HashMap;
 use steradian_scene::{FileId, Span};
 
@@ -63,7 +63,7 @@ impl Layer {
         if bytes.starts_with(binary::MAGIC) {
             return binary::read(bytes, memory).map_err(|message| Fault { at: None, message });
         }
-        text::read(bytes)
+        if bytes.trim_ascii_start().starts_with(b"<") { mtlx::read(bytes) } else { text::read(bytes) }
     }
 
     /// The layer's own metadata.

@@ -17,6 +17,7 @@ mod look;
 mod lz4;
 mod materialx;
 mod mesh;
+mod mtlx;
 mod nodes;
 mod solids;
 mod stage;
@@ -74,8 +75,11 @@ pub fn import_bytes(path: &Path, bytes: Vec<u8>, options: &Options) -> Import {
 
 /// True for the beginnings of such files; archives are told by their names.
 pub(crate) fn looks_like(bytes: &[u8]) -> bool {
-    bytes.starts_with(binary::MAGIC) || bytes.starts_with(b"#usda")
+    bytes.starts_with(binary::MAGIC) || bytes.starts_with(b"#usda") || mtlx::looks_like(bytes)
 }
+
+/// Most materials of a document that are shown.
+const MOST_BALLS: usize = 1000;
 
 /// A stage on its way into a description.
 struct Reader<'a> {
@@ -121,6 +125,7 @@ impl Reader<'_> {
             _ => DMat4::IDENTITY,
         };
         self.walk(root);
+        self.show_materials();
         if self.stage.import.diagnostics.has_errors() {
             return;
         }
@@ -138,6 +143,25 @@ impl Reader<'_> {
             self.bounds = [DVec3::NEG_ONE, DVec3::ONE];
         }
         model::stage::complete(&mut self.stage.import, self.stage.options, self.bounds, self.uses_lights, false);
+    }
+
+    /// Balls in a row for the materials of a MaterialX document, which has nothing else.
+    fn show_materials(&mut self) {
+        if !self.drawn.is_empty() {
+            return;
+        }
+        let Some(materials) = self.stage.prim(mtlx::ROOT).filter(|_| self.stage.is_materialx()) else { return };
+        for (k, name) in self.stage.children(&materials).into_iter().enumerate().take(MOST_BALLS) {
+            let material = self.stage.child(&materials, &name);
+            let look = self.look(&material, Some(&material.path), look::Channels::default());
+            self.draw(nodes::Drawn {
+                name,
+                form: nodes::Form::Solid(solids::solid("sphere").with("radius", 1.0)),
+                place: DMat4::from_translation(DVec3::new(2.5 * k as f64, 1.0, 0.0)),
+                material: look.material,
+                emission: look.emission,
+            });
+        }
     }
 
     /// Seconds after the start that the user asks for.

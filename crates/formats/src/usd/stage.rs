@@ -9,6 +9,7 @@
 use super::{
     archive,
     layer::{Fault, Layer, MOST_NESTED, Spec, Specifier, absolute, is_below, join, plain, property},
+    mtlx,
     value::{Item, ListOp, Retime, Value, is_continuous},
 };
 use crate::{
@@ -285,7 +286,8 @@ impl<'a> Stage<'a> {
         }
         let memory = unpacked(bytes.len(), MOST_OF_TEXT);
         let read = Layer::read(&bytes, memory);
-        let is_text = bytes.starts_with(b"#usda") || read.is_err() && !bytes.starts_with(b"PXR-USDC");
+        let is_text =
+            bytes.starts_with(b"#usda") || mtlx::looks_like(&bytes) || read.is_err() && !bytes.starts_with(b"PXR-USDC");
         let text = if is_text { bytes } else { Arc::default() };
         let source = self.import.desc.sources.add(place.to_string(), text);
         match read {
@@ -357,6 +359,11 @@ impl<'a> Stage<'a> {
             Some(Value::List(list)) => list.explicit.clone().unwrap_or_default(),
             _ => Vec::new(),
         }
+    }
+
+    /// True for a stage whose root layer is a MaterialX document.
+    pub fn is_materialx(&self) -> bool {
+        self.layers.first().is_some_and(|l| l.layer.specs.contains_key(mtlx::ROOT))
     }
 
     /// A field of the stage: of its root layer.

@@ -606,3 +606,74 @@ fn pictures_of_networks_have_their_place_and_space() {
     assert_eq!(node.float("normal_map_strength"), Some(0.5));
     assert_eq!(desc.node(node.node("normal_map").unwrap()).bool("raw"), Some(true));
 }
+
+const DOCUMENT: &str = r#"<?xml version="1.0"?>
+<materialx version="1.39" colorspace="lin_rec709" fileprefix="maps/">
+  <nodegraph name="G">
+    <input name="tint" type="float" value="0.5"/>
+    <image name="i" type="color3">
+      <input name="file" type="filename" value="p.png" colorspace="srgb_texture"/>
+    </image>
+    <multiply name="m" type="color3">
+      <input name="in1" type="color3" nodename="i"/>
+      <input name="in2" type="float" interfacename="tint"/>
+    </multiply>
+    <output name="o" type="color3" nodename="m"/>
+  </nodegraph>
+  <open_pbr_surface name="S" type="surfaceshader">
+    <input name="base_color" type="color3" nodegraph="G" output="o"/>
+    <input name="coat_color" type="color3" value="0.5, 1, 0" colorspace="srgb_texture"/>
+    <input name="geometry_thin_walled" type="boolean" value="true"/>
+  </open_pbr_surface>
+  <surfacematerial name="Paint" type="material">
+    <input name="surfaceshader" type="surfaceshader" nodename="S"/>
+  </surfacematerial>
+  <surfacematerial name="Bare" type="material"/>
+</materialx>"#;
+
+#[test]
+fn documents_of_materialx_are_layers() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("maps")).unwrap();
+    std::fs::write(folder.path().join("maps/p.png"), b"").unwrap();
+    let document = folder.path().join("d.mtlx");
+    std::fs::write(&document, DOCUMENT).unwrap();
+    // Alone: a ball for each.
+    let alone = super::import(&document, &Options::default());
+    assert_eq!(shapes(&alone.desc).len(), 2, "{}", said(&alone));
+    assert!(said(&alone).contains("/MaterialX/Materials/Bare"), "{}", said(&alone));
+    // As a layer: a material of a stage.
+    let stage = folder.path().join("s.usda");
+    let text = "#usda 1.0\ndef Sphere \"B\" {\n rel material:binding = </L>\n}\n\
+                def \"L\" (references = @d.mtlx@</MaterialX/Materials/Paint>) {\n}\n";
+    std::fs::write(&stage, text).unwrap();
+    let found = super::import(&stage, &Options::default());
+    for (import, name) in [(&alone, "Paint"), (&found, "B")] {
+        let desc = &import.desc;
+        let node = material(desc, name);
+        assert_eq!(node.kind, "openpbr", "{}", said(import));
+        assert_eq!(node.bool("geometry_thin_walled"), Some(true));
+        let Some(Param::Spectrum(SpectrumValue::Rgb(coat, _))) = node.get("coat_color") else { panic!("{node:?}") };
+        assert!((coat[0] - 0.214_041).abs() < 1e-6 && coat[1] == 1.0 && coat[2] == 0.0, "{coat:?}");
+        let product = desc.node(node.node("base_color").unwrap());
+        assert_eq!((product.kind.as_str(), product.float("scale")), ("scale", Some(0.5)));
+        let picture = desc.node(product.node("texture").unwrap());
+        assert_eq!(picture.path("file"), Some(folder.path().join("maps/p.png").as_path()));
+        assert_eq!(picture.string("encoding"), Some("srgb"));
+    }
+}
+
+#[test]
+fn faults_of_documents_have_their_place() {
+    let fault = |text: &str| {
+        let import = import_bytes(Path::new("d.mtlx"), text.as_bytes().to_vec(), &Options::default());
+        assert!(import.diagnostics.has_errors(), "{text}");
+        said(&import)
+    };
+    let told = fault(&DOCUMENT.replace("0.5, 1, 0", "0.5, 1"));
+    assert!(told.contains("a color3 is 3 numbers, not 2") && told.contains("d.mtlx:16:"), "{told}");
+    assert!(fault(&DOCUMENT.replace("0.5, 1, 0", "0.5, one, 0")).contains("is not a color3"));
+    assert!(fault("<materialx><surfacematerial type=\"material\"/></materialx>").contains("has no name"));
+    assert!(fault("<materialx><a></materialx>").contains("is not closed"));
+    assert!(fault("<scene version='3.0.0'/>").contains("is a <materialx>, not a <scene>"));
+}

@@ -33,7 +33,7 @@ __all__ = [
 def load(
     path: StrPath, *, defines: Mapping[str, Any] | None = None, search: Sequence[StrPath] = (), strict: bool = False
 ) -> Scene:
-    """Reads a scene: .pbrt, .xml, .gltf, .glb, .usd, .usda, .usdc, .usdz, .obj, .ply, .stl, .steradian, or `builtin:cornell-box`. SceneError says what is wrong with it."""
+    """Reads a scene: .pbrt, .xml, .gltf, .glb, .usd, .usda, .usdc, .usdz, .mtlx, .obj, .ply, .stl, .steradian, or `builtin:cornell-box`. SceneError says what is wrong with it."""
     words = {k: str(v) for k, v in (defines or {}).items()}
     return Scene(_steradian.Scene.load(path, defines=words, search=[os.fspath(p) for p in search], strict=strict))
 

@@ -103,6 +103,37 @@ def Xform "W" {
 }
 "#;
 
+/// A document of materials with such places.
+const MTLX: &str = r#"<materialx version="1.39">
+  <remap name="r" type="float">
+    <input name="in" type="float" value="@3"/>
+    <input name="inhigh" type="float" value="@2"/>
+  </remap>
+  <power name="p" type="float">
+    <input name="in1" type="float" nodename="r"/>
+    <input name="in2" type="float" value="@2"/>
+  </power>
+  <open_pbr_surface name="S" type="surfaceshader">
+    <input name="base_metalness" type="float" nodename="p"/>
+    <input name="base_color" type="color3" value="0.5, @0.5, 0.5"/>
+    <input name="specular_ior" type="float" value="@1.5"/>
+    <input name="transmission_weight" type="float" value="@0.5"/>
+    <input name="transmission_depth" type="float" value="@1"/>
+    <input name="transmission_color" type="color3" value="@0.5, 1, 1"/>
+    <input name="transmission_scatter" type="color3" value="@1, 0, 1"/>
+    <input name="transmission_scatter_anisotropy" type="float" value="@0"/>
+    <input name="transmission_dispersion_abbe_number" type="float" value="@20"/>
+    <input name="coat_weight" type="float" value="@1"/>
+    <input name="coat_ior" type="float" value="@1"/>
+    <input name="thin_film_thickness" type="float" value="@1"/>
+    <input name="emission_luminance" type="float" value="@1"/>
+    <input name="geometry_opacity" type="float" value="@1"/>
+  </open_pbr_surface>
+  <surfacematerial name="M" type="material">
+    <input name="surfaceshader" type="surfaceshader" nodename="S"/>
+  </surfacematerial>
+</materialx>"#;
+
 /// A text with the number of one place after the other replaced; `@name` is no place.
 fn poisoned(file: &'static str, template: &'static str) -> impl Iterator<Item = Case> {
     let place = |(at, _): &(usize, &str)| template.as_bytes().get(at + 1).is_some_and(u8::is_ascii_digit);
@@ -183,7 +214,17 @@ pub fn usd() -> impl Iterator<Item = Case> {
     head.extend([0xff; 64]);
     faults.push(Case::new("a binary head and nonsense", "s.usdc", head, Refused("")));
     faults.push(Case::new("an archive without members", "s.usdz", b"PK\x03\x04PK\x05\x06".to_vec(), Refused("")));
-    faults.into_iter().chain(poisoned("s.usda", USD)).map(|mut case| {
+    let m = |name: &str, text: &str, expect| Case::new(name, "s.mtlx", text, expect);
+    let many: String = (0..3000)
+        .map(|k| format!("<add name='n{k}' type='float'/><surfacematerial name='m{k}' type='material'/>"))
+        .collect();
+    faults.extend([
+        m("no materials", "<materialx version='1.39'/>", Warned("no surfaces")),
+        m("materials times nodes", &format!("<materialx>{many}</materialx>"), Refused("more than")),
+        m("deep graphs", &format!("<materialx>{}", "<nodegraph name='g'>".repeat(1 << 18)), Refused("nest")),
+        m("a node without end", &format!("<materialx>{}", "<a ".repeat(1 << 18)), Refused("")),
+    ]);
+    faults.into_iter().chain(poisoned("s.usda", USD)).chain(poisoned("s.mtlx", MTLX)).map(|mut case| {
         case.small = true;
         case
     })

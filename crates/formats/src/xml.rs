@@ -4,14 +4,14 @@ use std::ops::Range;
 
 /// Fault of an XML text: byte range and message.
 #[derive(Debug, PartialEq)]
-pub(super) struct Fault {
+pub(crate) struct Fault {
     pub at: Range<usize>,
     pub message: String,
 }
 
 /// The text of an XML file: UTF-8, perhaps with a byte order mark, which is kept so that offsets stay those of the
 /// file.
-pub(super) fn decode(bytes: &[u8]) -> Result<&str, Fault> {
+pub(crate) fn decode(bytes: &[u8]) -> Result<&str, Fault> {
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
         return Err(Fault { at: 0..2, message: "the file is encoded in UTF-16; only UTF-8 is read".into() });
     }
@@ -27,7 +27,7 @@ const MOST_ATTRIBUTES: usize = 1000;
 /// Finds elements that are not closed, and refuses what would make parsing costly: elements nested deeper than `limit`
 /// or with attributes without end, and document type declarations (whose entities can grow without bound). One pass
 /// over the bytes; anything else that is malformed is left to the parser.
-pub(super) fn precheck(text: &str, limit: usize) -> Result<(), Fault> {
+pub(crate) fn precheck(text: &str, limit: usize) -> Result<(), Fault> {
     let bytes = text.as_bytes();
     let find = |from: usize, what: &str| text.get(from..).and_then(|t| t.find(what)).map(|i| from + i + what.len());
     let mut at = 0;
@@ -99,7 +99,7 @@ fn tag_end(bytes: &[u8], from: usize) -> Option<(usize, usize)> {
 }
 
 /// Parses a text that passed [`precheck`].
-pub(super) fn parse(text: &str) -> Result<roxmltree::Document<'_>, Fault> {
+pub(crate) fn parse(text: &str) -> Result<roxmltree::Document<'_>, Fault> {
     roxmltree::Document::parse(text).map_err(|e| {
         let pos = e.pos();
         let at = offset(text, pos.row, pos.col);
