@@ -72,6 +72,15 @@ impl Reader<'_> {
                 Value::Spectrum(rgb(color.map(|v| v.clamp(0.0, 1.0))))
             }
         };
+        self.diffuse(reflectance, channels)
+    }
+
+    /// A diffuse surface of a colour.
+    pub(super) fn painted(&mut self, color: [f64; 3]) -> Look {
+        self.diffuse(Value::Spectrum(rgb(color)), Channels::default())
+    }
+
+    fn diffuse(&mut self, reflectance: Value, channels: Channels) -> Look {
         let key = format!("plain {reflectance:?}");
         if let (false, Some(look)) = (channels.color, self.looks.get(&key)) {
             return *look;

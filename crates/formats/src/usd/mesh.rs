@@ -15,10 +15,10 @@ use steradian_scene::{Attribute, Domain, Mesh};
 /// Faces of a mesh that share a material.
 #[derive(Clone, Debug)]
 pub(super) struct Part {
-    mesh: usize,
+    pub mesh: usize,
     /// The subset's path, where the faces are of one.
-    subset: Option<String>,
-    channels: Channels,
+    pub subset: Option<String>,
+    pub channels: Channels,
 }
 
 /// Elements that have one value each.
@@ -75,7 +75,8 @@ struct Geometry {
 }
 
 impl Reader<'_> {
-    pub(super) fn mesh(&mut self, prim: &Prim, state: &Inherited) {
+    /// Draws a mesh, or curves as one.
+    pub(super) fn mesh(&mut self, prim: &Prim, is_curves: bool, state: &Inherited) {
         if self.stage.names(prim, "apiSchemas").iter().any(|name| name == "MeshLightAPI") {
             self.count(Loss::Dropped("meshes do not shine as lights (MeshLightAPI)".into()), prim, None);
         }
@@ -83,7 +84,7 @@ impl Reader<'_> {
         let parts = match self.meshes.get(&key) {
             Some(parts) => parts.clone(),
             None => {
-                let parts = self.parts(prim);
+                let parts = if is_curves { self.strands(prim) } else { self.parts(prim) };
                 self.meshes.insert(key, parts.clone());
                 parts
             }

@@ -11,6 +11,7 @@
 mod archive;
 mod binary;
 mod camera;
+mod curves;
 mod layer;
 mod lights;
 mod look;

@@ -3,6 +3,7 @@
 use super::{
     Loss, Reader,
     layer::{MOST_NESTED, Specifier},
+    solids::solid,
     stage::Prim,
     value::Value,
     xform::unit,
@@ -18,7 +19,7 @@ const INSTANCED_FROM: usize = 16;
 const MOST_PRIMS: usize = 1_000_000;
 
 /// Most surfaces, instances counted.
-const MOST_DRAWN: usize = 10_000_000;
+pub(super) const MOST_DRAWN: usize = 10_000_000;
 /// Deepest nesting of instancers in prototypes of instancers.
 const MOST_INSTANCERS: usize = 8;
 
@@ -65,6 +66,8 @@ pub(super) struct Drawn {
 pub(super) enum Form {
     /// Mesh data, with the kind of its tangents.
     Mesh { mesh: usize, tangents: bool },
+    /// The unit sphere.
+    Ball,
     /// Another kind of shape.
     Solid(Node),
 }
@@ -148,7 +151,9 @@ impl Reader<'_> {
                 );
             }
             "LightFilter" => self.count(Loss::Dropped("filters of lights are left out".into()), prim, None),
-            "Mesh" => self.mesh(prim, &state),
+            "Mesh" => self.mesh(prim, false, &state),
+            "BasisCurves" => self.mesh(prim, true, &state),
+            "Points" => self.points(prim, &state),
             "Sphere" | "Cube" | "Cylinder" | "Cylinder_1" | "Cone" | "Capsule" | "Capsule_1" | "Plane" => {
                 self.solid(prim, kind.trim_end_matches("_1"), &state);
             }
@@ -304,7 +309,8 @@ impl Reader<'_> {
     pub(super) fn place_drawn(&mut self) {
         let drawn = std::mem::take(&mut self.drawn);
         let key = |d: &Drawn| match &d.form {
-            Form::Mesh { mesh, tangents } => Some((*mesh, *tangents, d.material)),
+            Form::Mesh { mesh, tangents } => Some((Some(*mesh), *tangents, d.material)),
+            Form::Ball => Some((None, false, d.material)),
             Form::Solid(_) => None,
         };
         let mut counts: HashMap<_, usize> = HashMap::new();
@@ -331,6 +337,7 @@ impl Reader<'_> {
                     }
                     (node, Some(mesh))
                 }
+                Form::Ball => (solid("sphere"), None),
                 Form::Solid(node) => (node, None),
             };
             node.name = Some(drawn.name);
@@ -356,6 +363,7 @@ impl Reader<'_> {
                 let all = positions.unwrap_or_default().iter().map(|p| DVec3::from(p.map(f64::from)));
                 all.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| [low.min(p), high.max(p)])
             }),
+            Form::Ball => [DVec3::NEG_ONE, DVec3::ONE],
             Form::Solid(node) => {
                 let r = node.float("radius").unwrap_or(1.0);
                 let [a, b] = ["z_min", "z_max"].map(|name| node.float(name));

@@ -200,8 +200,8 @@ fn what_is_not_seen_is_not_drawn() {
     assert_eq!(cubes("uniform token purpose = \"render\""), 1);
     assert_eq!(shapes(&read("over \"P\" {\n def Cube \"C\" {\n }\n}\nclass Cube \"K\" {\n}\n").desc).len(), 0);
     assert_eq!(shapes(&read("def Cube \"C\" (active = false) {\n}\n").desc).len(), 0);
-    let curves = read("def BasisCurves \"A\" {\n}\ndef BasisCurves \"B\" {\n}\ndef Cube \"C\" {\n}\n");
-    assert!(said(&curves).contains("/A (and 1 more): prims of type 'BasisCurves' are left out"), "{}", said(&curves));
+    let curves = read("def NurbsCurves \"A\" {\n}\ndef NurbsCurves \"B\" {\n}\ndef Cube \"C\" {\n}\n");
+    assert!(said(&curves).contains("/A (and 1 more): prims of type 'NurbsCurves' are left out"), "{}", said(&curves));
 }
 
 #[test]
@@ -676,4 +676,70 @@ fn faults_of_documents_have_their_place() {
     assert!(fault("<materialx><surfacematerial type=\"material\"/></materialx>").contains("has no name"));
     assert!(fault("<materialx><a></materialx>").contains("is not closed"));
     assert!(fault("<scene version='3.0.0'/>").contains("is a <materialx>, not a <scene>"));
+}
+
+#[test]
+fn curves_are_tubes() {
+    let curves = |counts: &str, rest: &str| {
+        format!(
+            "def BasisCurves \"C\" {{\n int[] curveVertexCounts = [{counts}]\n uniform token type = \"linear\"\n\
+             point3f[] points = [(0, 0, 0), (0, 0, 2), (5, 0, 0), (5, 0, 1), (5, 0, 2)]\n{rest}\n}}\n"
+        )
+    };
+    let found = read(&curves(
+        "2, 3",
+        "float[] widths = [0.2, 0.4] (interpolation = \"uniform\")\n\
+         color3f[] primvars:displayColor = [(1, 0, 0), (0, 0, 1), (0, 1, 0), (1, 0, 0), (0, 0, 1)] \
+         (interpolation = \"vertex\")\n texCoord2f[] primvars:st = [(0.25, 0), (0.5, 1)] (interpolation = \"uniform\")",
+    ));
+    let mesh = &found.desc.meshes[0];
+    assert_eq!((mesh.positions.len(), mesh.triangles.len()), (5 * 9, 3 * 18));
+    // The perimeter of nine sides is that of the circle.
+    let side = |k: usize| (glam::Vec3::from(mesh.positions[k + 1]) - glam::Vec3::from(mesh.positions[k])).length();
+    assert!((9.0 * side(0) - 0.2 * std::f32::consts::PI).abs() < 1e-5);
+    assert!((9.0 * side(18) - 0.4 * std::f32::consts::PI).abs() < 1e-5);
+    assert_eq!((mesh.uvs[0], mesh.uvs[44]), ([0.25, 0.0], [0.5, 1.0]));
+    assert_eq!(mesh.attributes[0].data[27..30], [0.0, 0.0, 1.0]);
+    let out = mesh.normals.iter().zip(&mesh.positions).take(9).all(|(n, p)| n[0] * p[0] + n[1] * p[1] > 0.0);
+    let [a, b, c] = mesh.triangles[0].map(|k| glam::Vec3::from(mesh.positions[k as usize]));
+    assert!(out && (b - a).cross(c - a).dot(a) > 0.0);
+    let refused = |text: String| said(&import(format!("#usda 1.0\n{text}")));
+    assert!(refused(curves("2, 2", "")).contains("/C.curveVertexCounts: the curves have 4 points, and 5 are given"));
+    assert!(refused(curves("4, 1", "")).contains("curve 1 has 1 points"));
+    assert!(refused(curves("2, 3", "float[] widths = [1, 1, -1, 1, 1]")).contains("/C.widths: numbers from 0 on"));
+    assert!(said(&read(&curves("2, 3", ""))).contains("without widths"));
+    // As many pieces as the bend asks for: a half-turn of a thin strand against a straight one.
+    let bent = |y: f32| {
+        let text = format!(
+            "def BasisCurves \"C\" {{\n int[] curveVertexCounts = [4]\n\
+             float[] widths = [0.01] (interpolation = \"constant\")\n\
+             point3f[] points = [(0, 0, 0), (0, {y}, 1), (0, {y}, 2), (0, 0, 3)]\n}}\n"
+        );
+        let mesh = read(&text).desc.meshes[0].clone();
+        let top = mesh.positions.iter().fold(0.0_f32, |top, p| top.max(p[1]));
+        (mesh.triangles.len(), top)
+    };
+    assert_eq!(bent(0.0).0, 18);
+    assert!(bent(2.0).0 == 16 * 18 && (bent(2.0).1 - 1.505).abs() < 1e-3, "{:?}", bent(2.0));
+}
+
+#[test]
+fn points_are_spheres() {
+    let points = |count: usize, rest: &str| {
+        let all: Vec<String> = (0..count).map(|k| format!("({k}, 0, 0)")).collect();
+        format!("def Points \"P\" {{\n point3f[] points = [{}]\n{rest}\n}}\n", all.join(", "))
+    };
+    let few = read(&points(
+        3,
+        "float[] widths = [1, 0, 4]\n\
+        color3f[] primvars:displayColor = [(1, 0, 0), (0, 0, 0), (0, 1, 0)] (interpolation = \"vertex\")",
+    ));
+    let found = shapes(&few.desc);
+    assert_eq!(found.len(), 2, "none of no width");
+    assert!(is_near(found[1].world_from_object.matrix.transform_point3(DVec3::X), [4.0, 0.0, 0.0]));
+    assert_eq!(color(few.desc.node(found[1].material.unwrap()), "reflectance"), [0.0, 1.0, 0.0]);
+    let many = read(&points(20, "float[] widths = [1] (interpolation = \"constant\")"));
+    assert_eq!((many.desc.instances.len(), many.desc.groups.len()), (20, 1));
+    let wrong = import("#usda 1.0\n".to_owned() + &points(2, "float[] widths = [1, inf]"));
+    assert!(said(&wrong).contains("/P.widths"), "{}", said(&wrong));
 }

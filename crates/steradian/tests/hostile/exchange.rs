@@ -88,6 +88,20 @@ def Xform "W" {
             double size = @1
         }
     }
+    def BasisCurves "H" {
+        uniform token basis = "bspline"
+        uniform token wrap = "pinned"
+        int[] curveVertexCounts = [@2, 4]
+        point3f[] points = [(@0, 0, 0), (0, 0, 1), (1, 0, 0), (1, 0, 1), (1, 1, 2), (2, 1, 2)]
+        float[] widths = [@0.1, 0.2] (interpolation = "uniform")
+        color3f[] primvars:displayColor = [(@1, 0, 0), (0, 1, 0)] (interpolation = "uniform")
+        int[] primvars:displayColor:indices = [@0, 1]
+    }
+    def Points "D" {
+        point3f[] points = [(@0, 0, 0), (0, 0, 1)]
+        float[] widths = [@0.1, 0.2]
+        color3f[] primvars:displayColor = [(@1, 0, 0), (0, 1, 0)] (interpolation = "vertex")
+    }
     def RectLight "R" {
         float inputs:intensity = @5
         float inputs:exposure = @1
