@@ -196,6 +196,8 @@ def test_the_viewport_follows_edits_without_making_the_scene_anew():
     current = lit_plane()
     ball = common.shape("uv_sphere", common.matte("Ball", (0.2, 0.2, 0.2)), smooth=True, location=(0, 0, 1))
     thing = common.lamp("POINT", 300, (0.5, 0.5, 5), shadow_soft_size=0.0)
+    # All that there are, so that it does not matter how far the thread is.
+    current.steradian.preview_samples = 16
     session = viewport.Session()
     follow = lambda _, depsgraph: session.update(depsgraph)
     bpy.app.handlers.depsgraph_update_post.append(follow)

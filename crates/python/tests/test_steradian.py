@@ -313,3 +313,20 @@ def test_models_on_a_transparent_background_have_no_ground(tmp_path):
     assert covered(scene) == opaque, "the scene keeps it"
     asked = st.load(model, defines={"ground": "true"})
     assert covered(asked, transparent=True) == opaque
+
+
+def test_parameters_with_the_name_of_their_family_are_written_with_an_underscore():
+    scene = st.scene(
+        {
+            "camera": {"camera": "perspective"},
+            "lights": {"sky": {"light": "environment"}},
+            "textures": {"half": {"texture": "scale", "texture_": {"texture": "constant", "value": 0.5}, "scale": 0.5}},
+            "materials": {"m": {"material": "mask", "material_": {"material": "diffuse", "reflectance": "half"}, "opacity": 0.25}},
+            "shapes": {"ball": {"shape": "sphere", "material": "m"}},
+        }
+    )
+    text = scene.text()
+    assert "texture: scale, texture: {texture: constant" in text and "material: mask, material: {material: diffuse" in text
+    assert st.scene(text, format="steradian").text() == text
+    with pytest.raises(st.SceneError, match="texture_"):
+        st.scene({"textures": {"a": {"texture_": {"texture": "constant"}}}})

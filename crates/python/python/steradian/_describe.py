@@ -18,6 +18,13 @@ PARTS = {
 }
 
 
+class _Again(str):
+    """Name of a parameter that is that of its node's family, too, as `texture` of the texture `scale`: a key beside it."""
+
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
+
+
 def text(value: Any, where: str) -> str:
     """A value in Steradian's own language; messages call it `where`."""
     return json.dumps(_plain(value, where), allow_nan=False)
@@ -112,7 +119,8 @@ def _plain(value: Any, where: str, meshes: list[tuple[str, dict[str, Any]]] | No
             if is_shape and key == "mesh" and meshes is not None and _is_in_place(part):
                 meshes.append((at, mesh_arrays(part, at)))
                 part = at
-            plain[str(key)] = _plain(part, at, meshes)
+            name = str(key)
+            plain[_Again(name[:-1]) if name.endswith("_") and name[:-1] in value else name] = _plain(part, at, meshes)
         return plain
     if isinstance(value, (list, tuple)):
         if len(value) == 4 and all(isinstance(row, (list, tuple, np.ndarray)) and len(row) == 4 for row in value):
