@@ -101,15 +101,13 @@ class SteradianEngine(bpy.types.RenderEngine):
         for each in wanted:
             self.add_pass(each.name, len(each.channels), each.channels, layer=view_layer.name)
 
-        near = (exported.camera or {}).get("near", 0.0)
-
         def show(image: Any) -> None:
             result = self.begin_result(0, 0, image.width, image.height, layer=view_layer.name)
             found = result.layers[0].passes
             put(found["Combined"], passes.combined(image, transparent=transparent, background=behind))
             for each in wanted:
                 if each.name in found:
-                    put(found[each.name], passes.values(image, each, near))
+                    put(found[each.name], passes.values(image, each))
             self.end_result(result)
 
         with tempfile.TemporaryDirectory(prefix="steradian-") as folder:

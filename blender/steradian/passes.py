@@ -103,11 +103,8 @@ def combined(image: Any, *, transparent: bool, background: NDArray[np.float32] |
     return np.flipud(np.concatenate([colour, alpha[..., None]], axis=-1))
 
 
-def values(image: Any, wanted: Pass, near: float = 0.0) -> NDArray[np.float32]:
-    """Values of a pass, rows from the bottom, height × width × channels; zero where the picture lacks them.
-
-    Depths count from the camera here, and from where its rays begin, at a distance of `near`, in the picture.
-    """
+def values(image: Any, wanted: Pass) -> NDArray[np.float32]:
+    """Values of a pass, rows from the bottom, height × width × channels; zero where the picture lacks them."""
     found = np.zeros((image.height, image.width, len(wanted.planes)), np.float32)
     for k, names in enumerate(wanted.planes):
         for name in names.split("|"):
@@ -118,5 +115,5 @@ def values(image: Any, wanted: Pass, near: float = 0.0) -> NDArray[np.float32]:
                 found[..., k] = image[name]
                 break
     if wanted.name == "Depth":
-        found = np.where(np.isfinite(found), found + near, FAR).astype(np.float32)
+        found = np.where(np.isfinite(found), found, FAR).astype(np.float32)
     return np.flipud(found)

@@ -38,6 +38,9 @@ pub struct Sight {
 pub fn first_hit(scene: &Scene, ray: Ray, lambda: &Wavelengths, sight: Sight, before: Option<&Scene>) -> FirstHit {
     let forward = scene.camera().forward();
     let eye = ray.origin;
+    // Depth counts from the eye, and rays begin at the near plane.
+    let start = scene.camera().start_of(&ray);
+    let before_start = if start > 0.0 { start / ray.direction.dot(forward).max(f32::MIN_POSITIVE) } else { 0.0 };
     let motion = |moved: Option<Moved>| moved.map_or([0.0; 3], |m| m.pixels.extend(m.depth).to_array());
     let Some((i, albedo, frame)) = next_hit(scene, ray, lambda, sight.hide_emitters) else {
         let moved = before.and_then(|before| scene.far_moved_since(before, &ray));
@@ -52,8 +55,8 @@ pub fn first_hit(scene: &Scene, ray: Ray, lambda: &Wavelengths, sight: Sight, be
         geometric_normal: if ng.dot(i.wo) < 0.0 { -ng } else { ng }.to_array(),
         position: i.surface.p.to_array(),
         motion: motion(before.and_then(|before| scene.moved_since(before, &i))),
-        depth: to.dot(forward),
-        distance: to.length(),
+        depth: start + to.dot(forward),
+        distance: before_start + to.length(),
         uv: i.surface.uv.to_array(),
         shape: geometry.id,
         material: geometry.material + 1,

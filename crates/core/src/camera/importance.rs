@@ -93,6 +93,12 @@ impl Camera {
         place.inverse().point(p).z * place.vector(Vec3::Z).length()
     }
 
+    /// Depth at which a ray of the camera begins: that of the near plane, where its rays begin there.
+    pub fn start_of(&self, ray: &Ray) -> f32 {
+        let begins_near = !matches!(self.projection, Projection::Realistic(_) | Projection::Patch(..));
+        if self.near > 0.0 && begins_near { self.along_axis(ray.origin, ray.time).max(0.0) } else { 0.0 }
+    }
+
     /// Camera-to-world transform at a moment of the exposure.
     fn place_at(&self, time: f32) -> Affine {
         self.motion.as_ref().and_then(|motion| motion.at(time)).unwrap_or(self.world_from_camera)

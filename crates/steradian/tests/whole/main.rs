@@ -8,6 +8,7 @@ mod colours;
 mod cube_maps;
 mod culling;
 mod denoising;
+mod depth;
 mod edits;
 mod estimate;
 mod every_method;
