@@ -10,7 +10,6 @@
 mod assets;
 mod bands;
 mod bezier;
-mod carried;
 mod coats;
 mod cube;
 mod description_checks;
@@ -214,7 +213,7 @@ fn compiled(desc: &SceneDesc, options: &Options, mut kept: Option<&mut Kept>) ->
         _ if has_bands => ColorMode::Spectral,
         _ => ColorMode::Rgb,
     });
-    let carried = carried::carried(desc);
+    let carried = steradian_scene::carried(desc);
     let (desc, told) = carried.as_ref().map_or((desc, [].as_slice()), |(desc, told)| (desc, told.as_slice()));
     let recentred = recentre::recentred(desc);
     let (origin, desc) = recentred.as_ref().map_or((DVec3::ZERO, desc), |(origin, desc)| (*origin, desc));

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod build;
+mod carried;
 pub mod diagnostic;
 pub mod mesh;
 pub mod node;
@@ -10,6 +11,7 @@ pub mod source;
 mod desc;
 mod lines;
 
+pub use carried::carried;
 pub use desc::{Animation, Format, Group, Instance, Movement, SceneDesc, Shape, Unpacked};
 pub use diagnostic::{Diagnostic, Diagnostics, Fidelity, Severity};
 pub use mesh::{Attribute, Domain, Mesh, MeshFault};

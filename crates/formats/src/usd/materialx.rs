@@ -10,7 +10,7 @@ use super::{
 };
 use std::rc::Rc;
 use steradian_math::{DMat4, DVec3, Transform};
-use steradian_scene::{Family, Node, NodeId, Value};
+use steradian_scene::{Family, Node, NodeId, Value, names};
 
 /// Longest chain of nodes.
 const MOST_DEEP: usize = 64;
@@ -129,6 +129,19 @@ const STANDARD: &[(&str, &str, Kind, f64)] = &[
     ("emission_color", "emission_color", Kind::Color, 1.0),
 ];
 
+/// Inputs that are read otherwise, or whose directions are the surface's own.
+const OPENPBR_TOO: &[&str] = &[
+    "thin_film_thickness",
+    "geometry_opacity",
+    "geometry_thin_walled",
+    "geometry_normal",
+    "geometry_coat_normal",
+    "geometry_tangent",
+    "geometry_coat_tangent",
+];
+const STANDARD_TOO: &[&str] =
+    &["transmission_dispersion", "thin_walled", "opacity", "normal", "coat_normal", "tangent"];
+
 /// True for surfaces that are read here, by their `info:id`.
 pub(super) fn is_surface(id: &str) -> bool {
     matches!(surface(id), "open_pbr_surface" | "standard_surface")
@@ -166,6 +179,7 @@ impl Reader<'_> {
                 }
             }
         }
+        self.tell_unknown(shader, surface(id));
         let name = if surface(id) == "standard_surface" { "thin_walled" } else { "geometry_thin_walled" };
         if let Some((_, _, value)) = self.input(shader, name)
             && value.bool() == Some(true)
@@ -199,6 +213,22 @@ impl Reader<'_> {
             }
         });
         look
+    }
+
+    /// Tells of inputs that the surface does not have, or that are not read.
+    fn tell_unknown(&mut self, shader: &Rc<Prim>, surface: &str) {
+        let is_standard = surface == "standard_surface";
+        let known: Vec<&str> = match is_standard {
+            true => STANDARD.iter().map(|row| row.0).chain(STANDARD_TOO.iter().copied()).collect(),
+            false => OPENPBR.iter().map(|row| row.0).chain(OPENPBR_TOO.iter().copied()).collect(),
+        };
+        for property in self.stage.properties(shader) {
+            let Some(name) = property.strip_prefix("inputs:").filter(|name| !known.contains(name)) else { continue };
+            let nearest = names::did_you_mean(name, known.iter().copied());
+            let help = nearest.map(|help| format!(": {help}")).unwrap_or_default();
+            let what = format!("'{name}' is not an input of '{surface}' that is read{help}");
+            self.count(Loss::Dropped(what), shader, Some(&property));
+        }
     }
 
     /// The emission of a surface as the light of its shapes.

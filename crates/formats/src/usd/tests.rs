@@ -549,6 +549,9 @@ fn networks_of_materialx_are_surfaces() {
     assert_eq!(desc.node(product.node("texture").unwrap()).kind, "mesh_attribute");
     assert_eq!(node.get("coat_weight"), None);
     assert!(said(&found).contains("the node 'quantum_foam' is not read"), "{}", said(&found));
+    let told = said(&materialx(open, "color3f inputs:base_colour = (1, 0, 0)\nfloat3 inputs:geometry_tangent", ""));
+    assert!(told.contains("'base_colour' is not an input") && told.contains("did you mean 'base_color'?"), "{told}");
+    assert!(!told.contains("tangent"), "{told}");
     // The standard surface has defaults of its own.
     let desc = materialx("ND_standard_surface_surfaceshader", "float inputs:metalness = 1", "").desc;
     let node = desc.node(desc.shapes[0].material.unwrap());

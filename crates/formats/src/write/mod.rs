@@ -49,11 +49,14 @@ pub const EXTENSIONS: &[(&str, &str)] = &[
 /// are NaN, paths that are not UTF-8.
 pub fn write(desc: &SceneDesc, path: &Path) -> Result<Written, String> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
-    match extension.as_str() {
-        "steradian" => {
-            let native::Written { text, files } = native::write(desc, path)?;
-            Ok(Written { bytes: text.into_bytes(), files, diagnostics: Diagnostics::default() })
-        }
+    if extension == "steradian" {
+        let native::Written { text, files } = native::write(desc, path)?;
+        return Ok(Written { bytes: text.into_bytes(), files, diagnostics: Diagnostics::default() });
+    }
+    // Materials of other formats have no light and no medium of their own.
+    let carried = steradian_scene::carried(desc);
+    let (desc, told) = carried.as_ref().map_or((desc, [].as_slice()), |(desc, told)| (desc, told.as_slice()));
+    let mut written = match extension.as_str() {
         "xml" => mitsuba::write(desc, path),
         "pbrt" => pbrt::write(desc, path),
         "gltf" => gltf::write(desc, path, false),
@@ -62,5 +65,9 @@ pub fn write(desc: &SceneDesc, path: &Path) -> Result<Written, String> {
             let known = EXTENSIONS.iter().map(|(e, what)| format!(".{e} ({what})")).collect::<Vec<_>>().join(", ");
             Err(format!("'{}': scenes are written as {known}; other formats are read only", path.display()))
         }
+    }?;
+    for (id, what) in told {
+        written.diagnostics.approximated(&desc.sources, desc.node(*id).span, what.clone());
     }
+    Ok(written)
 }

@@ -112,3 +112,27 @@ fn rough_bases_are_those_of_eon() {
         is_near(openpbr, expected, 2e-3);
     }
 }
+
+/// Other formats get the light and the medium as those of the shape.
+#[test]
+fn light_and_media_survive_conversion() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("scene.steradian");
+    let text = "steradian: 1
+        camera: {camera: perspective, fov: 10, to_world: {look_at: [0 0 0], from: [0 0 5]}}
+        shapes: [
+          {shape: sphere, radius: 1, material: {material: openpbr, transmission_weight: 1, transmission_depth: 2,
+             transmission_color: {rgb: [0.25, 0.5, 1]}}}
+          {shape: sphere, radius: 0.1, center: [0 3 0], material: {material: openpbr, emission_luminance: 7}}
+        ]";
+    std::fs::write(&path, text).expect("written");
+    let desc = load(&path, &Options::default()).desc;
+    for (name, light, medium) in [("a.pbrt", "AreaLightSource", "\"homogeneous\""), ("a.xml", "<emitter", "<medium")] {
+        let written = steradian::formats::write::write(&desc, &folder.path().join(name)).expect("written");
+        let text = String::from_utf8(written.bytes).expect("text");
+        assert!(text.contains(light) && text.contains(medium), "{name}: {text}");
+    }
+    let own = steradian::formats::write::write(&desc, &folder.path().join("a.steradian")).expect("written");
+    let text = String::from_utf8(own.bytes).expect("text");
+    assert!(text.contains("emission_luminance: 7") && !text.contains("homogeneous"), "{text}");
+}

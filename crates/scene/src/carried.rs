@@ -4,14 +4,18 @@
 //! `transmission_scatter/transmission_depth`; absorption that is below zero is raised in all channels alike (OpenPBR
 //! 1.1, 3.4.2). Light of the base passes the coat once: `√coat_color` in proportion to `coat_weight`.
 
-use steradian_scene::{ColorSpace, Family, Node, NodeId, SceneDesc, Shape, SpectrumValue, Value};
+use crate::{
+    desc::{SceneDesc, Shape},
+    node::{ColorSpace, Node, NodeId, SpectrumValue, Value},
+};
+use steradian_schema::Family;
 
 /// Least transmittance that counts.
 const DARKEST: f64 = 1e-4;
 
-/// The description with such light and media, where a shape has them and none of its own; what is left out is told by
-/// material.
-pub(super) fn carried(desc: &SceneDesc) -> Option<(SceneDesc, Vec<(NodeId, String)>)> {
+/// The description with such light and media as those of shapes, where a shape has them and none of its own, and
+/// messages about materials of which something is left out; `None` where there are none.
+pub fn carried(desc: &SceneDesc) -> Option<(SceneDesc, Vec<(NodeId, String)>)> {
     let shapes = || desc.groups.iter().flat_map(|g| &g.shapes).chain(&desc.shapes);
     if !shapes().any(|shape| {
         surface(desc, shape.material).is_some_and(|(_, node)| {
