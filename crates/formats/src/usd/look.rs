@@ -102,7 +102,7 @@ impl Reader<'_> {
             if matches!(id.as_str(), "UsdPreviewSurface" | "ND_UsdPreviewSurface_surfaceshader") {
                 return Some(self.preview(material, &output.shader, is_two_sided));
             }
-            if materialx::is_surface(&id) {
+            if materialx::is_surface(&id) || self.is_matte(&output.shader, &id) {
                 return Some(self.materialx(material, &output.shader, &id, is_two_sided));
             }
             ids.push(id);
@@ -110,7 +110,7 @@ impl Reader<'_> {
         let what = match ids.first() {
             Some(id) => {
                 format!(
-                    "its shader '{id}' is not read (UsdPreviewSurface, OpenPBR and the standard surface are): the \
+                    "its shader '{id}' is not read (UsdPreviewSurface, OpenPBR, the standard surface and diffuse ones are): the \
                      surface has its display colour"
                 )
             }

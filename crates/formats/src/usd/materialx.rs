@@ -10,7 +10,7 @@ use super::{
 };
 use std::rc::Rc;
 use steradian_math::{DMat4, DVec3, Transform};
-use steradian_scene::{Family, Node, NodeId, Value, names};
+use steradian_scene::{Family, Node, NodeId, SpectrumValue, Value, names};
 
 /// Longest chain of nodes.
 const MOST_DEEP: usize = 64;
@@ -142,12 +142,19 @@ const OPENPBR_TOO: &[&str] = &[
 const STANDARD_TOO: &[&str] =
     &["transmission_dispersion", "thin_walled", "opacity", "normal", "coat_normal", "tangent"];
 
+/// Diffuse closures, by their `info:id`.
+const OREN_NAYAR: &str = "ND_oren_nayar_diffuse_bsdf";
+const BURLEY: &str = "ND_burley_diffuse_bsdf";
+
 /// True for surfaces that are read here, by their `info:id`.
 pub(super) fn is_surface(id: &str) -> bool {
     matches!(surface(id), "open_pbr_surface" | "standard_surface")
 }
 
 fn surface(id: &str) -> &str {
+    if id == "ND_surface" {
+        return "surface";
+    }
     id.strip_prefix("ND_").and_then(|id| id.strip_suffix("_surfaceshader")).unwrap_or_default()
 }
 
@@ -167,6 +174,7 @@ impl Reader<'_> {
         node.name = Some(material.name().to_owned());
         match surface(id) {
             "standard_surface" => self.standard(shader, &mut node),
+            "surface" => self.matte(shader, &mut node),
             _ => {
                 for (name, kind) in OPENPBR {
                     self.parameter(shader, (name, name, kind), &mut node, None);
@@ -180,7 +188,7 @@ impl Reader<'_> {
             }
         }
         self.tell_unknown(shader, surface(id));
-        let name = if surface(id) == "standard_surface" { "thin_walled" } else { "geometry_thin_walled" };
+        let name = if surface(id) == "open_pbr_surface" { "geometry_thin_walled" } else { "thin_walled" };
         if let Some((_, _, value)) = self.input(shader, name)
             && value.bool() == Some(true)
         {
@@ -188,7 +196,7 @@ impl Reader<'_> {
         }
         let mut look = Look { tangents: node.get("specular_roughness_anisotropy").is_some(), ..Look::default() };
         let names = match surface(id) {
-            "standard_surface" => ["normal", "coat_normal", "opacity"],
+            "standard_surface" | "surface" => ["normal", "coat_normal", "opacity"],
             _ => ["geometry_normal", "geometry_coat_normal", "geometry_opacity"],
         };
         for (name, ours) in names.into_iter().zip(["normal_map", "coat_normal_map"]) {
@@ -217,10 +225,10 @@ impl Reader<'_> {
 
     /// Tells of inputs that the surface does not have, or that are not read.
     fn tell_unknown(&mut self, shader: &Rc<Prim>, surface: &str) {
-        let is_standard = surface == "standard_surface";
-        let known: Vec<&str> = match is_standard {
-            true => STANDARD.iter().map(|row| row.0).chain(STANDARD_TOO.iter().copied()).collect(),
-            false => OPENPBR.iter().map(|row| row.0).chain(OPENPBR_TOO.iter().copied()).collect(),
+        let known: Vec<&str> = match surface {
+            "surface" => vec!["bsdf", "edf", "opacity", "thin_walled"],
+            "standard_surface" => STANDARD.iter().map(|row| row.0).chain(STANDARD_TOO.iter().copied()).collect(),
+            _ => OPENPBR.iter().map(|row| row.0).chain(OPENPBR_TOO.iter().copied()).collect(),
         };
         for property in self.stage.properties(shader) {
             let Some(name) = property.strip_prefix("inputs:").filter(|name| !known.contains(name)) else { continue };
@@ -238,6 +246,52 @@ impl Reader<'_> {
         node.set("emission_luminance", 0.0, None);
         let light = Node::new(Family::Light, "area", node.span).with("radiance", color).with("scale", scale);
         Some(self.stage.import.desc.add(light.with("two_sided", is_two_sided)))
+    }
+
+    /// True for a surface that is made of a diffuse closure or emits evenly, and of nothing else.
+    pub(super) fn is_matte(&mut self, shader: &Rc<Prim>, id: &str) -> bool {
+        if id != "ND_surface" {
+            return false;
+        }
+        let [bsdf, edf] = ["bsdf", "edf"].map(|name| self.closure(shader, name).map(|c| c.1));
+        let is_diffuse = bsdf.as_deref().is_none_or(|kind| matches!(kind, OREN_NAYAR | BURLEY));
+        let is_even = edf.as_deref().is_none_or(|kind| kind == "ND_uniform_edf");
+        is_diffuse && is_even && (bsdf.is_some() || edf.is_some())
+    }
+
+    /// A closure of a surface, with its kind.
+    fn closure(&mut self, shader: &Rc<Prim>, name: &str) -> Option<(Rc<Prim>, String)> {
+        let closure = self.output(shader, &format!("inputs:{name}"))?.shader;
+        let kind = self.word(&closure, "info:id").unwrap_or_default();
+        Some((closure, kind))
+    }
+
+    /// A surface of a diffuse closure and an even emission.
+    fn matte(&mut self, shader: &Rc<Prim>, node: &mut Node) {
+        node.set("specular_weight", 0.0, None).set("base_weight", 0.0, None);
+        if let Some((bsdf, kind)) = self.closure(shader, "bsdf") {
+            for (name, ours, parameter, default) in [
+                ("weight", "base_weight", Kind::Scalar, 1.0),
+                ("color", "base_color", Kind::Color, 0.18),
+                ("roughness", "base_diffuse_roughness", Kind::Scalar, 0.0),
+            ] {
+                self.parameter(&bsdf, (name, ours, &parameter), node, Some(default));
+            }
+            if kind == BURLEY {
+                self.count(Loss::Approximated("Burley's diffuse closure is that of OpenPBR".into()), &bsdf, None);
+            }
+            self.normals(&bsdf, "normal", "normal_map", node);
+        }
+        if let Some((edf, _)) = self.closure(shader, "edf") {
+            self.parameter(&edf, ("color", "emission_color", &Kind::Color), node, Some(1.0));
+            let mut most = 1.0;
+            if let Some(Value::Spectrum(SpectrumValue::Rgb(color, _))) = node.get("emission_color") {
+                most = color.iter().copied().fold(0.0, f64::max);
+                let color = color.map(|v| if most > 0.0 { v / most } else { 0.0 });
+                node.set("emission_color", Value::Spectrum(rgb(color)), None);
+            }
+            node.set("emission_luminance", most, None);
+        }
     }
 
     fn standard(&mut self, shader: &Rc<Prim>, node: &mut Node) {

@@ -27,6 +27,7 @@ mod tests;
 mod text;
 mod texture;
 mod value;
+mod volume;
 mod xform;
 
 use crate::{Import, Options, files, mesh::model};

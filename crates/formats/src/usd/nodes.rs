@@ -6,6 +6,7 @@ use super::{
     solids::solid,
     stage::Prim,
     value::Value,
+    volume::Filled,
     xform::unit,
 };
 use glam::DQuat;
@@ -32,6 +33,7 @@ const SILENT: &[&str] = &[
     "Shader",
     "NodeGraph",
     "GeomSubset",
+    "OpenVDBAsset",
     "SkelRoot",
     "RenderProduct",
     "RenderVar",
@@ -68,6 +70,8 @@ pub(super) enum Form {
     Mesh { mesh: usize, tangents: bool },
     /// The unit sphere.
     Ball,
+    /// A medium in a box.
+    Volume(Box<Filled>),
     /// Another kind of shape.
     Solid(Node),
 }
@@ -154,6 +158,7 @@ impl Reader<'_> {
             "Mesh" => self.mesh(prim, false, &state),
             "BasisCurves" => self.mesh(prim, true, &state),
             "Points" => self.points(prim, &state),
+            "Volume" => self.volume(prim, &state),
             "Sphere" | "Cube" | "Cylinder" | "Cylinder_1" | "Cone" | "Capsule" | "Capsule_1" | "Plane" => {
                 self.solid(prim, kind.trim_end_matches("_1"), &state);
             }
@@ -311,7 +316,7 @@ impl Reader<'_> {
         let key = |d: &Drawn| match &d.form {
             Form::Mesh { mesh, tangents } => Some((Some(*mesh), *tangents, d.material)),
             Form::Ball => Some((None, false, d.material)),
-            Form::Solid(_) => None,
+            Form::Volume(_) | Form::Solid(_) => None,
         };
         let mut counts: HashMap<_, usize> = HashMap::new();
         drawn.iter().filter(|d| d.emission.is_none()).filter_map(key).for_each(|k| *counts.entry(k).or_default() += 1);
@@ -329,6 +334,7 @@ impl Reader<'_> {
                 desc.instances.push(Instance::new(*group, place));
                 continue;
             }
+            let mut interior = None;
             let (mut node, mesh) = match drawn.form {
                 Form::Mesh { mesh, tangents } => {
                     let mut node = Node::new(Family::Shape, "mesh", None);
@@ -338,11 +344,22 @@ impl Reader<'_> {
                     (node, Some(mesh))
                 }
                 Form::Ball => (solid("sphere"), None),
+                Form::Volume(filled) => {
+                    let inside = Transform { matrix: drawn.place * filled.place };
+                    interior = Some(desc.add(filled.medium.with("to_world", inside)));
+                    (Node::new(Family::Shape, "mesh", None), Some(filled.mesh))
+                }
                 Form::Solid(node) => (node, None),
             };
             node.name = Some(drawn.name);
-            let shape =
-                Shape { mesh, material: drawn.material, emission: drawn.emission, ..Shape::new(desc.add(node)) };
+            let shape = Shape {
+                mesh,
+                material: drawn.material,
+                emission: drawn.emission,
+                interior,
+                is_medium_boundary: interior.is_some(),
+                ..Shape::new(desc.add(node))
+            };
             match key {
                 Some(key) => {
                     desc.groups.push(Group { name: String::new(), shapes: vec![shape] });
@@ -357,12 +374,16 @@ impl Reader<'_> {
 
     /// Extends the bounds of the scene.
     fn include(&mut self, drawn: &Drawn, boxes: &mut HashMap<usize, [DVec3; 2]>) {
-        let [low, high] = match &drawn.form {
-            Form::Mesh { mesh, .. } => *boxes.entry(*mesh).or_insert_with(|| {
-                let positions = self.stage.import.desc.meshes.get(*mesh).map(|m| m.positions.as_slice());
+        let mut of_mesh = |mesh: usize| {
+            *boxes.entry(mesh).or_insert_with(|| {
+                let positions = self.stage.import.desc.meshes.get(mesh).map(|m| m.positions.as_slice());
                 let all = positions.unwrap_or_default().iter().map(|p| DVec3::from(p.map(f64::from)));
                 all.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| [low.min(p), high.max(p)])
-            }),
+            })
+        };
+        let [low, high] = match &drawn.form {
+            Form::Mesh { mesh, .. } => of_mesh(*mesh),
+            Form::Volume(filled) => of_mesh(filled.mesh),
             Form::Ball => [DVec3::NEG_ONE, DVec3::ONE],
             Form::Solid(node) => {
                 let r = node.float("radius").unwrap_or(1.0);

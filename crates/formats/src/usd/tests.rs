@@ -746,3 +746,55 @@ fn points_are_spheres() {
     let wrong = import("#usda 1.0\n".to_owned() + &points(2, "float[] widths = [1, inf]"));
     assert!(said(&wrong).contains("/P.widths"), "{}", said(&wrong));
 }
+
+#[test]
+fn closures_that_are_diffuse_are_surfaces() {
+    let graph = |kind: &str| {
+        format!(
+            " def Shader \"B\" {{\n uniform token info:id = \"{kind}\"\n color3f inputs:color = (0.5, 0.25, 0.125)\n\
+             float inputs:roughness = 0.5\n token outputs:out\n }}\n\
+             def Shader \"E\" {{\n uniform token info:id = \"ND_uniform_edf\"\n color3f inputs:color = (4, 2, 0)\n\
+             token outputs:out\n }}\n"
+        )
+    };
+    let inputs = "token inputs:bsdf.connect = </M/B.outputs:out>\ntoken inputs:edf.connect = </M/E.outputs:out>";
+    let found = materialx("ND_surface", inputs, &graph("ND_oren_nayar_diffuse_bsdf"));
+    let shape = &found.desc.shapes[0];
+    let node = found.desc.node(shape.material.unwrap());
+    assert_eq!((node.kind.as_str(), node.float("specular_weight")), ("openpbr", Some(0.0)), "{}", said(&found));
+    assert_eq!((node.float("base_weight"), node.float("base_diffuse_roughness")), (Some(1.0), Some(0.5)));
+    assert_eq!(color(node, "base_color"), [0.5, 0.25, 0.125]);
+    let light = found.desc.node(shape.emission.unwrap());
+    assert_eq!((color(light, "radiance"), light.float("scale")), ([1.0, 0.5, 0.0], Some(4.0)));
+    // Of what else there is, the preview beside it counts.
+    let other = materialx("ND_surface", inputs, &graph("ND_sheen_bsdf"));
+    let node = other.desc.node(other.desc.shapes[0].material.unwrap());
+    assert_eq!(node.kind, "metallic_roughness");
+}
+
+#[test]
+fn volumes_are_media_in_boxes() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("v.vdb"), "").unwrap();
+    let stage = |extent: &str| {
+        format!(
+            "#usda 1.0\ndef Xform \"W\" {{\n double3 xformOp:translate = (0, 0, 5)\n\
+             uniform token[] xformOpOrder = [\"xformOp:translate\"]\n\
+             def Volume \"V\" {{\n rel field:density = </W/V/d>\n{extent}\n\
+             def OpenVDBAsset \"d\" {{\n asset filePath = @v.vdb@\n token fieldName = \"smoke\"\n\
+             double3 xformOp:translate = (1, 0, 0)\n uniform token[] xformOpOrder = [\"xformOp:translate\"]\n }}\n }}\n}}\n"
+        )
+    };
+    let open = |text: String| import_bytes(&folder.path().join("s.usda"), text.into_bytes(), &Options::default());
+    let found = open(stage("float3[] extent = [(0, 0, 0), (1, 2, 3)]"));
+    assert!(!found.diagnostics.has_errors(), "{}", said(&found));
+    let shape = shapes(&found.desc)[0];
+    let medium = found.desc.node(shape.interior.unwrap());
+    assert_eq!((medium.kind.as_str(), medium.string("grid")), ("vdb", Some("smoke")));
+    assert_eq!(medium.transform("to_world").unwrap().point(DVec3::ZERO), DVec3::new(1.0, 0.0, 5.0));
+    assert!(shape.is_medium_boundary && found.desc.meshes[shape.mesh.unwrap()].positions[7] == [1.0, 2.0, 3.0]);
+    assert!(said(&open(stage("float3[] extent = [(0, 0, 0), (1, 0, 3)]"))).contains("/W/V.extent"));
+    assert!(said(&open(stage(""))).contains("without an extent"));
+    let gone = said(&open(stage("float3[] extent = [(0, 0, 0), (1, 2, 3)]").replace("v.vdb", "w.vdb")));
+    assert!(gone.contains("/W/V/d: cannot find 'w.vdb'"), "{gone}");
+}
