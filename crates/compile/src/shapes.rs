@@ -385,7 +385,12 @@ impl Compiler<'_> {
             kind: self.choice(
                 node,
                 "type",
-                &[("flat", CurveKind::Flat), ("cylinder", CurveKind::Cylinder), ("ribbon", CurveKind::Ribbon)],
+                &[
+                    ("flat", CurveKind::Flat),
+                    ("cylinder", CurveKind::Cylinder),
+                    ("round", CurveKind::Round),
+                    ("ribbon", CurveKind::Ribbon),
+                ],
             ),
             width: [self.float(node, "width0"), self.float(node, "width1")],
             normals,

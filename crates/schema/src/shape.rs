@@ -188,10 +188,10 @@ pub const SHAPES: &[Model] = &[
             word("basis", "bezier, bspline", "bezier", "what the control points are of"),
             word(
                 "type",
-                "flat, cylinder, ribbon",
+                "flat, cylinder, round, ribbon",
                 "flat",
-                "a strip that faces the ray, the same with the normals of a cylinder, or a strip that faces \
-                 along normals",
+                "a strip that faces the ray; the same with normals over half a turn, as in pbrt, which suit hair; \
+                 the same with those of a round strand; or a strip that faces along normals",
             ),
             number("width0", ANY, "1", "width at the beginning"),
             number("width1", ANY, "1", "width at the end"),

@@ -22,6 +22,8 @@ pub enum CurveKind {
     Flat,
     /// A flat strip with normals that turn over the width as they would on a cylinder.
     Cylinder,
+    /// A strip that faces the ray, with the outward normals of a round strand.
+    Round,
     /// A strip that faces along given normals.
     Ribbon,
 }
@@ -360,9 +362,18 @@ impl Curves {
         // Across the curve; any way across where the ray runs along it.
         let across = facing.cross(along).try_normalize().unwrap_or_else(|| Frame::from_z(facing).x);
         let mut n = along.cross(across);
-        if self.kind == CurveKind::Cylinder {
-            let (sin, cos) = ((2.0 * v - 1.0) * FRAC_PI_2).sin_cos();
-            n = n * cos + across * sin;
+        match self.kind {
+            // The angle is linear in v, as in pbrt; turned to the ray, the normal leans to the other side.
+            CurveKind::Cylinder => {
+                let (sin, cos) = ((2.0 * v - 1.0) * FRAC_PI_2).sin_cos();
+                n = n * cos + across * sin;
+            }
+            // The place across is the sine of the angle, on the side of the ray's origin.
+            CurveKind::Round => {
+                let sin = (2.0 * v - 1.0).clamp(-1.0, 1.0);
+                n = across * sin - n * (1.0 - sin * sin).sqrt();
+            }
+            CurveKind::Flat | CurveKind::Ribbon => {}
         }
 
         let n = self.place.normal(n).normalize_or_zero() * if self.flip { -1.0 } else { 1.0 };
@@ -590,6 +601,21 @@ mod tests {
             // The angle is linear in v, and normals at the rims point outward.
             let angle = y / 0.25 * FRAC_PI_2;
             assert!((s.n - Vec3::new(0.0, angle.sin(), -angle.cos())).length() < 1e-4, "{y} {}", s.n);
+        }
+    }
+
+    #[test]
+    fn round_strands_have_the_normals_of_a_tube() {
+        let curves = straight(CurveKind::Round);
+        for y in [-0.249_f32, -0.1, 0.0, 0.17, 0.249] {
+            for (z, direction) in [(8.0, Vec3::NEG_Z), (-8.0, Vec3::Z)] {
+                let ray = Ray::new(Vec3::new(0.1, y, z), direction);
+                let (prim, hit) = nearest(&curves, &ray).unwrap();
+                let s = curves.surface(prim, hit.u, hit.v, &ray, hit.t);
+                let sin = y / 0.25;
+                let expected = Vec3::new(0.0, sin, -direction.z * (1.0 - sin * sin).sqrt());
+                assert!((s.n - expected).length() < 1e-3, "{y} {}", s.n);
+            }
         }
     }
 

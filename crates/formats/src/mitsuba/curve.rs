@@ -31,7 +31,7 @@ impl Reader<'_> {
                 .with("points", points)
                 .with("degree", 3_i64)
                 .with("basis", "bspline")
-                .with("type", "cylinder")
+                .with("type", "round")
                 .with("width0", widths[0])
                 .with("width1", widths[1])
         });

@@ -258,7 +258,7 @@ impl Writer<'_> {
             self.x.dropped(node, "a quadratic B-spline curve cannot be expressed and is left out");
             return None;
         };
-        if node.string("type").unwrap_or("flat") != "cylinder" {
+        if !matches!(node.string("type"), Some("cylinder" | "round")) {
             self.x.approximated(node, "curves are tubes in Mitsuba, not flat or ribbons");
         }
         let mut text = String::new();

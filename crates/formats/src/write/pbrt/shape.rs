@@ -126,7 +126,14 @@ impl Writer<'_> {
                 }
                 out.integers("degree", [node.int("degree").unwrap_or(3)]);
                 out.string("basis", node.string("basis").unwrap_or("bezier"));
-                out.string("type", node.string("type").unwrap_or("flat"));
+                let kind = match node.string("type").unwrap_or("flat") {
+                    "round" => {
+                        self.x.approximated(node, "pbrt's round strands have normals that lean to the other side");
+                        "cylinder"
+                    }
+                    kind => kind,
+                };
+                out.string("type", kind);
                 out.float("width0", node.float("width0").unwrap_or(1.0));
                 out.float("width1", node.float("width1").unwrap_or(1.0));
                 if let Some(Value::Floats(normals)) = node.get("normals") {
