@@ -1,7 +1,10 @@
 //! Light that enters a layered surface, and light that it reflects.
 
 use crate::{
-    Bsdf, Lobe, Microfacet, Pbr, Principled, ThinFilm, TransportMode::Radiance, pbr::PbrParams, principled,
+    Bsdf, Lobe, Microfacet, Pbr, Principled, ThinFilm,
+    TransportMode::Radiance,
+    pbr::{Convention, PbrParams},
+    principled,
     subsurface::SubsurfacePart,
 };
 use steradian_math::{Spectrum, Vec2, Vec3, hash::HashRng};
@@ -44,7 +47,7 @@ fn base(roughness: f32) -> PbrParams {
         coat_facets: facets(0.2),
         coat_eta: 1.6,
         coat_color: Spectrum::ONE,
-        tints_metal_edge: true,
+        convention: Convention::OpenPbr,
         film: ThinFilm::new(1.4, 500.0, None),
         film_weight: 0.0,
         subsurface: WHITE,

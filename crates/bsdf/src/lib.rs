@@ -65,6 +65,8 @@ pub mod thin_dielectric;
 pub mod thin_film;
 mod visible_normals;
 pub mod ward;
+#[cfg(test)]
+mod white_metal;
 
 pub use blinn_phong::BlinnPhong;
 pub use coat_table::{CoatSeries, CoatTable};

@@ -9,16 +9,18 @@
 //! F_metal = base + (1 − base)(1 − c)⁵ − k c (1 − c)⁶, with the edge's tint at 82°    Hoffman 2019; OpenPBR 1.1, eq. 24
 //! with a film: both interpolated to Airy's reflectance over an index of √F₀ = (n−1)/(n+1)   KHR_materials_iridescence
 //! B = (1 − E(wo))(1 − E(wi))/(1 − Ē) of the dielectric reflection                      albedo_table
+//! with rough metal of OpenPBR: Kulla and Conty's lobe beside its F D G                 multiple_scattering
 //! L = min over both directions of 1 − weight · E                                   KHR_materials_sheen, albedo scaling
 //! ```
 //!
 //! The minimum keeps layering reciprocal and never makes energy; appendix B's own mix by the Fresnel factor of the
-//! half-vector does at grazing angles. A coat may have a normal of its own: its lobe, albedo and colour go by the
-//! cosines to that normal, so that no energy is made, and the surface is not reciprocal (its adjoint is exact). Facets
-//! below [`Microfacet::SMOOTH_BELOW`] reflect and refract in one direction each, as delta lobes. A surface that
-//! refracts is seen from inside as the bare interface. `thin` surfaces (glTF without a volume) let light pass without
-//! bending it and are the same from both sides. Colours and weights are kept to 16 bits, the weight of subsurface
-//! scattering to 8.
+//! half-vector does at grazing angles. Rough metal of OpenPBR loses no light between its facets (stretched metal a part
+//! of it); that of glTF is single scattering, as appendix B says. A coat may have a normal of its own: its lobe, albedo
+//! and colour go by the cosines to that normal, so that no energy is made, and the surface is not reciprocal (its
+//! adjoint is exact). Facets below [`Microfacet::SMOOTH_BELOW`] reflect and refract in one direction each, as delta
+//! lobes. A surface that refracts is seen from inside as the bare interface. `thin` surfaces (glTF without a volume)
+//! let light pass without bending it and are the same from both sides. Colours and weights are kept to 16 bits, the
+//! weight of metal to 15, that of subsurface scattering to 8.
 //!
 //! Of the opaque dielectric a part w may be a medium that light goes below, to leave elsewhere
 //! ([`Lobe::SUBSURFACE`]): `w L(wo) (1 − E(wo))` of it enters, which is what a white diffuse base under the same
@@ -26,6 +28,7 @@
 
 use super::{
     Bsdf, BsdfEval, BsdfSample, Lobe, Microfacet, ThinFilm, TransportMode, albedo_table, fresnel,
+    multiple_scattering::BetweenFacets,
     oren_nayar::over_lambert,
     packed::Unit4,
     packed_normal::Unit3,
@@ -75,6 +78,35 @@ impl Grain {
     }
 }
 
+/// Weight of the metal in 32767 steps, and whether light that its facets reflect to each other is followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Metal(u16);
+
+impl Metal {
+    fn new(weight: f32, is_followed: bool) -> Self {
+        Self((unit(weight) * 32767.0 + 0.5) as u16 | u16::from(is_followed) << 15)
+    }
+
+    #[inline]
+    fn weight(self) -> f32 {
+        f32::from(self.0 & 32767) * (1.0 / 32767.0)
+    }
+
+    #[inline]
+    fn is_followed(self) -> bool {
+        self.0 > 32768
+    }
+}
+
+/// Specification of the parameters, where the two differ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Convention {
+    /// glTF 2.0: `specular_color` tints the dielectric alone, and facets of metal reflect once (appendix B).
+    Gltf,
+    /// OpenPBR 1.1: `specular_color` tints the edge of metal, too, and light between facets of metal is not lost.
+    OpenPbr,
+}
+
 /// Parameters of the surface. Colours and weights in [0, 1] (clamped).
 #[derive(Clone, Copy, Debug)]
 pub struct PbrParams {
@@ -90,7 +122,7 @@ pub struct PbrParams {
     pub eta: f32,
     /// Strength of the dielectric reflection.
     pub specular: f32,
-    /// Tint of the dielectric reflection at normal incidence, and of metal at 82°.
+    /// Tint of the dielectric reflection at normal incidence, and of OpenPBR's metal at 82°.
     pub specular_color: Spectrum,
     /// Part of the dielectric that refracts.
     pub transmission: f32,
@@ -116,8 +148,8 @@ pub struct PbrParams {
     pub coat_color: Spectrum,
     /// Strength of the darkening of the base by light that the coat sends back to it (OpenPBR 1.1, 3.5.3).
     pub coat_darkening: f32,
-    /// True if specular_color tints metal at the edge (OpenPBR) rather than the dielectric alone (glTF).
-    pub tints_metal_edge: bool,
+    /// Specification that the parameters are of.
+    pub convention: Convention,
     /// A film between base and coat.
     pub film: ThinFilm,
     /// Part of the base that the film covers.
@@ -146,7 +178,7 @@ pub struct Pbr {
     film_weight: Unit,
     /// The f0 with which Schlick's reflectance is nowhere below the dielectric's, film and all lanes included.
     bound: Unit,
-    metallic: Unit,
+    metallic: Metal,
     f90: Unit,
     sheen_alpha: Unit,
     coat: Unit,
@@ -164,11 +196,14 @@ struct Seen {
     /// Probabilities of the ways to draw a direction.
     coat: f32,
     facets: f32,
+    between: f32,
     diffuse: f32,
     /// `1 − E` of the dielectric reflection.
     below: f32,
     /// The base's roughness in the tables.
     row: albedo_table::Row,
+    /// Light that facets of the metal reflect to each other.
+    lobe: Option<BetweenFacets>,
 }
 
 fn unit(v: f32) -> f32 {
@@ -182,6 +217,7 @@ impl Pbr {
         let (metallic, transmission) = (unit(p.metallic), unit(p.transmission));
         let through = unit(p.diffuse_transmission);
         let opaque = (1.0 - metallic) * (1.0 - transmission);
+        let is_openpbr = p.convention == Convention::OpenPbr;
         let specular = unit(p.specular);
         let coat_eta = if p.coat_eta > 1.0 { p.coat_eta.min(1e3) } else { 1.0 };
         let f0 = Unit4::new((p.specular_color * fresnel::f0_from_eta(eta)).clamp(0.0, 1.0) * specular);
@@ -202,7 +238,7 @@ impl Pbr {
         }
         let mut surface = Self {
             metal: Unit4::new(p.base_color),
-            edge: Unit4::new(if p.tints_metal_edge { p.specular_color } else { Spectrum::ONE }),
+            edge: Unit4::new(if is_openpbr { p.specular_color } else { Spectrum::ONE }),
             f0,
             diffuse: Unit4::new(diffuse),
             through: Unit4::new(passing),
@@ -216,7 +252,7 @@ impl Pbr {
             eta: if eta < 1.001 { 1.001 } else { eta },
             film_weight: Unit::new(p.film_weight),
             bound: Unit::new(f0.most()),
-            metallic: Unit::new(metallic),
+            metallic: Metal::new(metallic, is_openpbr),
             f90: Unit::new(specular),
             sheen_alpha: Unit::new((unit(p.sheen_roughness) * unit(p.sheen_roughness)).max(sheen::MIN_ALPHA)),
             coat: Unit::new(p.coat),
@@ -239,7 +275,7 @@ impl Pbr {
     /// which light leaves as it came, and `1 − (1 − Ē)/η²` of diffuse ones. The factor is part of the coat's colour.
     fn darkening(&self, eta: f32, strength: f32) -> Spectrum {
         let diffuse = 1.0 - (1.0 - fresnel::dielectric_diffuse_fit(eta)) / (eta * eta);
-        let metallic = self.metallic.get();
+        let metallic = self.metallic.weight();
         let rough = 1.0 - metallic * (1.0 - self.facets.mean_alpha().sqrt());
         let back = fresnel::f0_from_eta(eta) * (1.0 - rough) + diffuse * rough;
         let bare = Self { coat: Unit(0), coat_color: Unit4::ONE, ..*self };
@@ -337,17 +373,35 @@ impl Pbr {
     /// Reflectance of base facets from outside.
     fn reflectance(&self, cos: f32) -> Spectrum {
         let dielectric = self.dielectric(cos);
-        if self.metallic.0 == 0 {
+        let metallic = self.metallic.weight();
+        if metallic == 0.0 {
             return dielectric;
         }
-        let (base, w) = (self.metal.get(), schlick_weight(cos));
+        let w = schlick_weight(cos);
+        let metal = self.filmed(cos, self.hoffman(w, cos * (1.0 - cos) * w), self.metal.get(), 1.0);
+        dielectric * (1.0 - metallic) + metal * metallic
+    }
+
+    /// Reflectance of the bare metal by `(1 − c)⁵` and `c (1 − c)⁶`, in which it is linear.
+    #[inline]
+    fn hoffman(&self, w: f32, edge: f32) -> Spectrum {
+        let base = self.metal.get();
         let schlick = |w: f32| base + (Spectrum::ONE - base) * w;
         // Hoffman's term is the lack at cos = 1/7, brought to zero at normal and grazing incidence.
         let lack = schlick((6.0f32 / 7.0).powi(5)) * (Spectrum::ONE - self.edge.get());
-        let shape = cos * (1.0 - cos) * w * (7.0 * (7.0f32 / 6.0).powi(6));
-        let metal = self.filmed(cos, (schlick(w) - lack * shape).clamp(0.0, 1.0), base, 1.0);
-        let metallic = self.metallic.get();
-        dielectric * (1.0 - metallic) + metal * metallic
+        (schlick(w) - lack * (edge * (7.0 * (7.0f32 / 6.0).powi(6)))).clamp(0.0, 1.0)
+    }
+
+    /// Light between the facets of the metal, as it is seen; under a film the reflectance of the bare metal
+    /// counts.
+    fn between_facets(&self, wo: Vec3) -> Option<BetweenFacets> {
+        let metallic = self.metallic.weight();
+        if !self.metallic.is_followed() || self.facets.is_smooth() {
+            return None;
+        }
+        // The means of both terms over the cosine.
+        let mean = self.hoffman(1.0 / 21.0, 1.0 / 126.0);
+        Some(BetweenFacets::new(&self.facets, mean, metallic, wo))
     }
 
     /// Reflectance of base facets from the side that the cosine is on.
@@ -421,32 +475,38 @@ impl Pbr {
         let [a, b] = albedo_table::ggx(row, cos);
         // Of a coat that is turned away nothing is drawn.
         let coat = if self.over_coat([wo]).is_some() { self.coat_albedo(self.coat_cos(wo)) } else { 0.0 };
-        let (metallic, film) = (self.metallic.get(), 0.5 * self.film_weight.get());
+        let (metallic, film) = (self.metallic.weight(), 0.5 * self.film_weight.get());
         let dielectric = self.bound.get() * a + self.f90.get() * b;
-        let reflected = metallic * self.metal.most().max(b).max(film) + (1.0 - metallic) * dielectric;
+        let lobe = self.between_facets(wo);
+        let [lost, regained] = lobe.map_or([0.0; 2], |m| [m.lost, m.albedo().max_element()]);
+        let metal = (1.0 - lost) * self.metal.most().max(b).max(film);
+        let reflected = metallic * metal + (1.0 - metallic) * dielectric;
         let facets = (1.0 - coat) * (reflected + self.refracted.most()).max(0.02);
         let below = (1.0 - dielectric).clamp(0.0, 1.0);
         let sheen = 1.0 - self.sheen_leaves(cos);
         let diffuse = (1.0 - coat) * below * (self.diffuse.most() + self.through.most()) + sheen;
-        let total = coat + facets + diffuse;
-        let inverse = 1.0 / total;
-        Seen { coat: coat * inverse, facets: facets * inverse, diffuse: diffuse * inverse, below, row }
+        let between = (1.0 - coat) * regained;
+        let inverse = 1.0 / (coat + facets + between + diffuse);
+        let [coat, facets, between, diffuse] = [coat, facets, between, diffuse].map(|part| part * inverse);
+        Seen { coat, facets, between, diffuse, below, row, lobe }
     }
 
     /// Factors of light in two sums; `None` with layers on top, and where light passes.
-    pub(super) fn split_sum(&self, cos: f32) -> Option<SplitSum> {
+    pub(super) fn split_sum(&self, wo: Vec3) -> Option<SplitSum> {
+        let cos = wo.z;
         let is_layered = self.coat.0 > 0 || !self.sheen.is_black() || self.film_weight.0 > 0;
         if is_layered || !self.refracted.is_black() || !self.through.is_black() {
             return None;
         }
-        let (alpha, metallic) = (self.facets.mean_alpha(), self.metallic.get());
+        let (alpha, metallic) = (self.facets.mean_alpha(), self.metallic.weight());
         let row = albedo_table::row(alpha);
         let [a, b] = albedo_table::ggx(row, cos);
         let dielectric = self.f0.get() * a + Spectrum::splat(self.f90.get() * b);
         let metal = self.metal.get() * a + Spectrum::splat(b);
         let facets = dielectric * (1.0 - metallic) + metal * metallic;
         let facets = if self.facets.is_smooth() { Spectrum::ZERO } else { facets };
-        Some(SplitSum { alpha, facets, diffuse: self.diffuse.get() * self.below(row, cos) })
+        let between = self.between_facets(wo).map_or(Spectrum::ZERO, |m| m.albedo());
+        Some(SplitSum { alpha, facets, diffuse: self.diffuse.get() * self.below(row, cos) + between })
     }
 
     /// True if diffuse light goes through.
@@ -498,6 +558,10 @@ impl Pbr {
                     diffuse *= over_lambert(self.metal.get(), self.grain.roughness(), wo, wi);
                 }
                 e.value += diffuse * self.lambert(c, wi);
+            }
+            if let Some(lobe) = &c.lobe {
+                e.value += lobe.value(wi);
+                e.pdf += c.between * lobe.pdf(wi);
             }
             e.pdf += c.diffuse * (1.0 - self.through_part()) * FRAC_1_PI * wi.z;
             if !self.sheen.is_black() {
@@ -684,9 +748,13 @@ impl Scatter for Pbr {
                 eta = relative;
                 (w, Lobe::GLOSSY.with(Lobe::TRANSMISSION))
             }
+        } else if let Some(lobe) = &c.lobe
+            && u < c.coat + c.facets + c.between
+        {
+            (lobe.draw(u2), Lobe::DIFFUSE)
         } else {
             let w = sample_cosine_hemisphere(u2)?;
-            let u = (u - c.coat - c.facets) / c.diffuse;
+            let u = (u - c.coat - c.facets - c.between) / c.diffuse;
             if self.below > 0 && u < self.through_part() {
                 return Some(self.entering(seen, &c));
             }
@@ -755,7 +823,7 @@ fn plain() -> PbrParams {
         coat_eta: 1.5,
         coat_color: Spectrum::ONE,
         coat_darkening: 0.0,
-        tints_metal_edge: false,
+        convention: Convention::Gltf,
         film: ThinFilm::new(1.3, 0.0, None),
         film_weight: 0.0,
         subsurface: SubsurfacePart::NONE,
@@ -773,6 +841,10 @@ fn cases(visit: &mut Visitor<'_>) {
     furnace("smooth glass", PbrParams { thin: false, ..clear }, true);
     let oxide = ThinFilm::new(2.2, 900.0, Some([450.0, 500.0, 560.0, 640.0]));
     furnace("film on a smooth pane", PbrParams { film: oxide, film_weight: 1.0, ..clear }, true);
+    let metal = PbrParams { metallic: 1.0, convention: Convention::OpenPbr, ..white };
+    furnace("white metal, 0.1", PbrParams { facets: Microfacet::ggx(0.1, 0.1), ..metal }, true);
+    furnace("white metal, 0.5", PbrParams { facets: Microfacet::ggx(0.5, 0.5), ..metal }, true);
+    furnace("white metal, 1", PbrParams { facets: Microfacet::ggx(1.0, 1.0), ..metal }, true);
     let mut case = |label, params: PbrParams| furnace(label, params, false);
     case("plain", p);
     case("smooth metal", PbrParams { metallic: 1.0, facets: Microfacet::SMOOTH, ..p });
@@ -794,7 +866,19 @@ fn cases(visit: &mut Visitor<'_>) {
     case("white, rough", PbrParams { facets: Microfacet::ggx(1.0, 1.0), ..white });
     case("white, dense", PbrParams { eta: 2.4, facets: Microfacet::ggx(0.1, 0.1), ..white });
     case("metal, stretched", PbrParams { metallic: 1.0, facets: Microfacet::ggx(0.5, 0.1), ..p });
-    case("metal with a dark edge", PbrParams { metallic: 1.0, specular_color: GREY, tints_metal_edge: true, ..white });
+    case("metal with a dark edge", PbrParams { specular_color: GREY, ..metal });
+    case(
+        "metal with a dark edge, rough",
+        PbrParams { specular_color: GREY, facets: Microfacet::ggx(0.8, 0.8), ..metal },
+    );
+    case("white metal, stretched", PbrParams { facets: Microfacet::ggx(0.5, 0.1), ..metal });
+    case(
+        "film on rough metal",
+        PbrParams { film: oxide, film_weight: 1.0, facets: Microfacet::ggx(0.6, 0.6), ..metal },
+    );
+    let leafy = PbrParams { metallic: 0.5, diffuse_transmission: 0.6, facets: Microfacet::ggx(0.7, 0.7), ..metal };
+    case("gilt leaf", PbrParams { diffuse_transmission_color: Spectrum::ONE, ..leafy });
+    case("lacquered rough metal under fuzz", PbrParams { coat: 0.6, sheen_color: GREY, metallic: 0.8, ..leafy });
     case("cloth", PbrParams { sheen_color: Spectrum::ONE, sheen_roughness: 0.4, specular: 0.5, ..white });
     case("soft cloth", PbrParams { sheen_color: GREY, sheen_roughness: 1.0, specular: 0.0, ..white });
     let lacquer = PbrParams { coat: 1.0, coat_facets: Microfacet::ggx(0.2, 0.2), ..white };
@@ -866,4 +950,19 @@ fn tilted_cases(visit: &mut Visitor<'_>) {
     case("tilted lacquer on smooth glass", PbrParams { facets: Microfacet::SMOOTH, ..glass }, slight);
     case("tilted lacquer on a pane", PbrParams { thin: true, ..glass }, far);
     case("tilted lacquer on a leaf", PbrParams { diffuse_transmission: 0.6, ..white }, slight);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mean_reflectance_of_metal_is_the_integral() {
+        let p = PbrParams { metallic: 1.0, specular_color: GREY, convention: Convention::OpenPbr, ..plain() };
+        let (surface, n) = (Pbr::new(&p), 1000);
+        let at = |i: u16| surface.reflectance(((f32::from(i) + 0.5) / 1000.0).sqrt());
+        let sum = (0..n).map(at).fold(Spectrum::ZERO, |a, b| a + b) / f32::from(n);
+        let mean = surface.hoffman(1.0 / 21.0, 1.0 / 126.0);
+        assert!((0..4).all(|i| (sum[i] - mean[i]).abs() < 1e-4 && mean[i] < GREY[i]), "{sum:?} is not {mean:?}");
+    }
 }

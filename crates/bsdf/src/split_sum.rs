@@ -23,7 +23,7 @@ impl Bsdf<'_> {
             _ if wo.z <= 0.0 => None,
             Bsdf::Diffuse(b) => Some(SplitSum { alpha: 1.0, facets: Spectrum::ZERO, diffuse: b.reflectance }),
             Bsdf::Conductor(b) => Some(b.split_sum(wo.z)),
-            Bsdf::Pbr(b) => b.split_sum(wo.z),
+            Bsdf::Pbr(b) => b.split_sum(wo),
             _ => None,
         }
     }

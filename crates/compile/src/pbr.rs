@@ -5,7 +5,7 @@ use super::{
     subsurface::{BaseSaid, MethodName},
 };
 use std::sync::Arc;
-use steradian_core::material::{Eta, Model, PbrMaterial, Stretch, SubsurfaceBase};
+use steradian_core::material::{Convention, Eta, Model, PbrMaterial, SubsurfaceBase};
 use steradian_math::spectra::{
     ColorMode, Dense, Spd,
     role::{Color, Role},
@@ -27,7 +27,7 @@ impl Compiler<'_> {
             metallic: self.float_texture(node, "metallic"),
             roughness: self.float_texture(node, "roughness"),
             anisotropy: self.float_texture(node, "anisotropy"),
-            stretch: Stretch::Gltf,
+            convention: Convention::Gltf,
             eta: self.dispersive_eta(node, "eta", "dispersion"),
             specular: self.float_texture(node, "specular"),
             specular_color: self.spectrum(node, "specular_color", Role::Unbounded),
@@ -73,7 +73,7 @@ impl Compiler<'_> {
             metallic: self.float_texture(node, "base_metalness"),
             roughness: self.float_texture(node, "specular_roughness"),
             anisotropy: self.float_texture(node, "specular_roughness_anisotropy"),
-            stretch: Stretch::OpenPbr,
+            convention: Convention::OpenPbr,
             eta: self.dispersive_eta(node, "specular_ior", "dispersion"),
             specular: self.float_texture(node, "specular_weight"),
             specular_color: self.spectrum(node, "specular_color", Role::Albedo),
@@ -128,7 +128,7 @@ impl Compiler<'_> {
             metallic: zero,
             roughness: FloatTexture::Constant(1.0),
             anisotropy: zero,
-            stretch: Stretch::Gltf,
+            convention: Convention::Gltf,
             eta: Eta::Constant(1.5),
             specular: zero,
             specular_color: SpectrumTexture::Constant(Color::constant(1.0)),

@@ -599,7 +599,8 @@ pub const MATERIALS: &[Model] = &[
     },
     Model {
         kind: "openpbr",
-        doc: "the surface of OpenPBR 1.1, with its light and the medium inside; the layers by albedo scaling",
+        doc: "the surface of OpenPBR 1.1, with its light and the medium inside; the layers by albedo scaling, metal \
+         with the light that its facets reflect to each other",
         parameters: &[
             scalar("base_weight", UNIT, "1", "factor on the base colour"),
             tex("base_color", UNIT, "0.8", "colour of the base"),
@@ -653,7 +654,7 @@ pub const MATERIALS: &[Model] = &[
         ],
         groups: &[&DETAIL],
         source: "Academy Software Foundation, OpenPBR Surface 1.1 (2024); Hoffman, Fresnel Equations Considered \
-         Harmful (2019)",
+         Harmful (2019); Kulla & Conty, Revisiting Physically Based Shading at Imageworks (2017)",
     },
     Model {
         kind: "sheen",

@@ -22,7 +22,7 @@ pub use fluorescent::FluorescentMaterial;
 pub use grating::GratingMaterial;
 pub use hair::{Absorption, HairMaterial};
 pub use layered::{LayeredBase, LayeredMaterial};
-pub use pbr::{PbrMaterial, Stretch};
+pub use pbr::{Convention, PbrMaterial};
 pub use principled::PrincipledMaterial;
 pub use subsurface::{Below, Content, SubsurfaceBase, SubsurfaceMaterial, SubsurfaceMedium, SubsurfaceMethod};
 pub mod detail;

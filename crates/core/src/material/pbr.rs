@@ -1,6 +1,7 @@
 //! The surface of glTF and OpenPBR: what a scene says of it.
 
 use super::{Eta, Point, SubsurfaceBase, albedo};
+pub use steradian_bsdf::pbr::Convention;
 use steradian_bsdf::{Bsdf, Microfacet, Pbr, ThinFilm, pbr::PbrParams, subsurface::SubsurfacePart};
 use steradian_math::{
     Spectrum,
@@ -8,27 +9,21 @@ use steradian_math::{
 };
 use steradian_texture::{FloatTexture, SpectrumTexture, TextureContext, Textures};
 
-/// Mapping from roughness and anisotropy to the two α.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stretch {
-    /// `α_t = α + (1 − α) strength²`, `α_b = α` (KHR_materials_anisotropy).
-    Gltf,
-    /// `α_t = α √(2/(1 + (1−a)²))`, `α_b = (1−a) α_t` (OpenPBR 1.1, 3.1.1).
-    OpenPbr,
-}
-
-impl Stretch {
-    /// α along and across of a roughness and an anisotropy.
-    fn alphas(self, roughness: f32, anisotropy: f32) -> (f32, f32) {
-        let (r, a) = (roughness.clamp(0.0, 1.0), anisotropy.clamp(0.0, 1.0));
-        let alpha = r * r;
-        match self {
-            _ if a == 0.0 => (alpha, alpha),
-            Stretch::Gltf => (alpha + (1.0 - alpha) * a * a, alpha),
-            Stretch::OpenPbr => {
-                let x = alpha * (2.0 / (1.0 + (1.0 - a) * (1.0 - a))).sqrt();
-                (x, (1.0 - a) * x)
-            }
+/// α along and across of a roughness and an anisotropy `a`.
+///
+/// ```text
+/// α_t = α + (1 − α) a²,               α_b = α           KHR_materials_anisotropy
+/// α_t = α √(2/(1 + (1−a)²)),          α_b = (1−a) α_t   OpenPBR 1.1, 3.1.1
+/// ```
+fn alphas(convention: Convention, roughness: f32, anisotropy: f32) -> (f32, f32) {
+    let (r, a) = (roughness.clamp(0.0, 1.0), anisotropy.clamp(0.0, 1.0));
+    let alpha = r * r;
+    match convention {
+        _ if a == 0.0 => (alpha, alpha),
+        Convention::Gltf => (alpha + (1.0 - alpha) * a * a, alpha),
+        Convention::OpenPbr => {
+            let x = alpha * (2.0 / (1.0 + (1.0 - a) * (1.0 - a))).sqrt();
+            (x, (1.0 - a) * x)
         }
     }
 }
@@ -48,8 +43,8 @@ pub struct PbrMaterial {
     pub roughness: FloatTexture,
     /// Strength of the anisotropy.
     pub anisotropy: FloatTexture,
-    /// Convention of the anisotropy strength.
-    pub stretch: Stretch,
+    /// Specification that the parameters are of.
+    pub convention: Convention,
     /// Index of refraction.
     pub eta: Eta,
     /// Strength of the dielectric reflection.
@@ -92,7 +87,7 @@ pub struct PbrMaterial {
 
 impl PbrMaterial {
     fn facets(&self, p: &Point<'_>) -> Microfacet {
-        let (x, y) = self.stretch.alphas(p.float(&self.roughness), p.float(&self.anisotropy));
+        let (x, y) = alphas(self.convention, p.float(&self.roughness), p.float(&self.anisotropy));
         let (x, y) = p.at.roughened(x, y);
         Microfacet::ggx(x, y)
     }
@@ -113,7 +108,7 @@ impl PbrMaterial {
         };
         let p = Point { textures, at, lambda };
         let base_color = p.albedo(&self.base_color) * p.float(&self.base_weight).clamp(0.0, 1.0);
-        let (coat_x, coat_y) = self.stretch.alphas(p.float(&self.coat_roughness), p.float(&self.coat_anisotropy));
+        let (coat_x, coat_y) = alphas(self.convention, p.float(&self.coat_roughness), p.float(&self.coat_anisotropy));
         let (coat_x, coat_y) = coat_at.roughened(coat_x, coat_y);
         let sheen: Spectrum = albedo(p.albedo(&self.sheen_color) * p.float(&self.sheen_weight));
         let lanes = (textures.mode() == ColorMode::Spectral).then_some(lambda.lambda);
@@ -141,7 +136,7 @@ impl PbrMaterial {
             coat_eta: p.float(&self.coat_eta),
             coat_color: p.albedo(&self.coat_color),
             coat_darkening: p.float(&self.coat_darkening),
-            tints_metal_edge: self.stretch == Stretch::OpenPbr,
+            convention: self.convention,
             subsurface: self.subsurface.as_ref().map_or(SubsurfacePart::NONE, |s| s.part(&p)),
         }))
     }
