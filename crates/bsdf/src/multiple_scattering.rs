@@ -47,7 +47,8 @@ const ROUGHEST: f32 = 2.0;
 /// horizon: its value at zero and its slope.
 type Row = [[f32; 2]; ANGLES - 1];
 
-/// `E` over the square root of the cosine and the fourth root of the roughness, for one distribution and kind of shadowing.
+/// `E` over the square root of the cosine and the fourth root of the roughness, for one distribution and kind of
+/// shadowing.
 #[derive(Clone, Debug)]
 pub struct EnergyTable {
     /// `E(θ)` of each roughness, and its mean.
