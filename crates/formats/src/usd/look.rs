@@ -110,8 +110,8 @@ impl Reader<'_> {
         let what = match ids.first() {
             Some(id) => {
                 format!(
-                    "its shader '{id}' is not read (UsdPreviewSurface, OpenPBR, the standard surface and diffuse ones are): the \
-                     surface has its display colour"
+                    "its shader '{id}' is not read (UsdPreviewSurface, OpenPBR, the standard surface and diffuse ones \
+                     are): the surface has its display colour"
                 )
             }
             None => "it has no surface: what it is bound to has its display colour".into(),

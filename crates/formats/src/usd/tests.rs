@@ -782,7 +782,8 @@ fn volumes_are_media_in_boxes() {
              uniform token[] xformOpOrder = [\"xformOp:translate\"]\n\
              def Volume \"V\" {{\n rel field:density = </W/V/d>\n{extent}\n\
              def OpenVDBAsset \"d\" {{\n asset filePath = @v.vdb@\n token fieldName = \"smoke\"\n\
-             double3 xformOp:translate = (1, 0, 0)\n uniform token[] xformOpOrder = [\"xformOp:translate\"]\n }}\n }}\n}}\n"
+             double3 xformOp:translate = (1, 0, 0)\n\
+             uniform token[] xformOpOrder = [\"xformOp:translate\"]\n }}\n }}\n}}\n"
         )
     };
     let open = |text: String| import_bytes(&folder.path().join("s.usda"), text.into_bytes(), &Options::default());
