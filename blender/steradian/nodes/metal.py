@@ -1,4 +1,4 @@
-"""Rough metal: `conductor`, which alone gives back what facets reflect to each other, as Cycles' Multiscatter GGX does.
+"""Rough metal: `conductor`, which gives back what facets reflect to each other in the directions of Cycles' Multiscatter GGX.
 
 Its index is chosen so that the reflectance at normal incidence and the mean over all directions are those of Cycles' F82
 model: Schlick's reflectance, less the lack of an edge tint at 82° (Hoffman 2019, Kutz et al. 2021).

@@ -180,17 +180,17 @@ def common(here) -> dict:
 
 
 def is_plain_rough_metal(here, roughness) -> bool:
-    """True if a metal loses light that its facets would reflect to each other, and has nothing that `conductor` lacks."""
+    """True for metal whose facets reflect much to each other, and which has nothing that `conductor` lacks.
+
+    `openpbr` has that light, too, in a wider lobe than Cycles, and of stretched metal a part of it.
+    """
     if here.node.distribution != "MULTI_GGX" or v.bounds(roughness)[1] < 0.25:
         return False
     above = [k for k in ("Coat Weight", "Sheen Weight", "Thin Film Thickness") if here.number(k) != 0.0]
-    if above or here.constant("Anisotropic"):
-        here.tell("rough metal under a coat, sheen or film, or stretched, loses what its facets reflect to each other")
+    if here.constant("Anisotropic"):
+        here.tell("rough metal that is stretched loses a part of what its facets reflect to each other")
         return False
-    if v.bounds(v.middle(here.colour("Specular Tint", WHITE)))[0] < LEAST_TINT:
-        here.tell("rough metal with a dark tint at the edge loses what its facets reflect to each other")
-        return False
-    return True
+    return not above and v.bounds(v.middle(here.colour("Specular Tint", WHITE)))[0] >= LEAST_TINT
 
 
 def joined(parts: list, share) -> dict:

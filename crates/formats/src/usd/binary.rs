@@ -1,8 +1,8 @@
 //! Layers in binary form (.usdc), versions 0.4 to 0.13: Pixar's "crate" files.
 //!
 //! Sections hold tokens, strings, fields, sets of fields, paths, and specs; the value of a field is eight bytes, of
-//! which 48 bits are the value itself or its place. Nothing is allocated that the bytes present do not account for, up to
-//! a factor for what is compressed.
+//! which 48 bits are the value itself or its place. Nothing is allocated that the bytes present do not account for, up
+//! to a factor for compression.
 
 use super::{
     layer::{Layer, MOST_NESTED, Spec, Specifier, join, property},
