@@ -232,6 +232,11 @@ impl Reader<'_> {
         };
         for property in self.stage.properties(shader) {
             let Some(name) = property.strip_prefix("inputs:").filter(|name| !known.contains(name)) else { continue };
+            // Exporters write what they leave off, too.
+            let is_connected = self.output(shader, &property).is_some();
+            if !is_connected && self.stage.value(shader, &property).is_none_or(|v| v.number() == Some(0.0)) {
+                continue;
+            }
             let nearest = names::did_you_mean(name, known.iter().copied());
             let help = nearest.map(|help| format!(": {help}")).unwrap_or_default();
             let what = format!("'{name}' is not an input of '{surface}' that is read{help}");

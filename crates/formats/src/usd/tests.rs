@@ -552,6 +552,9 @@ fn networks_of_materialx_are_surfaces() {
     let told = said(&materialx(open, "color3f inputs:base_colour = (1, 0, 0)\nfloat3 inputs:geometry_tangent", ""));
     assert!(told.contains("'base_colour' is not an input") && told.contains("did you mean 'base_color'?"), "{told}");
     assert!(!told.contains("tangent"), "{told}");
+    let standard = "ND_standard_surface_surfaceshader";
+    let told = |v: f32| said(&materialx(standard, &format!("float inputs:coat_affect_color = {v}"), ""));
+    assert!(told(0.5).contains("'coat_affect_color' is not an input") && !told(0.0).contains("coat_affect"));
     // The standard surface has defaults of its own.
     let desc = materialx("ND_standard_surface_surfaceshader", "float inputs:metalness = 1", "").desc;
     let node = desc.node(desc.shapes[0].material.unwrap());
