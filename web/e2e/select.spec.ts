@@ -9,7 +9,12 @@ import type { Program } from './program';
 const ask = async <T>(program: Program, what: string): Promise<T> => (await (await fetch(`${program.url}api/${what}`)).json()) as T;
 const chosen = (page: Page) => page.getByRole('group', { name: 'Selected' });
 const outline = (page: Page) => page.locator('.outline path.line');
-const click = async (page: Page, x: number, y: number) => page.mouse.click(...(await place(page, x, y)));
+/** Clicks a pixel; again, where the layout moved meanwhile and another one was met. */
+const click = (page: Page, x: number, y: number) =>
+  expect(async () => {
+    await page.mouse.click(...(await place(page, x, y)));
+    await expect(page.locator('.pin')).toContainText(`Pixel ${x}, ${y}`, { timeout: 2000 });
+  }).toPass();
 /** In the sphere at the left, and on the wall at the left. */
 const [SPHERE, WALL] = [
   [30, 55],

@@ -1,6 +1,6 @@
 //! Universal Scene Description (OpenUSD, "USD Core Specification" 1.0): .usda, .usdc, .usdz and .usd.
 //!
-//! Layers of both encodings become one form ([`layer`]), which [`stage`] composes; the rest reads the composed prims by
+//! Layers of both encodings become one form (`layer`), which `stage` composes; the rest reads the composed prims by
 //! schema: UsdGeom, UsdLux, UsdShade. Conventions: matrices act on row vectors, so that their rows are our columns;
 //! cameras and lights look along their −z; v of pictures grows upwards. The stage's up axis becomes +y; its units stay.
 //! Radiances are taken as they stand (nits).
