@@ -25,8 +25,9 @@ sys.path[:] = [p for p in sys.path if pathlib.Path(p or ".").resolve() != HERE]
 import steradian as st  # noqa: E402
 
 sys.path.insert(0, str(HERE / "steradian"))
+sys.path.append(str(HERE))
 import nodes  # noqa: E402
-from nodes.context import Context  # noqa: E402
+from least import Context  # noqa: E402
 
 DOCS = HERE.parent / "docs"
 SIZE, SEEDS = 64, 4
@@ -112,26 +113,24 @@ def new_material(name, values):
     return made
 
 
-def diffuse(name, colour):
+def of_one_node(name, kind, socket, value):
+    """A material of one shader with one input set."""
     made = bpy.data.materials.new(name)
     made.use_nodes = True
     tree = made.node_tree
     tree.nodes.clear()
-    node, out = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeOutputMaterial")
-    node.inputs["Color"].default_value = (*colour, 1.0)
+    node, out = tree.nodes.new(kind), tree.nodes.new("ShaderNodeOutputMaterial")
+    node.inputs[socket].default_value = value
     tree.links.new(out.inputs["Surface"], node.outputs[0])
     return made
+
+
+def diffuse(name, colour):
+    return of_one_node(name, "ShaderNodeBsdfDiffuse", "Color", (*colour, 1.0))
 
 
 def lamp(name, radiance):
-    made = bpy.data.materials.new(name)
-    made.use_nodes = True
-    tree = made.node_tree
-    tree.nodes.clear()
-    node, out = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeOutputMaterial")
-    node.inputs["Strength"].default_value = radiance
-    tree.links.new(out.inputs["Surface"], node.outputs[0])
-    return made
+    return of_one_node(name, "ShaderNodeEmission", "Strength", radiance)
 
 
 def quad(name, corners, material):

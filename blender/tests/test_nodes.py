@@ -19,7 +19,7 @@ import nodes  # noqa: E402
 import principled as compared  # noqa: E402
 from nodes import metal  # noqa: E402
 from nodes.colours import blackbody  # noqa: E402
-from nodes.context import Context  # noqa: E402
+from least import Context  # noqa: E402
 from nodes.principled import ior_of_f0, mean_free_path  # noqa: E402
 
 

@@ -1,9 +1,9 @@
 //! Light that enters a layered surface, and light that it reflects.
 
 use crate::{
-    Bsdf, Lobe, Microfacet, Pbr, Principled, ThinFilm,
+    Bsdf, Lobe, Microfacet, Pbr, Principled,
     TransportMode::Radiance,
-    pbr::{Convention, PbrParams},
+    pbr::{Convention, PbrParams, plain},
     principled,
     subsurface::SubsurfacePart,
 };
@@ -28,29 +28,15 @@ fn shares(bsdf: &Bsdf<'_>, cos: f32, n: u32) -> [[f64; 4]; 2] {
 fn base(roughness: f32) -> PbrParams {
     let facets = |r: f32| Microfacet::ggx(r * r, r * r);
     PbrParams {
-        diffuse_roughness: 0.0,
-        coat_darkening: 0.0,
         base_color: Spectrum::ONE,
-        metallic: 0.0,
         facets: facets(roughness),
-        eta: 1.5,
-        specular: 1.0,
-        specular_color: Spectrum::ONE,
-        transmission: 0.0,
         transmission_color: Spectrum::ONE,
         thin: false,
-        diffuse_transmission: 0.0,
-        diffuse_transmission_color: Spectrum::ONE,
-        sheen_color: Spectrum::ZERO,
-        sheen_roughness: 0.5,
-        coat: 0.0,
         coat_facets: facets(0.2),
         coat_eta: 1.6,
-        coat_color: Spectrum::ONE,
         convention: Convention::OpenPbr,
-        film: ThinFilm::new(1.4, 500.0, None),
-        film_weight: 0.0,
         subsurface: WHITE,
+        ..plain()
     }
 }
 

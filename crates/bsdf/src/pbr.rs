@@ -802,7 +802,7 @@ impl Scatter for Pbr {
 }
 
 /// Parameters of the cases: a grey dielectric, moderately rough.
-fn plain() -> PbrParams {
+pub(super) fn plain() -> PbrParams {
     PbrParams {
         base_color: GREY,
         diffuse_roughness: 0.0,

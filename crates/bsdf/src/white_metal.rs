@@ -1,8 +1,9 @@
 //! Rough metal of OpenPBR in a white furnace, and that of glTF beside it.
 
 use super::{
-    Bsdf, Microfacet, Pbr, ThinFilm, TransportMode::Radiance, pbr::Convention, pbr::PbrParams,
-    subsurface::SubsurfacePart,
+    Bsdf, Microfacet, Pbr,
+    TransportMode::Radiance,
+    pbr::{Convention, PbrParams, plain},
 };
 use std::f32::consts::TAU;
 use steradian_math::{Spectrum, Vec2, Vec3};
@@ -10,28 +11,10 @@ use steradian_math::{Spectrum, Vec2, Vec3};
 fn metal(x: f32, y: f32) -> PbrParams {
     PbrParams {
         base_color: Spectrum::ONE,
-        diffuse_roughness: 0.0,
         metallic: 1.0,
         facets: Microfacet::ggx(x, y),
-        eta: 1.5,
-        specular: 1.0,
-        specular_color: Spectrum::ONE,
-        transmission: 0.0,
-        transmission_color: Spectrum::ONE,
-        thin: false,
-        diffuse_transmission: 0.0,
-        diffuse_transmission_color: Spectrum::ONE,
-        sheen_color: Spectrum::ZERO,
-        sheen_roughness: 0.5,
-        coat: 0.0,
-        coat_facets: Microfacet::ggx(0.0, 0.0),
-        coat_eta: 1.5,
-        coat_color: Spectrum::ONE,
-        coat_darkening: 0.0,
         convention: Convention::OpenPbr,
-        film: ThinFilm::new(1.4, 500.0, None),
-        film_weight: 0.0,
-        subsurface: SubsurfacePart::NONE,
+        ..plain()
     }
 }
 

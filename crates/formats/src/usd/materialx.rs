@@ -1,7 +1,7 @@
 //! MaterialX networks: OpenPBR and Autodesk's standard surface over graphs of the standard library's nodes.
 //!
-//! What a graph computes from constants is computed here; over pictures and attributes it becomes our textures. A node
-//! that is not known is told by its name, and its input keeps the value of the surface's own default.
+//! Nodes over constants are evaluated at reading; over pictures and primvars they become textures. A node that is not
+//! known is told by its name, and its input keeps the surface's default.
 
 use super::{
     Loss, Reader,
@@ -194,7 +194,15 @@ impl Reader<'_> {
         {
             node.set("geometry_thin_walled", true, None);
         }
-        let mut look = Look { tangents: node.get("specular_roughness_anisotropy").is_some(), ..Look::default() };
+        let is_stretched =
+            node.get("specular_roughness_anisotropy").is_some_and(|v| !matches!(v, Value::Float(a) if *a == 0.0));
+        let is_turned =
+            ["geometry_tangent", "tangent"].iter().any(|name| self.output(shader, &format!("inputs:{name}")).is_some());
+        if is_stretched && is_turned {
+            let what = "its highlight is stretched along the tangent of the mesh".into();
+            self.count(Loss::Approximated(what), shader, None);
+        }
+        let mut look = Look { tangents: is_stretched, ..Look::default() };
         let names = match surface(id) {
             "standard_surface" | "surface" => ["normal", "coat_normal", "opacity"],
             _ => ["geometry_normal", "geometry_coat_normal", "geometry_opacity"],
@@ -421,11 +429,11 @@ impl Reader<'_> {
             reader.term(node, name, depth).unwrap_or_else(|| Term::number(default))
         };
         let term = match kind {
-            "image" | "tiledimage" | "gltf_image" | "gltf_colorimage" => {
+            "image" | "tiledimage" => {
                 self.image(node, kind, made, None).or_else(|| self.term(node, "default", depth))?
             }
             "constant" => self.term(node, "value", depth)?,
-            "convert" | "dot" | "normalize" | "saturate_" => self.term(node, "in", depth)?,
+            "convert" | "dot" => self.term(node, "in", depth)?,
             "add" | "subtract" | "multiply" | "divide" | "min" | "max" | "power" => {
                 let usual = if matches!(kind, "add" | "subtract") { 0.0 } else { 1.0 };
                 let (a, b) = (or(self, "in1", 0.0), or(self, "in2", usual));

@@ -8,6 +8,7 @@ use super::{
 use crate::xml;
 use roxmltree::Node as Element;
 use std::sync::Arc;
+use steradian_math::color::transfer::srgb_decode;
 
 /// Deepest nesting of elements.
 const MOST_NESTED: usize = 64;
@@ -197,15 +198,10 @@ fn value(element: &Element<'_, '_>, text: &str) -> Result<Value, String> {
                 return Err(format!("a {kind} is {count} numbers, not {}", numbers.len()));
             }
             if kind.starts_with("color") && inherited(element, "colorspace") == Some("srgb_texture") {
-                numbers.iter_mut().take(3).for_each(|v| *v = decoded(*v));
+                numbers.iter_mut().take(3).for_each(|v| *v = f64::from(srgb_decode(*v as f32)));
             }
             Value::Numbers(numbers.into())
         }
         _ => Value::Text(text.into()),
     })
-}
-
-/// A linear value of one that is coded by sRGB's curve (IEC 61966-2-1).
-fn decoded(v: f64) -> f64 {
-    if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
 }

@@ -552,6 +552,11 @@ fn networks_of_materialx_are_surfaces() {
     let told = said(&materialx(open, "color3f inputs:base_colour = (1, 0, 0)\nfloat3 inputs:geometry_tangent", ""));
     assert!(told.contains("'base_colour' is not an input") && told.contains("did you mean 'base_color'?"), "{told}");
     assert!(!told.contains("tangent"), "{told}");
+    let turned = "float3 inputs:geometry_tangent.connect = </M/T.outputs:out>\n\
+                  float inputs:specular_roughness_anisotropy = ";
+    let node = "def Shader \"T\" {\n uniform token info:id = \"ND_rotate3d_vector3\"\n float3 outputs:out\n }";
+    let told = |a: &str| said(&materialx(open, &format!("{turned}{a}"), node));
+    assert!(told("0.5").contains("stretched along the tangent of the mesh") && !told("0").contains("stretched"));
     let standard = "ND_standard_surface_surfaceshader";
     let told = |v: f32| said(&materialx(standard, &format!("float inputs:coat_affect_color = {v}"), ""));
     assert!(told(0.5).contains("'coat_affect_color' is not an input") && !told(0.0).contains("coat_affect"));
